@@ -1,0 +1,316 @@
+"""The one glossary: symbols, units and labels of everything that is shown.
+
+Axis titles, tables, the API and the in-app glossary all read it, so that a
+quantity has one name, one unit and one definition. Values are SI and radians
+(``unit``); people read them in ``display_unit`` after multiplication by
+``display_factor``. Names of channels and derivatives follow flight-test habit
+and are read by pattern; see :func:`describe`.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from html import escape
+from math import pi
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """One quantity: how it is written, in which unit, and what it means."""
+
+    symbol: str
+    """Name in code, files and addresses."""
+    unit: str
+    """SI unit of stored and computed values; empty where nothing is known."""
+    display_unit: str
+    """Unit that people read."""
+    display_factor: float
+    """Displayed value = factor * SI value."""
+    label: str
+    """Plain text, for tables and narrow places."""
+    html: str
+    """Label with subscripts, as figures draw it."""
+    meaning: str
+    """One sentence or less."""
+
+    @property
+    def axis_title(self) -> str:
+        """Label and displayed unit, as an axis says it."""
+        if self.display_unit in ("", "1"):
+            return self.html
+        return f"{self.html} [{self.display_unit}]"
+
+
+_DISPLAY: dict[str, tuple[str, float]] = {
+    "m/s2": ("g", 1.0 / 9.80665),
+    "rad": ("deg", 180.0 / pi),
+    "rad/s": ("deg/s", 180.0 / pi),
+    "rad/s2": ("deg/s²", 180.0 / pi),
+    "strain": ("µε", 1e6),
+    "kg*m2": ("kg·m²", 1.0),
+    "kg/m3": ("kg/m³", 1.0),
+    "m2": ("m²", 1.0),
+}
+
+
+def display_unit(unit: str) -> tuple[str, float]:
+    """Unit in which an SI value is shown, and the factor that takes it there."""
+    return _DISPLAY.get(unit, (unit, 1.0))
+
+
+def _symbol(symbol: str, unit: str, label: str, html: str, meaning: str) -> Symbol:
+    shown, factor = display_unit(unit)
+    return Symbol(symbol, unit, shown, factor, label, html, meaning)
+
+
+def _circular(symbol: str, label: str, html: str, meaning: str) -> Symbol:
+    """Angular frequency, which people read in hertz."""
+    return Symbol(symbol, "rad/s", "Hz", 0.5 / pi, label, html, meaning)
+
+
+_ETADOT = "\N{GREEK SMALL LETTER ETA}\N{COMBINING DOT ABOVE}"
+
+GLOSSARY: tuple[Symbol, ...] = (
+    # Motion of the aircraft
+    _symbol("alpha", "rad", "α", "α", "angle of attack"),
+    _symbol("beta", "rad", "β", "β", "angle of sideslip"),
+    _symbol("p", "rad/s", "p", "p", "roll rate, right wing down"),
+    _symbol("q", "rad/s", "q", "q", "pitch rate, nose up"),
+    _symbol("r", "rad/s", "r", "r", "yaw rate, nose right"),
+    _symbol("phi", "rad", "ϕ", "ϕ", "bank angle"),
+    _symbol("theta", "rad", "θ", "θ", "pitch angle"),
+    _symbol("psi", "rad", "ψ", "ψ", "heading angle"),
+    _symbol("gamma", "rad", "γ", "γ", "flight path angle"),
+    _symbol("eta", "1", "η", "η", "generalised displacement of a structural mode"),
+    _symbol("etadot", "1/s", _ETADOT, _ETADOT, "generalised velocity of a structural mode"),
+    _symbol("delta", "rad", "δ", "δ", "control surface deflection, trailing edge down"),
+    # Flight condition
+    _symbol("airspeed", "m/s", "V", "V", "true airspeed"),
+    _symbol("dynamic_pressure", "Pa", "q̄", "q̄", "dynamic pressure"),
+    _symbol("density", "kg/m3", "ρ", "ρ", "air density"),
+    _symbol("flutter_speed", "m/s", "V_f", "V<sub>f</sub>", "predicted open-loop flutter speed"),
+    _symbol("airspeed_ratio", "1", "V/V_f", "V/V<sub>f</sub>", "true airspeed over flutter speed"),
+    _symbol(
+        "fuel_fraction", "1", "w/w_ff", "w/w<sub>ff</sub>", "fuel over full-fuel weight"
+    ),
+    _symbol("mass", "kg", "m", "m", "mass of the aircraft"),
+    _symbol("pitch_inertia", "kg*m2", "I_yy", "I<sub>yy</sub>", "moment of inertia in pitch"),
+    _symbol("thrust", "N", "X_T", "X<sub>T</sub>", "thrust along the body x axis"),
+    # Geometry
+    _symbol("area", "m2", "S", "S", "wing reference area"),
+    _symbol("chord", "m", "c̄", "c̄", "mean aerodynamic chord"),
+    _symbol("span", "m", "b", "b", "wing span"),
+    # Structure
+    _circular("natural_frequency", "ω_i", "ω<sub>i</sub>", "in-vacuo frequency of a mode"),
+    _symbol("damping_ratio", "1", "ζ_i", "ζ<sub>i</sub>", "structural damping ratio of a mode"),
+    _symbol("modal_mass", "kg*m2", "m_i", "m<sub>i</sub>", "generalised mass of a mode"),
+    # Coefficients
+    _symbol("CZ", "1", "C_Z", "C<sub>Z</sub>", "force coefficient along body z, downwards"),
+    _symbol("CX", "1", "C_X", "C<sub>X</sub>", "force coefficient along body x, forwards"),
+    _symbol("CY", "1", "C_Y", "C<sub>Y</sub>", "force coefficient along body y, right"),
+    _symbol("CL", "1", "C_L", "C<sub>L</sub>", "lift coefficient"),
+    _symbol("CD", "1", "C_D", "C<sub>D</sub>", "drag coefficient"),
+    _symbol("Cl", "1", "C_l", "C<sub>l</sub>", "rolling moment coefficient"),
+    _symbol("Cm", "1", "C_m", "C<sub>m</sub>", "pitching moment coefficient, nose up"),
+    _symbol("Cn", "1", "C_n", "C<sub>n</sub>", "yawing moment coefficient"),
+    _symbol("CQ", "1", "C_Q", "C<sub>Q</sub>", "generalised force coefficient of a mode"),
+    # Signals and spectra
+    _symbol("time", "s", "t", "t", "time since the start of the record"),
+    _circular("omega", "f", "f", "frequency"),
+    _symbol("magnitude", "1", "|H|", "|H|", "magnitude of a frequency response"),
+    _symbol("phase", "rad", "∠H", "∠H", "phase of a frequency response"),
+    _symbol("correlation", "1", "r", "r", "pairwise correlation coefficient"),
+    _symbol(
+        "max_input_correlation", "1", "max |r|", "max |r|", "largest correlation of any two inputs"
+    ),
+    # Estimation
+    _symbol("cost", "1", "J", "J", "negative log-likelihood that a fit makes small"),
+    _symbol("r_squared", "1", "R²", "R<sup>2</sup>", "share of an output that the model explains"),
+    _symbol("std_error", "1", "σ", "σ", "standard error of an estimate"),
+    _symbol("residual", "1", "ν", "ν", "measured minus modelled output"),
+    _symbol("delay", "s", "τ", "τ", "time delay of a channel"),
+)
+"""Everything with a fixed name; families of names are read by :func:`describe`."""
+
+_BY_NAME = {entry.symbol: entry for entry in GLOSSARY}
+
+_PLACES = {
+    "egi": "embedded GPS/INS",
+    "cf": "center body, forward",
+    "cfy": "center body, forward",
+    "ca": "center body, aft",
+    "mf": "wing midspan, forward",
+    "ma": "wing midspan, aft",
+    "of": "outboard wing, forward",
+    "oa": "outboard wing, aft",
+    "wl": "winglet",
+}
+_SIDES = {"l": "left", "r": "right", "s": "symmetric part", "a": "antisymmetric part"}
+_AXES = {"x": "forward", "y": "right", "z": "down"}
+_COEFFICIENTS = {
+    "X": "axial force",
+    "Y": "side force",
+    "Z": "vertical force",
+    "L": "lift",
+    "D": "drag",
+    "l": "rolling moment",
+    "m": "pitching moment",
+    "n": "yawing moment",
+}
+_MOTIONS = {
+    "alpha": "angle of attack",
+    "alphadot": "rate of angle of attack",
+    "beta": "sideslip",
+    "p": "roll rate",
+    "q": "pitch rate",
+    "r": "yaw rate",
+}
+
+_ACCELERATION = re.compile(r"a([xyz])_(\w+)")
+_STRAIN = re.compile(r"s_(\w+)")
+_GAUGE = re.compile(r"(bend|ros)(\d)([lrsa])(?:_(m45|0|p45))?")
+_SURFACE = re.compile(r"(bf|wf)(\d?)([lrsa]?)")
+_MODAL = re.compile(r"eta(dot)?(\d+)")
+_DERIVATIVE = re.compile(r"C(Q\d+|[XYZLDlmn])_([A-Za-z]\w*)")
+_ANGLES = {"m45": "−45°", "0": "0°", "p45": "+45°"}
+
+
+@lru_cache(maxsize=4096)
+def describe(name: str, unit: str = "") -> Symbol:
+    """Tell how a quantity, channel or derivative is written and shown.
+
+    Parameters
+    ----------
+    name
+        A glossary name (``dynamic_pressure``), a channel (``az_ofs``,
+        ``s_bend1r``, ``wf4s``, ``bfs_command``), a modal coordinate (``eta9``),
+        a derivative (``CZ_alpha``, ``CQ7_etadot9``) or a delay (``tau_az_ofs``).
+    unit
+        SI unit of the values; decides for names that nobody has described.
+
+    Returns
+    -------
+    Symbol
+        Never fails: an unknown name is its own label.
+    """
+    found = _BY_NAME.get(name) or _modal(name) or _derivative(name) or _channel(name)
+    if found is None:
+        return _symbol(name, unit, name, escape(name), "")
+    if unit and unit != found.unit:
+        shown, factor = display_unit(unit)
+        return replace(found, unit=unit, display_unit=shown, display_factor=factor)
+    return found
+
+
+def _modal(name: str) -> Symbol | None:
+    match = _MODAL.fullmatch(name)
+    if match is None:
+        return None
+    kind = _BY_NAME["etadot" if match[1] else "eta"]
+    what = "velocity" if match[1] else "displacement"
+    return _symbol(
+        name,
+        kind.unit,
+        f"{kind.label}{match[2]}",
+        f"{kind.html}<sub>{match[2]}</sub>",
+        f"generalised {what} of mode {match[2]}",
+    )
+
+
+def _derivative(name: str) -> Symbol | None:
+    match = _DERIVATIVE.fullmatch(name)
+    if match is None:
+        return None
+    coefficient, variable = match.groups()
+    text, unit, meaning = _variable(variable)
+    # An index needs a mark between it and what follows; single letters do not.
+    mark = "," if len(coefficient) > 1 or len(text) > 1 else ""
+    force = (
+        f"generalised force of mode {coefficient[1:]}"
+        if coefficient.startswith("Q")
+        else _COEFFICIENTS[coefficient]
+    )
+    written = f"{escape(coefficient)}{mark}{escape(text)}"
+    return _symbol(
+        name,
+        unit,
+        f"C_{coefficient}{mark}{text}",
+        f"C<sub>{written}</sub>",
+        f"{force} with {meaning}, nondimensional",
+    )
+
+
+def _variable(variable: str) -> tuple[str, str, str]:
+    """Text, unit of the derivative, and words for what a derivative is taken by."""
+    modal = _MODAL.fullmatch(variable)
+    if modal is not None:
+        text = _ETADOT if modal[1] else "η"
+        what = "velocity" if modal[1] else "displacement"
+        return f"{text}{modal[2]}", "1", f"{what} of mode {modal[2]}"
+    if variable in _MOTIONS:
+        glyph = {"alpha": "α", "alphadot": "α̇", "beta": "β"}.get(variable, variable)
+        return glyph, "1/rad", _MOTIONS[variable]
+    return f"δ{variable}", "1/rad", f"deflection of {_surface_words(variable)}"
+
+
+def _surface_words(surface: str) -> str:
+    match = _SURFACE.fullmatch(surface)
+    if match is None:
+        return surface
+    flap = "body flaps" if match[1] == "bf" else "wing flaps"
+    words = f"{flap} {match[2]}".strip()
+    return f"{words}, {_SIDES[match[3]]}" if match[3] else words
+
+
+def _channel(name: str) -> Symbol | None:
+    if name.endswith("_command"):
+        surface = name.removesuffix("_command")
+        return _symbol(
+            name,
+            "rad",
+            f"{surface} command",
+            f"μ<sub>{escape(surface)}</sub>",
+            f"excitation added to the command of {_surface_words(surface)}",
+        )
+    if name.startswith("tau_"):
+        channel = name.removeprefix("tau_")
+        return _symbol(
+            name, "s", f"τ_{channel}", f"τ<sub>{escape(channel)}</sub>", f"time delay of {channel}"
+        )
+    if match := _ACCELERATION.fullmatch(name):
+        axis, place = match.groups()
+        return _symbol(
+            name,
+            "m/s2",
+            f"a{axis} {place}",
+            f"a<sub>{axis}</sub><sup>{escape(place)}</sup>",
+            f"specific force {_AXES[axis]}, {_place_words(place)}",
+        )
+    if match := _STRAIN.fullmatch(name):
+        gauge = match[1]
+        return _symbol(
+            name, "strain", f"ε {gauge}", f"ε<sup>{escape(gauge)}</sup>", _gauge_words(gauge)
+        )
+    if _SURFACE.fullmatch(name):
+        return _symbol(
+            name, "rad", f"δ {name}", f"δ<sub>{name}</sub>", f"deflection of {_surface_words(name)}"
+        )
+    return None
+
+
+def _place_words(place: str) -> str:
+    if place in _PLACES:
+        return _PLACES[place]
+    words, side = _PLACES.get(place[:-1]), _SIDES.get(place[-1])
+    return f"{words}, {side}" if words and side else place
+
+
+def _gauge_words(gauge: str) -> str:
+    match = _GAUGE.fullmatch(gauge)
+    if match is None:
+        return f"strain at gauge {gauge}"
+    kind = "bending bridge" if match[1] == "bend" else "rosette"
+    leg = f" {_ANGLES[match[4]]}" if match[4] else ""
+    return f"strain, {kind} {match[2]}{leg}, {_SIDES[match[3]]}"
