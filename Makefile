@@ -1,0 +1,123 @@
+# Two commands: `make demo` runs the workbench, `make test` checks it.
+# Everything they need is put into .venv and frontend/node_modules, once.
+
+PYTHON ?= python3
+PORT ?= 8000
+VENV := .venv
+BIN := $(VENV)/bin
+UV_VERSION := 0.13.8
+DATABASE := sqlite:///var/flexsid.db
+
+# What the installed package is made from, the page included.
+PAGE := $(shell find frontend -type f \
+	-not -path '*/node_modules/*' -not -path '*/dist/*' -not -name '*.test.*' 2>/dev/null)
+
+# One BLAS thread: workers and test processes already use every core.
+export OPENBLAS_NUM_THREADS := 1
+export UV_NO_PROGRESS := 1
+export UV_LINK_MODE := copy
+say = @printf '\033[1mflexsid: %s\033[0m\n'
+
+.PHONY: help install demo serve test lint types rules page-checks browser format lock clean
+.DEFAULT_GOAL := help
+
+help:
+	@echo 'make demo     install, fill an empty workbench with the demonstration campaign, serve it'
+	@echo 'make test     install and run every check and test, one walk in a browser included'
+	@echo 'make serve    serve the workbench without filling it (PORT=8000)'
+	@echo 'make install  only what the others need first'
+	@echo 'make format   put all source into the one form'
+	@echo 'make lint, make types, make rules, make page-checks    parts of make test'
+	@echo 'make lock     renew requirements.lock'
+	@echo 'make clean    remove everything that was installed or built; var/ stays'
+
+# --- Installing ------------------------------------------------------------
+
+install: $(VENV)/.installed
+
+$(BIN)/python:
+	$(say) 'making $(VENV)'
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo 'flexsid needs Python 3.11 or newer: make PYTHON=/path/to/python3'; exit 1; }
+	@$(PYTHON) -m venv $(VENV) || \
+		{ echo 'this Python cannot make environments: on Debian install python3-venv'; exit 1; }
+
+# uv is several times faster than pip, but does not read pip's settings: where
+# it cannot be had or finds no index, pip does the same work.
+$(VENV)/.locked: requirements.lock | $(BIN)/python
+	$(say) 'installing the locked Python packages'
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check uv==$(UV_VERSION) || true
+	@$(BIN)/uv pip install --quiet --python $(BIN)/python --require-hashes -r requirements.lock || \
+		{ echo 'uv did not serve; trying pip'; \
+		$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock; }
+	@touch $@
+
+$(VENV)/.installed: $(VENV)/.locked pyproject.toml hatch_build.py $(PAGE)
+	$(say) 'building the page'
+	@$(BIN)/python hatch_build.py
+	$(say) 'installing flexsid'
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--no-deps --no-build-isolation --editable .
+	@touch $@
+
+lock: | $(BIN)/python
+	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
+		--no-header --group test pyproject.toml --output-file requirements.lock
+
+# --- Running ---------------------------------------------------------------
+
+demo: install
+	@mkdir -p var
+	@FLEXSID_PORT=$(PORT) exec $(BIN)/flexsid demo --database $(DATABASE)
+
+serve: install
+	@mkdir -p var
+	@FLEXSID_PORT=$(PORT) exec $(BIN)/flexsid serve --database $(DATABASE)
+
+# --- Checking --------------------------------------------------------------
+
+test: lint types rules page-checks browser
+	$(say) 'running the tests'
+	@$(BIN)/python -m pytest --numprocesses auto --dist loadgroup
+
+lint: install
+	$(say) 'style and spelling'
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check --quiet .
+	@$(BIN)/codespell
+
+types: install
+	$(say) 'types'
+	@$(BIN)/pyright
+
+rules: install
+	$(say) 'floors'
+	@$(BIN)/lint-imports
+
+page-checks: install
+	$(say) 'the page: style, types and tests'
+	@$(BIN)/python hatch_build.py run lint
+	@$(BIN)/python hatch_build.py run format:check
+	@$(BIN)/python hatch_build.py run types
+	@$(BIN)/python hatch_build.py test
+
+# The walk in a browser uses the system's Chromium; only root can install one.
+browser:
+	@command -v chromium >/dev/null || command -v chromium-browser >/dev/null || \
+		if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+			echo 'flexsid: installing Chromium for the walk in a browser'; \
+			apt-get update -qq && DEBIAN_FRONTEND=noninteractive \
+			apt-get install -qq -y --no-install-recommends chromium fonts-dejavu-core >/dev/null; \
+		else \
+			echo 'flexsid: no Chromium here; the walk in a browser will be skipped'; \
+		fi
+
+format: install
+	@$(BIN)/ruff check --fix --quiet . || true
+	@$(BIN)/ruff format --quiet .
+	@$(BIN)/python hatch_build.py run format
+
+clean:
+	rm -rf $(VENV) frontend/node_modules backend/flexsid/frontend_dist dist
+	find . -name __pycache__ -not -path './frontend/*' -prune -exec rm -rf {} +
+	rm -rf .pytest_cache .ruff_cache .import_linter_cache .hypothesis
