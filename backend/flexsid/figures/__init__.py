@@ -1,0 +1,1 @@
+"""Finished values to plotly figures as plain data: nothing is computed, nothing is loaded."""

@@ -1,0 +1,128 @@
+"""Derivatives by method and prediction, side by side with ±2 standard errors (Fig. 17)."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+import numpy as np
+
+from flexsid.figures import style
+from flexsid.figures.labels import family, parameter_label, parameter_unit
+from flexsid.figures.spec import Spec, axis, column, empty, layout_key, title
+from flexsid.records.comparison import Comparison, Row, Source
+
+_GAP = 0.06
+_SPREAD = 0.7  # of the distance between derivatives, shared by the sources
+_N_SIGMA = 2.0
+
+
+def derivatives(value: Comparison) -> Spec:
+    """Draw one panel per kind of variable: derivatives differ by powers of ten between kinds."""
+    if not value.rows or not value.sources:
+        return empty("No derivatives in common")
+    panels = [list(group) for _, group in groupby(value.rows, key=lambda row: family(row.name))]
+    looks = _looks(value.sources)
+    layout: Spec = {"showlegend": True, "hovermode": "closest", "meta": {"rows": 1.5}}
+    data: list[Spec] = []
+    left = 0.0
+    room = 1.0 - _GAP * (len(panels) - 1)
+    # a panel of one derivative still needs room for its tick labels
+    weights = [max(len(panel), 1.5) for panel in panels]
+    for number, (panel, weight) in enumerate(zip(panels, weights, strict=True), start=1):
+        right = left + room * weight / sum(weights)
+        layout[layout_key(number, "x")] = _derivative_axis(panel, number, left, right)
+        layout[layout_key(number)] = {
+            "anchor": axis(number, "x"),
+            **title(f"[{parameter_unit(panel[0].name)}]"),
+            "zeroline": True,
+        }
+        for index, source in enumerate(value.sources):
+            trace = _trace(panel, index, value.sources, looks[source.key], number)
+            if trace["x"]:
+                data.append(trace)
+        left = right + _GAP
+    _name_once(data)
+    return {"data": data, "layout": layout}
+
+
+def _derivative_axis(panel: list[Row], number: int, left: float, right: float) -> Spec:
+    return {
+        "domain": [left, min(right, 1.0)],
+        "anchor": axis(number),
+        "tickmode": "array",
+        "tickvals": list(range(len(panel))),
+        "ticktext": [_tick(row) for row in panel],
+        "range": [-0.6, len(panel) - 0.4],
+        "showgrid": False,
+        "zeroline": False,
+    }
+
+
+def _tick(row: Row) -> str:
+    label = parameter_label(row.name)
+    return (
+        f'<span style="color:{style.FLAG}">{label} !</span>' if row.consistent is False else label
+    )
+
+
+def _trace(
+    panel: list[Row], index: int, sources: tuple[Source, ...], look: tuple[str, str], number: int
+) -> Spec:
+    source = sources[index]
+    colour, symbol = look
+    offset = _SPREAD * ((index + 0.5) / len(sources) - 0.5)
+    known = [(place, row, row.values[index]) for place, row in enumerate(panel)]
+    shown = [(place, row, value) for place, row, value in known if value is not None]
+    errors = [
+        np.nan if value.std_error is None else _N_SIGMA * value.std_error for _, _, value in shown
+    ]
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": source.label,
+        "legendgroup": source.key,
+        "x": [place + offset for place, _, _ in shown],
+        "y": column([value.value for _, _, value in shown]),
+        "xaxis": axis(number, "x"),
+        "yaxis": axis(number),
+        "marker": {"color": colour, "symbol": symbol, "size": 8},
+        "error_y": {
+            "type": "data",
+            "array": column(errors),
+            "color": colour,
+            "thickness": 1.5,
+            "width": 4,
+        },
+        "customdata": [[source.run_id, source.prediction_id, row.name] for _, row, _ in shown],
+        "text": [
+            parameter_label(row.name)
+            + ("" if value.std_error is None else f" (2σ = {_N_SIGMA * value.std_error:.3g})")
+            for _, row, value in shown
+        ],
+        "hovertemplate": f"%{{text}}<br>%{{y:.5g}}<extra>{source.label}</extra>",
+    }
+
+
+def _name_once(data: list[Spec]) -> None:
+    named: set[str] = set()
+    for trace in data:
+        trace["showlegend"] = trace["legendgroup"] not in named
+        named.add(trace["legendgroup"])
+
+
+def _looks(sources: tuple[Source, ...]) -> dict[str, tuple[str, str]]:
+    """Colour by method or prediction; open symbols tell repeated methods and residualised."""
+    looks: dict[str, tuple[str, str]] = {}
+    seen: dict[str, int] = {}
+    predictions: dict[int | None, int] = {}
+    for source in sources:
+        if source.kind in style.METHODS:
+            colour, symbol = style.METHODS[source.kind]
+            repeat = seen.get(source.kind, 0)
+            seen[source.kind] = repeat + 1
+            looks[source.key] = colour, symbol + ("", "-open", "-dot", "-open-dot")[repeat % 4]
+        else:
+            order = predictions.setdefault(source.prediction_id, len(predictions))
+            colour, symbol = style.PREDICTIONS[order % len(style.PREDICTIONS)]
+            looks[source.key] = colour, symbol + ("" if source.run_id is None else "-open")
+    return looks

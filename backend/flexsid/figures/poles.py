@@ -1,0 +1,87 @@
+"""Poles of the identified model in the s-plane, with ±1 standard error."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexsid.figures import style
+from flexsid.figures.quantities import text
+from flexsid.figures.spec import Spec, column, empty, title
+from flexsid.records.run import Pole
+from flexsid.records.views import PoleGroup, PoleMap
+
+_REFERENCE = (
+    (style.GREY, "x-thin-open"),
+    (style.OCHRE, "square-open"),
+    (style.PINK, "diamond-open"),
+)
+
+
+def poles(value: PoleMap) -> Spec:
+    """Draw the upper half plane; right of the dashed line a mode is unstable."""
+    if not any(group.poles for group in value.groups):
+        return empty("No poles")
+    references = iter(_REFERENCE)
+    data = []
+    for group in value.groups:
+        look = (style.BLUE, "circle") if group.estimated else next(references)
+        data.append(_trace(group, look, value.run_id))
+    layout: Spec = {
+        "xaxis": {**title("Real part [rad/s]"), "zeroline": False},
+        "yaxis": {**title("Imaginary part [rad/s]"), "rangemode": "tozero"},
+        "shapes": [
+            {
+                "type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1,
+                "line": {"color": style.FLAG, "width": 1.5, "dash": "dash"}, "layer": "below",
+            }
+        ],
+        "showlegend": True,
+        "hovermode": "closest",
+        "meta": {"rows": 2},
+    }  # fmt: skip
+    return {"data": data, "layout": layout}
+
+
+def _trace(group: PoleGroup, look: tuple[str, str], run_id: int) -> Spec:
+    colour, symbol = look
+    trace: Spec = {
+        "type": "scatter",
+        "mode": "markers+text",
+        "name": text(group.label),
+        "x": column([pole.real for pole in group.poles]),
+        "y": column([pole.imag for pole in group.poles]),
+        "text": [text(pole.name) for pole in group.poles],
+        "textposition": "top right",
+        "marker": {
+            "color": colour,
+            "symbol": symbol,
+            "size": 9,
+            "line": {"color": colour, "width": 2},
+        },
+        "customdata": [[run_id, _hover(pole)] for pole in group.poles],
+        "hovertemplate": f"%{{customdata[1]}}<extra>{text(group.label)}</extra>",
+    }
+    if group.estimated:
+        trace["error_x"] = _bars([pole.real_std for pole in group.poles], colour)
+        trace["error_y"] = _bars([pole.imag_std for pole in group.poles], colour)
+    return trace
+
+
+def _bars(errors: list[float | None], colour: str) -> Spec:
+    array = column([np.nan if error is None else error for error in errors])
+    return {"type": "data", "array": array, "color": colour, "thickness": 1, "width": 3}
+
+
+def _hover(pole: Pole) -> str:
+    radius = float(np.hypot(pole.real, pole.imag))
+    name = f"<b>{text(pole.name)}</b><br>" if pole.name else ""
+    place = f"{name}{_pm(pole.real, pole.real_std)} + j {_pm(pole.imag, pole.imag_std)} rad/s"
+    if pole.imag == 0 or radius == 0:
+        return place
+    return (
+        f"{place}<br>frequency {radius / (2 * np.pi):.3f} Hz<br>damping {-pole.real / radius:.4f}"
+    )
+
+
+def _pm(value: float, error: float | None) -> str:
+    return f"{value:.3f}" if error is None else f"{value:.3f} ± {error:.3f}"

@@ -1,0 +1,48 @@
+"""From SI to what an engineer reads: label, display unit and factor of a channel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+
+from flexsid.nomenclature import describe
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """How a number is written: ``shown = factor * SI``."""
+
+    label: str
+    unit: str
+    factor: float
+
+    @property
+    def title(self) -> str:
+        """Label over its unit, as it stands beside an axis."""
+        return f"{self.label}<br>[{self.unit}]"
+
+
+def of_channel(name: str, unit: str = "") -> Quantity:
+    """Quantity of a channel whose values have this SI unit."""
+    symbol = describe(name, unit)
+    return Quantity(symbol.html, symbol.display_unit or "1", symbol.display_factor)
+
+
+def transform(quantity: Quantity) -> Quantity:
+    """Magnitude of the finite Fourier transform of a quantity."""
+    unit = "s" if quantity.unit == "1" else f"{quantity.unit} s"
+    return Quantity(f"|{quantity.label}|", unit, quantity.factor)
+
+
+def ratio(output: Quantity, over: Quantity) -> Quantity:
+    """Magnitude of output over input."""
+    return Quantity(
+        f"|{output.label}/{over.label}|",
+        f"{output.unit}/({over.unit})" if "/" in over.unit else f"{output.unit}/{over.unit}",
+        output.factor / over.factor,
+    )
+
+
+def text(name: str) -> str:
+    """User text as plotly text: its pseudo-HTML is not for users to write."""
+    return escape(name, quote=False)

@@ -1,0 +1,44 @@
+"""One colour and one symbol per meaning, the same in every figure.
+
+Every colour has a contrast of at least 3 against white and against the dark
+page, so paper, text and grid are left to the browser. Where colour carries a
+meaning a symbol carries it too.
+"""
+
+from __future__ import annotations
+
+BLUE = "#1f83c9"
+VERMILION = "#d55e00"
+GREEN = "#009e73"
+PINK = "#c56c9c"
+OCHRE = "#b98200"
+VIOLET = "#7f7fd5"
+TEAL = "#1696b6"
+GREY = "#868e96"
+
+PALETTE = (BLUE, VERMILION, GREEN, PINK, OCHRE, VIOLET, TEAL)
+SYMBOLS = ("circle", "square", "diamond", "triangle-up", "cross", "star", "triangle-down")
+
+MEASURED = GREY
+FLAG = VERMILION
+MARK = "#ffd43b"  # on the dark ends of a diverging colour scale
+GRID = "rgba(134,142,150,0.25)"
+MARKER_LINE = GREY
+
+METHODS = {"OE": (BLUE, "circle"), "FRE": (VERMILION, "square"), "EE": (GREEN, "diamond")}
+PREDICTIONS = ((PINK, "triangle-up"), (OCHRE, "triangle-down"), (VIOLET, "star"), (TEAL, "cross"))
+
+
+def of_index(index: int) -> tuple[str, str]:
+    """Colour and symbol of the ``index``-th thing in an ordered set."""
+    return PALETTE[index % len(PALETTE)], SYMBOLS[index % len(SYMBOLS)]
+
+
+def of_fta(fta: int | None) -> tuple[str, str]:
+    """Colour and symbol of an FTA, whichever others are on the page."""
+    return (GREY, "circle-open") if fta is None else of_index(fta)
+
+
+def of_inputs(order: tuple[str, ...]) -> dict[str, tuple[str, str]]:
+    """Colour and symbol per input, by its place among all inputs of the maneuver."""
+    return {name: of_index(index) for index, name in enumerate(order)}

@@ -1,0 +1,193 @@
+"""Views: the finished numbers behind each figure, in SI and rad.
+
+``workflow`` fills them, ``figures`` draws them; neither knows the other. Arrays
+are plain numpy; a number that does not exist is NaN in an array, None in a field.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexsid.records.maneuver import Role
+from flexsid.records.run import Iteration, Method, Pole
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class EnvelopeMark:
+    """Where one maneuver was flown."""
+
+    maneuver_id: int
+    label: str
+    fta: int | None
+    fuel_fraction: float
+    airspeed_m_s: float
+    airspeed_ratio: float | None  # V/V_f
+    dynamic_pressure_pa: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Envelope:
+    """The conditions of a campaign, one mark per maneuver."""
+
+    marks: tuple[EnvelopeMark, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ChannelTrace:
+    """One channel on its own time axis: ``time_s`` and ``values`` (n_samples,)."""
+
+    name: str
+    unit: str
+    role: Role
+    time_s: np.ndarray
+    values: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ChannelHistories:
+    """Channels of a maneuver over one window; thinned to ``points`` per channel when drawn."""
+
+    maneuver_id: int
+    traces: tuple[ChannelTrace, ...]
+    excitation_s: tuple[float, float] | None
+    points: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Spectra:
+    """|X| at the excited lines: ``frequency_hz`` (M,), ``magnitude`` (M, n_channels) [unit s].
+
+    ``owners`` names, line by line, the input whose excitation has that line, empty
+    where none has; ``inputs`` are all inputs of the maneuver, which fixes their colours.
+    """
+
+    maneuver_id: int
+    inputs: tuple[str, ...]
+    frequency_hz: np.ndarray
+    owners: tuple[str, ...]
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    magnitude: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PlotMatrix:
+    """Channels against each other: ``samples`` (n, c) and ``correlation`` (c, c)."""
+
+    maneuver_id: int
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    samples: np.ndarray
+    correlation: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ModeMarker:
+    """A named frequency, e.g. of SW1B at the fuel of the maneuver."""
+
+    name: str
+    frequency_hz: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Response:
+    """Output over input: ``magnitude`` [unit / unit] and unwrapped ``phase_rad``, both (M,).
+
+    ``relative_std`` (M,) is the standard error of H over |H|, which is also that of
+    the phase in radians. ``run_id`` is None for measured data.
+    """
+
+    output: str
+    input: str
+    output_unit: str
+    input_unit: str
+    frequency_hz: np.ndarray
+    magnitude: np.ndarray
+    phase_rad: np.ndarray
+    relative_std: np.ndarray | None = None
+    run_id: int | None = None
+    label: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Bode:
+    """Measured frequency responses with the models laid over them."""
+
+    maneuver_id: int
+    inputs: tuple[str, ...]  # all of the maneuver: fixes their colours
+    measured: tuple[Response, ...]
+    models: tuple[Response, ...]
+    modes: tuple[ModeMarker, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FitTrace:
+    """Measured and fitted complex lines of one output, as magnitude and phase, all (M,)."""
+
+    output: str
+    unit: str
+    input: str | None  # FRE: the lines are output over this input
+    measured_magnitude: np.ndarray
+    measured_phase_rad: np.ndarray
+    fitted_magnitude: np.ndarray
+    fitted_phase_rad: np.ndarray
+    r_squared: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FitPlot:
+    """What one block of a run fitted."""
+
+    run_id: int
+    method: Method
+    block: str
+    frequency_hz: np.ndarray
+    traces: tuple[FitTrace, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Residuals:
+    """|residual| over the rms residual of its output, ``relative`` (M, n_outputs) [1]."""
+
+    run_id: int
+    method: Method
+    block: str
+    frequency_hz: np.ndarray
+    outputs: tuple[str, ...]
+    relative: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ParameterCorrelation:
+    """Correlation of the estimates, (n_theta, n_theta) [1]."""
+
+    run_id: int
+    names: tuple[str, ...]
+    correlation: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PoleGroup:
+    """Poles of one origin: the estimate, or the structure in vacuo."""
+
+    label: str
+    estimated: bool
+    poles: tuple[Pole, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PoleMap:
+    """Poles of the identified model beside reference poles. [rad/s]"""
+
+    run_id: int
+    groups: tuple[PoleGroup, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Convergence:
+    """Cost of a run against its iterations."""
+
+    run_id: int
+    iterations: tuple[Iteration, ...]

@@ -1,0 +1,170 @@
+"""What an analyst reads off the figures of a run and of a comparison."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexsid.figures.derivatives import derivatives
+from flexsid.figures.fit import fit
+from flexsid.figures.iterations import iterations
+from flexsid.figures.parameter_correlation import parameter_correlation
+from flexsid.figures.poles import poles
+from flexsid.figures.residual import residual
+from flexsid.records.comparison import Comparison, Row, Source, SourceValue
+from flexsid.records.run import Iteration, Method, Pole
+from flexsid.records.views import (
+    Convergence,
+    FitPlot,
+    FitTrace,
+    ParameterCorrelation,
+    PoleGroup,
+    PoleMap,
+    Residuals,
+)
+
+G = 9.80665
+
+
+def fit_plot(method: Method, input_: str | None) -> FitPlot:
+    flat = np.full(3, G)
+    trace = FitTrace(
+        output="az_ofs",
+        unit="m/s2",
+        input=input_,
+        measured_magnitude=flat,
+        measured_phase_rad=np.array([0.0, np.pi / 2, np.pi]),
+        fitted_magnitude=2 * flat,
+        fitted_phase_rad=np.zeros(3),
+        r_squared=0.987,
+    )
+    return FitPlot(
+        run_id=5,
+        method=method,
+        block="all",
+        frequency_hz=np.array([1.0, 2.0, 3.0]),
+        traces=(trace,),
+    )
+
+
+def test_fit_puts_the_model_over_the_data(drawable, numbers):
+    spec = fit(fit_plot(Method.OE, None))
+    drawable(spec)
+    measured, phase, fitted, _ = spec["data"]
+    assert (measured["mode"], fitted["mode"]) == ("markers", "lines")
+    assert numbers(measured["y"]) == pytest.approx([1.0] * 3)
+    assert numbers(fitted["y"]) == pytest.approx([2.0] * 3)
+    assert numbers(phase["y"]) == pytest.approx([0.0, 90.0, 180.0])
+    assert "[g s]" in spec["layout"]["yaxis"]["title"]["text"]
+    assert spec["layout"]["annotations"][0]["text"] == "R² = 0.987"
+
+
+def test_fit_of_frequency_responses_is_output_over_input(drawable, numbers):
+    spec = fit(fit_plot(Method.FRE, "wf4s"))
+    drawable(spec)
+    assert "[g/deg]" in spec["layout"]["yaxis"]["title"]["text"]
+    assert numbers(spec["data"][0]["y"]) == pytest.approx([np.pi / 180] * 3)
+
+
+def test_residual_is_relative_to_its_noise(drawable):
+    value = Residuals(
+        run_id=5,
+        method=Method.OE,
+        block="all",
+        frequency_hz=np.array([1.0, 2.0]),
+        outputs=("q", "az_ofs", "az_egi"),
+        relative=np.array([[1.0, 0.5, 2.0], [1.0, 1.5, np.nan]]),
+    )
+    spec = residual(value)
+    drawable(spec)
+    (heatmap,) = spec["data"]
+    assert heatmap["z"] == [[1.0, 1.0], [0.5, 1.5], [2.0, None]]
+    assert len(heatmap["y"]) == 3
+
+
+def test_parameter_correlation_marks_pairs_that_cannot_be_told_apart(drawable):
+    value = ParameterCorrelation(
+        run_id=5,
+        names=("Cm_alpha", "Cm_q", "CQ7_eta7"),
+        correlation=np.array([[1.0, -0.95, 0.2], [-0.95, 1.0, np.nan], [0.2, np.nan, 1.0]]),
+    )
+    spec = parameter_correlation(value)
+    drawable(spec)
+    heatmap, marked = spec["data"]
+    assert heatmap["z"][1][2] is None
+    assert sorted(zip(marked["x"], marked["y"], strict=True)) == [(0, 1), (1, 0)]
+    assert "sub" in spec["layout"]["xaxis"]["ticktext"][0]
+
+
+def test_poles_tell_frequency_and_damping(drawable):
+    value = PoleMap(
+        run_id=5,
+        groups=(
+            PoleGroup(
+                label="OE 5",
+                estimated=True,
+                poles=(
+                    Pole(name="SW1B", real=-3.0, imag=4.0, real_std=0.1, imag_std=None),
+                    Pole(real=-1.0, imag=0.0),
+                ),
+            ),
+            PoleGroup(label="in vacuo", estimated=False, poles=(Pole(real=-0.1, imag=5.0),)),
+        ),
+    )
+    spec = poles(value)
+    drawable(spec)
+    estimated, reference = spec["data"]
+    assert estimated["error_x"]["array"] == [0.1, None]
+    assert "damping 0.6000" in estimated["customdata"][0][1]
+    assert "0.796 Hz" in estimated["customdata"][0][1]
+    assert "error_x" not in reference
+
+
+def test_iterations_draw_the_cost(drawable):
+    steps = (
+        Iteration(iteration=0, cost=10.0, step=np.inf),
+        Iteration(iteration=1, cost=4.0, step=0.1),
+    )
+    spec = iterations(Convergence(run_id=5, iterations=steps))
+    drawable(spec)
+    assert spec["data"][0]["y"] == [10.0, 4.0]
+
+
+SOURCES = (
+    Source(key="run-1", label="OE 1", kind="OE", run_id=1),
+    Source(key="run-2", label="EE 2", kind="EE", run_id=2),
+    Source(key="run-3", label="OE 3", kind="OE", run_id=3),
+    Source(key="prediction-1", label="panel code", kind="prediction", prediction_id=1),
+)
+
+
+def row(name: str, *values: float | None, consistent: bool | None = True) -> Row:
+    cells = tuple(
+        None
+        if value is None
+        else SourceValue(key=source.key, value=value, std_error=0.1 if source.run_id else None)
+        for source, value in zip(SOURCES, values, strict=True)
+    )
+    return Row(name=name, label=name, values=cells, consistent=consistent, max_difference_sigma=1.0)
+
+
+def test_derivatives_stand_side_by_side_with_two_sigma(drawable):
+    rows = (
+        row("Cm_alpha", -1.0, -1.1, -1.05, -0.8),
+        row("Cm_wf1s", -0.1, None, -0.1, -0.2, consistent=False),
+        row("Cm_wf4s", -0.3, -0.3, -0.3, -0.2),
+    )
+    spec = derivatives(Comparison(maneuver_ids=(1,), sources=SOURCES, rows=rows))
+    drawable(spec)
+    controls = [trace for trace in spec["data"] if trace["xaxis"] == "x2"]
+    assert [len(trace["x"]) for trace in controls] == [2, 1, 2, 2]
+    assert controls[0]["error_y"]["array"] == pytest.approx([0.2, 0.2])
+    assert controls[3]["error_y"]["array"] == [None, None]
+    assert controls[0]["x"][0] < controls[1]["x"][0] + 1 < controls[1]["x"][0] + 1.5
+    assert "!" in spec["layout"]["xaxis2"]["ticktext"][0]
+    assert "!" not in spec["layout"]["xaxis2"]["ticktext"][1]
+    named = [trace["name"] for trace in spec["data"] if trace["showlegend"]]
+    assert named == ["OE 1", "EE 2", "OE 3", "panel code"]
+    first_oe, second_oe = controls[0]["marker"], controls[2]["marker"]
+    assert first_oe["color"] == second_oe["color"]
+    assert first_oe["symbol"] != second_oe["symbol"]
