@@ -1,0 +1,215 @@
+"""Compare derivatives of runs and predictions (Fig. 17)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from math import hypot
+
+import numpy as np
+
+from flexsid.errors import BadInput, Conflict
+from flexsid.nomenclature import describe
+from flexsid.records.comparison import Comparison, Row, Source, SourceValue
+from flexsid.records.maneuver import Maneuver
+from flexsid.records.prediction import Prediction
+from flexsid.records.run import EstimationRun, RunResult
+from flexsid.storage.store import Store
+from flexsid.sysid.modes.table import interpolate
+
+CONSISTENT_SIGMA = 2.0
+"""Two estimates agree when they differ by at most this many combined standard errors."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    source: Source
+    values: dict[str, SourceValue]
+
+
+def compare(store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int]) -> Comparison:
+    """Put runs and predictions side by side, derivative by derivative.
+
+    Parameters
+    ----------
+    store
+        Where they are kept.
+    run_ids
+        Runs that succeeded; at least one, for it tells the condition.
+    prediction_ids
+        Predictions, taken at the fuel of the first run's maneuver. Where a run keeps
+        the residualised form of one of them, that is a source of its own.
+
+    Raises
+    ------
+    BadInput
+        If no run is given.
+    Conflict
+        If a run has no result.
+
+    Notes
+    -----
+    Two estimates a and b are judged by |a - b| / sqrt(sigma_a^2 + sigma_b^2), as if
+    independent. Runs of one maneuver share its noise, so the measure is lenient for
+    them. A source without standard errors is shown, not judged.
+    """
+    if not run_ids:
+        raise BadInput("a comparison takes at least one run; choose one", code="no-run")
+    finished = [(run, _result(run)) for run in map(store.runs.get, dict.fromkeys(run_ids))]
+    maneuvers = {run.maneuver_id: store.maneuvers.get(run.maneuver_id) for run, _ in finished}
+    columns = [_of_run(run, result, maneuvers) for run, result in finished]
+    fuel = next(iter(maneuvers.values())).condition.fuel_fraction
+    predictions = [store.predictions.get(number) for number in dict.fromkeys(prediction_ids)]
+    columns += [_of_prediction(store, prediction, fuel) for prediction in predictions]
+    columns += _residualized(finished, predictions)
+    names = _in_order(parameter.name for _, result in finished for parameter in result.parameters)
+    return Comparison(
+        maneuver_ids=tuple(maneuvers),
+        sources=tuple(column.source for column in columns),
+        rows=tuple(_row(name, columns) for name in names),
+    )
+
+
+def of_coefficient(comparison: Comparison, coefficient: str | None) -> Comparison:
+    """Keep the derivatives of one coefficient, e.g. ``Cm``; None keeps all.
+
+    Raises
+    ------
+    BadInput
+        If there are none.
+    """
+    if coefficient is None:
+        return comparison
+    rows = tuple(row for row in comparison.rows if row.name.partition("_")[0] == coefficient)
+    if not rows:
+        known = dict.fromkeys(row.name.partition("_")[0] for row in comparison.rows)
+        raise BadInput(
+            f"no derivative of '{coefficient}' was estimated; there are {', '.join(known)}",
+            code="unknown-coefficient",
+            coefficient=coefficient,
+        )
+    return replace(comparison, rows=rows)
+
+
+def _result(run: EstimationRun) -> RunResult:
+    if run.result is None:
+        raise Conflict(
+            f"run {run.id} is {run.state.value} and has no result to compare; "
+            "choose runs that succeeded",
+            code="run-without-result",
+            run_id=run.id,
+        )
+    return run.result
+
+
+def _of_run(run: EstimationRun, result: RunResult, maneuvers: dict[int, Maneuver]) -> _Column:
+    key = f"run-{run.id}"
+    # the maneuver is told only where there is more than one to tell apart
+    where = f", {maneuvers[run.maneuver_id].label}" if len(maneuvers) > 1 else ""
+    return _Column(
+        Source(
+            key=key,
+            label=f"{run.method.value} {run.id}{where}",
+            kind=run.method.value,
+            run_id=run.id,
+        ),
+        {
+            parameter.name: SourceValue(
+                key=key, value=parameter.value, std_error=parameter.std_error
+            )
+            for parameter in result.parameters
+        },
+    )
+
+
+def _of_prediction(store: Store, prediction: Prediction, fuel: float) -> _Column:
+    key = f"prediction-{prediction.id}"
+    table_fuel = np.array(prediction.fuel)
+    values = interpolate(table_fuel, store.arrays.get(prediction.values), fuel)
+    errors = (
+        np.full(len(values), np.nan)
+        if prediction.std_errors is None
+        else interpolate(table_fuel, store.arrays.get(prediction.std_errors), fuel)
+    )
+    return _Column(
+        Source(key=key, label=prediction.source, kind="prediction", prediction_id=prediction.id),
+        {
+            name: SourceValue(
+                key=key, value=float(value), std_error=float(error) if error > 0 else None
+            )
+            for name, value, error in zip(prediction.names, values, errors, strict=True)
+            if np.isfinite(value)
+        },
+    )
+
+
+def _residualized(
+    finished: list[tuple[EstimationRun, RunResult]], predictions: list[Prediction]
+) -> list[_Column]:
+    """Residualised predictions that the runs kept; runs that share one show it once."""
+    labels = {prediction.id: prediction.source for prediction in predictions}
+    columns: list[_Column] = []
+    shown: list[dict[str, float]] = []
+    for run, result in finished:
+        values = result.residualized_prediction
+        if values is None or run.prediction_id not in labels or values in shown:
+            continue
+        shown.append(values)
+        key = f"residualized-{run.prediction_id}-{run.id}"
+        columns.append(
+            _Column(
+                Source(
+                    key=key,
+                    label=f"{labels[run.prediction_id]}, residualized",
+                    kind="prediction",
+                    run_id=run.id,
+                    prediction_id=run.prediction_id,
+                ),
+                {name: SourceValue(key=key, value=value) for name, value in values.items()},
+            )
+        )
+    return columns
+
+
+def _row(name: str, columns: list[_Column]) -> Row:
+    values = tuple(column.values.get(name) for column in columns)
+    judged = [(v.value, v.std_error) for v in values if v is not None and v.std_error is not None]
+    differences = [
+        abs(a - b) / hypot(sigma_a, sigma_b)
+        for (a, sigma_a), (b, sigma_b) in combinations(judged, 2)
+        if hypot(sigma_a, sigma_b) > 0
+    ]
+    largest = max(differences, default=None)
+    return Row(
+        name=name,
+        label=describe(name).label,
+        values=values,
+        consistent=None if largest is None else largest <= CONSISTENT_SIGMA,
+        max_difference_sigma=largest,
+    )
+
+
+_VARIABLES = ("alpha", "q", "eta", "etadot")
+
+
+def _in_order(names: Iterable[str]) -> list[str]:
+    """Order as in a table of derivatives, whatever run a name came from; delays last."""
+    unique = list(dict.fromkeys(names))
+    place = {name: number for number, name in enumerate(unique)}
+
+    def rank(name: str) -> tuple[int, int, int, int, int]:
+        coefficient, _, variable = name.partition("_")
+        row = {"CZ": 0, "Cm": 1}.get(coefficient, 2 if coefficient.startswith("CQ") else 3)
+        kind, mode = _split_mode(variable)
+        column = _VARIABLES.index(kind) if kind in _VARIABLES else len(_VARIABLES)
+        inputs_stay = place[name] if column == len(_VARIABLES) else 0
+        return row, _split_mode(coefficient)[1], column, mode, inputs_stay
+
+    return sorted(unique, key=rank)
+
+
+def _split_mode(text: str) -> tuple[str, int]:
+    letters = text.rstrip("0123456789")
+    digits = text[len(letters) :]
+    return letters, int(digits) if digits else -1
