@@ -1,0 +1,1 @@
+"""Keeps records and arrays: SQLite or PostgreSQL behind one door, ``Store``."""

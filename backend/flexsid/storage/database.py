@@ -1,0 +1,169 @@
+"""Engine and transactions: SQLite as it should be run, PostgreSQL by URL."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy import event
+from sqlalchemy.engine import URL, Connection, Engine, make_url
+from sqlalchemy.exc import (
+    ArgumentError,
+    DatabaseError,
+    DontWrapMixin,
+    NoSuchModuleError,
+    OperationalError,
+)
+
+from flexsid.errors import BadInput, FlexsidError
+
+_WRITES = "flexsid_writes"
+
+
+class DatabaseUnavailable(FlexsidError):
+    """The database cannot be opened or does not answer."""
+
+    code = "database-unavailable"
+
+
+class NotFinite(BadInput, DontWrapMixin):
+    """A number that is to be kept is NaN or infinite."""
+
+    code = "not-finite"
+
+
+def parse_url(url: str) -> URL:
+    """Read a database address, e.g. ``sqlite:///var/flexsid.db``."""
+    try:
+        parsed = make_url(url)
+        parsed.get_dialect()
+    except (ArgumentError, NoSuchModuleError) as error:
+        raise BadInput(
+            f"{url!r} is not a database address; expected one like sqlite:///var/flexsid.db"
+        ) from error
+    if parsed.get_backend_name() == "sqlite" and parsed.database in (None, "", ":memory:"):
+        raise BadInput("a database in memory cannot be shared with the workers; name a file")
+    return parsed
+
+
+def sqlite_file(url: URL) -> Path | None:
+    """File of an SQLite database, None for any other."""
+    if url.get_backend_name() != "sqlite" or url.database is None:
+        return None
+    return Path(url.database)
+
+
+@contextmanager
+def answering() -> Iterator[None]:
+    """Say in our words that a database is locked, damaged or no database at all."""
+    try:
+        yield
+    except DatabaseError as error:
+        # Its other kinds mean that a statement is wrong, not that the database is.
+        if type(error) not in (DatabaseError, OperationalError):
+            raise
+        raise DatabaseUnavailable(f"the database does not answer: {error.orig}") from error
+
+
+def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
+    """Make an engine; on SQLite in WAL mode, and no lost updates.
+
+    ``foreign_keys`` is off only while migrations rebuild tables.
+
+    Notes
+    -----
+    Writers say BEGIN IMMEDIATE and wait for their turn; a deferred BEGIN fails
+    with "database is locked" as soon as two transactions that have read want to
+    write, and the driver's own default loses updates.
+    """
+    file = sqlite_file(url)
+    if file is not None:
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise DatabaseUnavailable(
+                f"the folder of the database {file} cannot be made: {error.strerror}"
+            ) from error
+    engine = sa.create_engine(url, json_serializer=_to_json)
+    if file is None:
+        return engine
+
+    @event.listens_for(engine, "connect")
+    def _prepare(connection: sqlite3.Connection, _record: object) -> None:
+        connection.isolation_level = None  # we say BEGIN ourselves
+        if connection.execute("PRAGMA page_count").fetchone() == (0,):
+            # Later it would need the write lock for every connection, and have no effect.
+            connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
+        for pragma in (
+            "busy_timeout = 30000",
+            "journal_mode = WAL",
+            "synchronous = NORMAL",
+            "journal_size_limit = 67108864",
+            f"foreign_keys = {'ON' if foreign_keys else 'OFF'}",
+        ):
+            connection.execute(f"PRAGMA {pragma}")
+
+    @event.listens_for(engine, "begin")
+    def _begin(connection: Connection) -> None:
+        writes = connection.get_execution_options().get(_WRITES, False)
+        connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+
+    return engine
+
+
+class Database:
+    """One engine, and for each thread the transaction it is in."""
+
+    def __init__(self, url: str) -> None:
+        self.url = parse_url(url)
+        self.engine = make_engine(self.url)
+        self._writing_engine = self.engine.execution_options(**{_WRITES: True})
+        self._of_thread = threading.local()
+
+    def close(self) -> None:
+        """Give back all connections."""
+        self.engine.dispose()
+
+    @contextmanager
+    def transaction(self) -> Iterator[Connection]:
+        """Write all or nothing; a transaction inside another joins it."""
+        current = self._current
+        if current is not None:
+            yield current
+            return
+        with answering(), self._writing_engine.begin() as connection:
+            self._of_thread.connection = connection
+            try:
+                yield connection
+            finally:
+                self._of_thread.connection = None
+
+    @contextmanager
+    def reading(self) -> Iterator[Connection]:
+        """Read one consistent state; inside a transaction, its own."""
+        current = self._current
+        if current is not None:
+            yield current
+            return
+        with answering(), self.engine.connect() as connection:
+            yield connection
+
+    @property
+    def _current(self) -> Connection | None:
+        return getattr(self._of_thread, "connection", None)
+
+
+def _to_json(value: Any) -> str:
+    """Write JSON; a NaN is refused here, so that it cannot be met later as a number."""
+    try:
+        return json.dumps(value, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
+    except ValueError as error:
+        raise NotFinite(
+            f"a record cannot be kept ({error}); numbers that are not known are None"
+        ) from error

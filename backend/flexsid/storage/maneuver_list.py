@@ -1,0 +1,218 @@
+"""The list of maneuvers that an analyst filters: one query, whatever the campaign's size."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any, TypedDict
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection
+
+from flexsid.errors import BadInput
+from flexsid.records.run import Method, RunState
+from flexsid.storage.paging import Page, read_cursor
+from flexsid.storage.tables import aircraft, flights, maneuvers, runs
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LatestRun:
+    """The newest run of one method."""
+
+    id: int
+    state: RunState
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ManeuverItem:
+    """One line of the list."""
+
+    id: int
+    label: str
+    flight_id: int
+    flight_number: int
+    aircraft_id: int
+    aircraft_name: str
+    fta: int | None
+    axis: str
+    duration_s: float
+    airspeed_m_s: float
+    dynamic_pressure_pa: float
+    airspeed_ratio: float | None
+    fuel_fraction: float
+    max_input_correlation: float | None
+    n_runs: int
+    runs: dict[Method, LatestRun | None]
+    created_at: datetime
+
+
+class ManeuverFilters(TypedDict, total=False):
+    """What the list can be narrowed to; None does not narrow.
+
+    ``method`` alone asks for maneuvers with a run of this method; ``state``
+    looks at the newest run, of that method or of any.
+    """
+
+    aircraft_id: int | None
+    flight_id: int | None
+    fta: int | None
+    min_airspeed_ratio: float | None
+    max_airspeed_ratio: float | None
+    min_fuel: float | None
+    max_fuel: float | None
+    search: str | None
+    method: Method | None
+    state: RunState | None
+
+
+_latest = {method: runs.alias(f"latest_{method.value.lower()}") for method in Method}
+_n_runs = (
+    sa.select(sa.func.count())
+    .where(runs.c.maneuver_id == maneuvers.c.id)
+    .scalar_subquery()
+    .label("n_runs")
+)
+_shown = (
+    maneuvers.c.id,
+    maneuvers.c.label,
+    maneuvers.c.flight_id,
+    flights.c.number.label("flight_number"),
+    maneuvers.c.aircraft_id,
+    aircraft.c.name.label("aircraft_name"),
+    maneuvers.c.fta,
+    maneuvers.c.axis,
+    maneuvers.c.duration_s,
+    maneuvers.c.airspeed_m_s,
+    maneuvers.c.dynamic_pressure_pa,
+    maneuvers.c.airspeed_ratio,
+    maneuvers.c.fuel_fraction,
+    maneuvers.c.max_input_correlation,
+    _n_runs,
+    maneuvers.c.created_at,
+)
+_latest_columns = tuple(
+    table.c[name].label(f"{method}_{name}")
+    for method, table in _latest.items()
+    for name in ("id", "state")
+)
+_sortable: dict[str, sa.ColumnElement[Any]] = {
+    **{
+        name: maneuvers.c[name]
+        for name in (
+            *("id", "label", "fta", "axis", "duration_s", "airspeed_m_s", "dynamic_pressure_pa"),
+            *("airspeed_ratio", "fuel_fraction", "max_input_correlation", "created_at"),
+        )
+    },
+    "flight_number": flights.c.number,
+    "aircraft_name": aircraft.c.name,
+    "n_runs": _n_runs,
+}
+SORT_FIELDS = tuple(sorted(_sortable))
+
+
+def select_maneuvers(
+    connection: Connection,
+    filters: ManeuverFilters,
+    sort: str,
+    limit: int | None,
+    after: str | None,
+) -> Page[ManeuverItem]:
+    """Read one page of the list.
+
+    Parameters
+    ----------
+    connection
+        A transaction to read in.
+    filters
+        What to narrow it to.
+    sort
+        A field of ``SORT_FIELDS``, with ``-`` in front for falling order;
+        maneuvers that lack the value come last.
+    limit
+        Most items to return; None for all.
+    after
+        ``next`` of the page before.
+    """
+    offset = 0 if after is None else read_cursor(after)
+    query = sa.select(*_shown, *_latest_columns).select_from(_joined())
+    query = query.where(*_conditions(filters)).order_by(*_order(sort)).offset(offset)
+    if limit is not None:
+        query = query.limit(limit + 1)  # one more tells whether there is a next page
+    rows = connection.execute(query).mappings().all()
+    items = [_item(row) for row in (rows if limit is None else rows[:limit])]
+    more = limit is not None and len(rows) > limit
+    return Page(items=items, next=str(offset + len(items)) if more else None)
+
+
+def _joined() -> sa.FromClause:
+    joined: sa.FromClause = maneuvers.join(flights, flights.c.id == maneuvers.c.flight_id).join(
+        aircraft, aircraft.c.id == maneuvers.c.aircraft_id
+    )
+    for method, table in _latest.items():
+        newest = (
+            sa.select(sa.func.max(runs.c.id))
+            .where(runs.c.maneuver_id == maneuvers.c.id, runs.c.method == method.value)
+            .scalar_subquery()
+        )
+        joined = joined.outerjoin(table, table.c.id == newest)
+    return joined
+
+
+def _conditions(filters: ManeuverFilters) -> list[sa.ColumnElement[bool]]:
+    candidates = (
+        ("aircraft_id", lambda value: maneuvers.c.aircraft_id == value),
+        ("flight_id", lambda value: maneuvers.c.flight_id == value),
+        ("fta", lambda value: maneuvers.c.fta == value),
+        ("min_airspeed_ratio", lambda value: maneuvers.c.airspeed_ratio >= value),
+        ("max_airspeed_ratio", lambda value: maneuvers.c.airspeed_ratio <= value),
+        ("min_fuel", lambda value: maneuvers.c.fuel_fraction >= value),
+        ("max_fuel", lambda value: maneuvers.c.fuel_fraction <= value),
+        ("search", _mentions),
+    )
+    conditions = [
+        condition(filters[name]) for name, condition in candidates if filters.get(name) is not None
+    ]
+    method, state = filters.get("method"), filters.get("state")
+    tables = list(_latest.values()) if method is None else [_latest[method]]
+    if state is not None:
+        conditions.append(sa.or_(*(table.c.state == state.value for table in tables)))
+    elif method is not None:
+        conditions.append(_latest[method].c.id.is_not(None))
+    return conditions
+
+
+def _mentions(text: str) -> sa.ColumnElement[bool]:
+    return sa.or_(
+        maneuvers.c.label.icontains(text, autoescape=True),
+        maneuvers.c.note.icontains(text, autoescape=True),
+        maneuvers.c.source_file.icontains(text, autoescape=True),
+        aircraft.c.name.icontains(text, autoescape=True),
+    )
+
+
+def _order(sort: str) -> list[sa.ColumnElement[Any]]:
+    name = sort.removeprefix("-")
+    if name not in _sortable:
+        raise BadInput(
+            f"the list cannot be sorted by {name!r}; expected one of {', '.join(SORT_FIELDS)}",
+            code="bad-sort",
+        )
+    column = _sortable[name]
+    falling = sort.startswith("-")
+    return [
+        column.is_(None),
+        column.desc() if falling else column.asc(),
+        maneuvers.c.id.desc() if falling else maneuvers.c.id.asc(),
+    ]
+
+
+def _item(row: sa.RowMapping) -> ManeuverItem:
+    return ManeuverItem(
+        **{column.name: row[column.name] for column in _shown},
+        runs={
+            method: None
+            if row[f"{method}_id"] is None
+            else LatestRun(id=row[f"{method}_id"], state=RunState(row[f"{method}_state"]))
+            for method in _latest
+        },
+    )

@@ -1,0 +1,123 @@
+"""Bring a database to the schema of this software; its file is copied first."""
+
+from __future__ import annotations
+
+import logging
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+from alembic import command
+from alembic.config import Config
+from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from alembic.script.revision import ResolutionError
+from alembic.util import CommandError
+from sqlalchemy.engine import Connection
+
+import flexsid
+from flexsid.errors import FlexsidError
+from flexsid.storage.database import answering, make_engine, parse_url, sqlite_file
+
+_log = logging.getLogger(__name__)
+
+
+class DatabaseTooNew(FlexsidError):
+    """A newer release of the software has migrated this database."""
+
+    code = "database-too-new"
+
+
+def upgrade(url: str) -> str:
+    """Bring a database to the newest schema.
+
+    A database of SQLite that holds an older schema is first copied to
+    ``<name>.backup-<revision>`` beside it.
+
+    Parameters
+    ----------
+    url
+        Address of the database; an SQLite file is made where there is none.
+
+    Returns
+    -------
+    str
+        The revision it is at now.
+
+    Raises
+    ------
+    DatabaseTooNew
+        If a newer release has migrated it; nothing is changed then.
+    DatabaseUnavailable
+        If it cannot be opened.
+    """
+    return move(url, "head")
+
+
+def move(url: str, target: str) -> str:
+    """Bring a database to one revision, up or down; else as ``upgrade``."""
+    parsed = parse_url(url)
+    config = Config()
+    config.set_main_option("script_location", str(find_migrations()).replace("%", "%%"))
+    scripts = ScriptDirectory.from_config(config)
+    engine = make_engine(parsed, foreign_keys=False)
+    writing = engine.execution_options(flexsid_writes=True)
+    try:
+        # One transaction, taken for writing at once: of two servers that start
+        # together the second waits here and then finds nothing to do.
+        with answering(), writing.begin() as connection:
+            present = _present_revision(connection, scripts)
+            wanted = scripts.get_current_head() if target == "head" else target
+            if present == wanted and present is not None:
+                return present
+            if present is not None:
+                _keep_copy(sqlite_file(parsed), present)
+            config.attributes["connection"] = connection
+            going_down = target == "base" or (
+                present is not None
+                and wanted in {s.revision for s in scripts.iterate_revisions(present, "base")}
+            )
+            (command.downgrade if going_down else command.upgrade)(config, target)
+            return _present_revision(connection, scripts) or "base"
+    finally:
+        engine.dispose()
+
+
+def find_migrations() -> Path:
+    """Return the folder of the migrations: in the installed package, or in the source tree."""
+    package = Path(flexsid.__file__).parent
+    for folder in (package / "migrations", package.parents[1] / "migrations"):
+        if (folder / "env.py").is_file():
+            return folder
+    raise FlexsidError(
+        f"the migrations are neither in {package} nor beside the source; install flexsid again",
+        code="broken-installation",
+    )
+
+
+def _present_revision(connection: Connection, scripts: ScriptDirectory) -> str | None:
+    revision = MigrationContext.configure(connection).get_current_revision()
+    if revision is None:
+        return None
+    try:
+        scripts.get_revision(revision)
+    except (CommandError, ResolutionError) as error:
+        raise DatabaseTooNew(
+            f"the database has schema {revision}, which flexsid {flexsid.__version__} does not"
+            f" know (it knows up to {scripts.get_current_head()}); use a newer flexsid"
+        ) from error
+    return revision
+
+
+def _keep_copy(file: Path | None, revision: str) -> None:
+    """Copy an SQLite file; a copy by the file system would miss what lies in the log."""
+    if file is None:
+        return
+    copy = file.with_name(f"{file.name}.backup-{revision}")
+    number = 1
+    while copy.exists():
+        number += 1
+        copy = file.with_name(f"{file.name}.backup-{revision}-{number}")
+    with closing(sqlite3.connect(file)) as source, closing(sqlite3.connect(copy)) as target:
+        source.backup(target, pages=-1)
+    _log.info("copied the database to %s before its schema changes", copy)

@@ -1,0 +1,179 @@
+"""Repository: keeps one kind of record, whatever its fields."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields, replace
+from datetime import UTC, datetime
+from enum import Enum
+from typing import Any, ClassVar, Generic, Protocol, TypeVar, get_type_hints
+
+import sqlalchemy as sa
+from pydantic import TypeAdapter
+from sqlalchemy.exc import IntegrityError
+
+from flexsid.errors import Conflict, UnknownRecord
+from flexsid.storage.database import Database, NotFinite
+
+LARGEST_ID = 2**63 - 1
+
+
+class Record(Protocol):
+    """A frozen dataclass with an identity that is None until it is kept."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def id(self) -> int | None:
+        """Row number."""
+        ...
+
+
+R = TypeVar("R", bound=Record)
+
+
+class Repository(Generic[R]):
+    """Keeps records of one type in one table, column by field name.
+
+    Parameters
+    ----------
+    database
+        Where to keep them.
+    table
+        Has a column for every field; nested fields are JSON columns.
+    record
+        The dataclass.
+    noun
+        What an analyst calls it, for messages.
+    copied
+        Further columns, computed from the record so that SQL can filter by them.
+    """
+
+    def __init__(
+        self,
+        database: Database,
+        table: sa.Table,
+        record: type[R],
+        noun: str,
+        copied: Callable[[R], Mapping[str, Any]] | None = None,
+    ) -> None:
+        self.table = table
+        self._database = database
+        self._noun = noun
+        self._copied = copied
+        self._adapter = TypeAdapter(record)
+        self._names = tuple(field.name for field in fields(record))
+        hints = get_type_hints(record)
+        self._nested = {
+            name: TypeAdapter(hints[name])
+            for name in self._names
+            if isinstance(table.c[name].type, sa.JSON)
+        }
+
+    def add(self, record: R) -> R:
+        """Keep a new record; the answer carries its id (and the time, if it has one)."""
+        row = self.encode(record)
+        del row["id"]
+        if "created_at" in row and row["created_at"] is None:
+            row["created_at"] = datetime.now(UTC)
+            record = replace(record, **{"created_at": row["created_at"]})
+        with self._database.transaction() as connection:
+            try:
+                result = connection.execute(sa.insert(self.table).values(row))
+            except IntegrityError as error:
+                raise self._refused(error) from error
+        primary_key = result.inserted_primary_key
+        assert primary_key is not None
+        return replace(record, **{"id": primary_key[0]})
+
+    def get(self, identity: int) -> R:
+        """Return the record with this id."""
+        found = self._select(self._is(identity))
+        if not found:
+            raise self._unknown(identity)
+        return found[0]
+
+    def find(self, **equals: Any) -> list[R]:
+        """Return the records whose fields have these values, oldest first."""
+        return self._select(
+            *(self.table.c[name] == _plain(value) for name, value in equals.items())
+        )
+
+    def replace(self, record: R) -> R:
+        """Keep this in place of the record with the same id."""
+        row = self.encode(record)
+        identity = row.pop("id")
+        with self._database.transaction() as connection:
+            try:
+                result = connection.execute(
+                    sa.update(self.table).where(self._is(identity)).values(row)
+                )
+            except IntegrityError as error:
+                raise self._refused(error) from error
+        if result.rowcount == 0:
+            raise self._unknown(identity)
+        return record
+
+    def delete(self, identity: int) -> None:
+        """Forget a record; refused while others refer to it."""
+        with self._database.transaction() as connection:
+            try:
+                result = connection.execute(sa.delete(self.table).where(self._is(identity)))
+            except IntegrityError as error:
+                raise Conflict(
+                    f"{self._noun} {identity} is used by other records; delete those first",
+                    code="in-use",
+                ) from error
+        if result.rowcount == 0:
+            raise self._unknown(identity)
+
+    def encode(self, record: R) -> dict[str, Any]:
+        """Return the row of a record."""
+        row = {name: self.encode_field(name, getattr(record, name)) for name in self._names}
+        if self._copied is not None:
+            row.update(self._copied(record))
+        return row
+
+    def encode_field(self, name: str, value: Any) -> Any:
+        """Return what stands in the column of one field."""
+        if name in self._nested:
+            if value is None:
+                return None
+            return self._nested[name].dump_python(value, mode="json", warnings="error")
+        if isinstance(value, float) and not math.isfinite(value):
+            raise NotFinite(
+                f"{name} of {self._noun} is {value}; a number that is not known is None"
+            )
+        return _plain(value)
+
+    def decode(self, rows: Sequence[sa.RowMapping]) -> list[R]:
+        """Return the records of rows."""
+        return [self._adapter.validate_python({n: row[n] for n in self._names}) for row in rows]
+
+    def _select(self, *conditions: sa.ColumnElement[bool]) -> list[R]:
+        columns = [self.table.c[name] for name in self._names]
+        query = sa.select(*columns).where(*conditions).order_by(self.table.c.id)
+        with self._database.reading() as connection:
+            return self.decode(connection.execute(query).mappings().all())
+
+    def _is(self, identity: int | None) -> sa.ColumnElement[bool]:
+        # A database integer has 64 bits; a larger number is no record's id.
+        if identity is None or not 1 <= identity <= LARGEST_ID:
+            raise self._unknown(identity)
+        return self.table.c.id == identity
+
+    def _unknown(self, identity: int | None) -> UnknownRecord:
+        return UnknownRecord(f"there is no {self._noun} {identity}")
+
+    def _refused(self, error: IntegrityError) -> Conflict | UnknownRecord:
+        reason = str(error.orig)
+        if "foreign key" in reason.lower():
+            return UnknownRecord(f"the {self._noun} refers to a record that does not exist")
+        if "unique" in reason.lower():
+            return Conflict(f"this {self._noun} already exists ({reason})", code="already-exists")
+        return Conflict(f"the {self._noun} cannot be kept: {reason}")
+
+
+def _plain(value: Any) -> Any:
+    return value.value if isinstance(value, Enum) else value

@@ -1,0 +1,81 @@
+"""Store: the one door to everything kept."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, Unpack
+
+from flexsid.records.aircraft import Aircraft
+from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Channel, Maneuver
+from flexsid.records.modal_table import ModalTable
+from flexsid.records.model_structure import ModelStructure
+from flexsid.records.prediction import Prediction
+from flexsid.records.run import EstimationRun
+from flexsid.storage import tables
+from flexsid.storage.arrays import Arrays
+from flexsid.storage.database import Database
+from flexsid.storage.maneuver_list import ManeuverFilters, ManeuverItem, select_maneuvers
+from flexsid.storage.paging import Page
+from flexsid.storage.repository import Repository
+
+
+class Store:
+    """Records by kind, arrays by content; opened on a database that has been migrated.
+
+    May be used from several threads. Every call is one transaction of its own
+    unless it stands in ``with store.transaction():``.
+    """
+
+    def __init__(self, database: Database) -> None:
+        self.database = database
+        self.arrays = Arrays(database)
+        self.aircraft = Repository(database, tables.aircraft, Aircraft, "aircraft")
+        self.flights = Repository(database, tables.flights, Flight, "flight")
+        self.maneuvers = Repository(
+            database, tables.maneuvers, Maneuver, "maneuver", copied=_condition_columns
+        )
+        self.channels = Repository(database, tables.channels, Channel, "channel")
+        self.modal_tables = Repository(database, tables.modal_tables, ModalTable, "modal table")
+        self.predictions = Repository(database, tables.predictions, Prediction, "prediction")
+        self.model_structures = Repository(
+            database, tables.model_structures, ModelStructure, "model structure"
+        )
+        self.runs = Repository(database, tables.runs, EstimationRun, "run")
+
+    @classmethod
+    def open(cls, url: str) -> Store:
+        """Open the store at a database address."""
+        return cls(Database(url))
+
+    def close(self) -> None:
+        """Give back all connections."""
+        self.database.close()
+
+    @contextmanager
+    def transaction(self) -> Iterator[None]:
+        """Keep everything inside, or nothing if it raises."""
+        with self.database.transaction():
+            yield
+
+    def maneuver_page(
+        self,
+        *,
+        sort: str = "id",
+        limit: int | None = 100,
+        after: str | None = None,
+        **filters: Unpack[ManeuverFilters],
+    ) -> Page[ManeuverItem]:
+        """Return one page of the filtered list of maneuvers (all with ``limit=None``)."""
+        with self.database.reading() as connection:
+            return select_maneuvers(connection, filters, sort, limit, after)
+
+
+def _condition_columns(maneuver: Maneuver) -> dict[str, Any]:
+    condition = maneuver.condition
+    return {
+        "airspeed_m_s": condition.airspeed_m_s,
+        "dynamic_pressure_pa": condition.dynamic_pressure_pa,
+        "fuel_fraction": condition.fuel_fraction,
+    }

@@ -1,0 +1,211 @@
+"""Tables: one per record, a column per field; nested values are JSON.
+
+Alembic compares these tables with the migrations (``tests/storage``), and only
+the migrations make a schema.
+"""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Dialect
+
+metadata = sa.MetaData(
+    naming_convention={
+        "pk": "pk_%(table_name)s",
+        "fk": "fk_%(table_name)s_%(column_0_name)s",
+        "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+        "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+    }
+)
+
+
+class UtcDateTime(sa.TypeDecorator[datetime]):
+    """A moment, kept as UTC without zone (SQLite has none) and returned with it."""
+
+    impl = sa.DateTime
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        """Refuse a moment without zone: whose clock was it?"""
+        if value is None:
+            return None
+        if value.tzinfo is None:
+            raise ValueError(f"{value!r} has no time zone; give UTC")
+        return value.astimezone(UTC).replace(tzinfo=None)
+
+    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        """Put the zone back."""
+        return None if value is None else value.replace(tzinfo=UTC)
+
+
+def _table(name: str, *parts: sa.schema.SchemaItem) -> sa.Table:
+    """Make a table whose ids are never given twice: they stand in addresses and fence results."""
+    return sa.Table(name, metadata, *parts, sqlite_autoincrement=True)
+
+
+def _identity() -> sa.Column[int]:
+    return sa.Column("id", sa.Integer, primary_key=True)
+
+
+def _refers_to(
+    name: str, table: str, *, required: bool = True, index: bool = True, ondelete: str | None = None
+) -> sa.Column[int]:
+    """Make a foreign key; indexed, else deleting the other end scans this table."""
+    key = sa.ForeignKey(f"{table}.id", ondelete=ondelete)
+    return sa.Column(name, sa.Integer, key, nullable=not required, index=index)
+
+
+def _json(name: str, *, required: bool = True) -> sa.Column[Any]:
+    return sa.Column(name, sa.JSON(none_as_null=True), nullable=not required)
+
+
+def _text(name: str, *, required: bool = True) -> sa.Column[str]:
+    return sa.Column(name, sa.String, nullable=not required)
+
+
+def _number(name: str, *, required: bool = True, index: bool = False) -> sa.Column[float]:
+    return sa.Column(name, sa.Double, nullable=not required, index=index)
+
+
+arrays = sa.Table(
+    "arrays",
+    metadata,
+    sa.Column("hash", sa.String(64), primary_key=True),
+    sa.Column("dtype", sa.String(16), nullable=False),
+    _json("shape"),
+    _text("unit"),
+    sa.Column("n_bytes", sa.BigInteger, nullable=False),
+    sa.Column("data", sa.LargeBinary, nullable=False),
+)
+
+aircraft = _table(
+    "aircraft",
+    _identity(),
+    sa.Column("name", sa.String, nullable=False, unique=True),
+    _json("geometry"),
+    _json("mass"),
+    _json("surfaces"),
+    _json("sensors"),
+    _json("combinations"),
+    _json("instruments"),
+    _json("polar", required=False),
+    _json("flutter", required=False),
+    _text("description"),
+)
+
+flights = _table(
+    "flights",
+    _identity(),
+    _refers_to("aircraft_id", "aircraft", index=False),
+    sa.Column("number", sa.Integer, nullable=False),
+    sa.Column("flown_on", sa.Date),
+    _text("description"),
+    # The constraint's index also serves the foreign key.
+    sa.UniqueConstraint("aircraft_id", "number"),
+)
+
+maneuvers = _table(
+    "maneuvers",
+    _identity(),
+    _refers_to("aircraft_id", "aircraft"),
+    _refers_to("flight_id", "flights"),
+    _text("label"),
+    _number("start_s"),
+    _number("duration_s"),
+    _json("condition"),
+    sa.Column("fta", sa.Integer, index=True),
+    _text("axis"),
+    _json("excitation", required=False),
+    _number("airspeed_ratio", required=False, index=True),
+    _number("max_input_correlation", required=False),
+    _text("source_file", required=False),
+    _text("source_hash", required=False),
+    _text("note"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+    # Copied out of ``condition``, so that the list can filter and sort by them.
+    _number("airspeed_m_s"),
+    _number("dynamic_pressure_pa"),
+    _number("fuel_fraction", index=True),
+)
+
+channels = _table(
+    "channels",
+    _identity(),
+    _refers_to("maneuver_id", "maneuvers", index=False, ondelete="CASCADE"),
+    _text("name"),
+    _text("unit"),
+    _text("role"),
+    _number("rate_hz"),
+    _number("start_s"),
+    sa.Column("n_samples", sa.Integer, nullable=False),
+    sa.Column("array", sa.String(64), sa.ForeignKey("arrays.hash"), nullable=False, index=True),
+    sa.UniqueConstraint("maneuver_id", "name"),
+)
+
+modal_tables = _table(
+    "modal_tables",
+    _identity(),
+    _refers_to("aircraft_id", "aircraft"),
+    _text("name"),
+    _text("kind"),
+    _json("fuel"),
+    _json("numbers"),
+    _json("names"),
+    _json("symmetric"),
+    _json("points"),
+    _json("gauges"),
+    _json("arrays"),
+    _text("origin"),
+)
+
+predictions = _table(
+    "predictions",
+    _identity(),
+    _refers_to("aircraft_id", "aircraft"),
+    _text("source"),
+    _text("kind"),
+    _json("fuel"),
+    _json("names"),
+    sa.Column("values", sa.String(64), sa.ForeignKey("arrays.hash"), nullable=False, index=True),
+    sa.Column("std_errors", sa.String(64), sa.ForeignKey("arrays.hash"), index=True),
+    _text("note"),
+)
+
+model_structures = _table(
+    "model_structures",
+    _identity(),
+    _refers_to("aircraft_id", "aircraft"),
+    _text("name"),
+    _json("structure"),
+    _text("note"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+)
+
+runs = _table(
+    "runs",
+    _identity(),
+    _refers_to("maneuver_id", "maneuvers", index=False),
+    sa.Column("method", sa.String(8), nullable=False),
+    _json("structure"),
+    _json("settings"),
+    _refers_to("modal_table_id", "modal_tables", required=False),
+    _refers_to("damping_table_id", "modal_tables", required=False),
+    _refers_to("prediction_id", "predictions", required=False),
+    _refers_to("structure_id", "model_structures", required=False),
+    sa.Column("state", sa.String(16), nullable=False),
+    sa.Column("attempt", sa.Integer, nullable=False),
+    _json("progress", required=False),
+    _json("error", required=False),
+    _json("result", required=False),
+    _json("versions", required=False),
+    _text("author"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+    sa.Column("started_at", UtcDateTime),
+    sa.Column("finished_at", UtcDateTime),
+    # The newest run of each method per maneuver, and the oldest queued run, are index look-ups.
+    sa.Index(None, "maneuver_id", "method", "id"),
+    sa.Index(None, "state", "id"),
+)

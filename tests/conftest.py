@@ -1,0 +1,144 @@
+"""What several floors need: a store that has been migrated, and a small aircraft to keep in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flexsid.records.aircraft import Aircraft, Geometry, MassTable, Sensor, SensorKind, Surface
+from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Channel, Condition, Excitation, Maneuver, Role
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage.migrate import upgrade
+from flexsid.storage.store import Store
+from flexsid.sysid.model.instruments import Butterworth, FirstOrder, Instrument, SecondOrder
+
+AIRCRAFT = Aircraft(
+    name="X-1",
+    geometry=Geometry(area_m2=1.0, chord_m=0.3, span_m=3.4),
+    mass=MassTable(
+        fuel=(0.0, 1.0),
+        mass_kg=(10.0, 12.0),
+        pitch_inertia_kg_m2=(1.0, 1.2),
+        x_cg_m=(0.5, 0.52),
+        z_cg_m=(0.0, 0.0),
+    ),
+    surfaces=(Surface(name="bfs", noise_std_rad=1e-4),),
+    sensors=(Sensor(name="q", kind=SensorKind.GYRO, point="egi", instrument="egi"),),
+    instruments={
+        "egi": Instrument(
+            elements=(
+                SecondOrder(natural_frequency=300.0, damping=0.7),
+                Butterworth(order=4, corner=250.0),
+                FirstOrder(corner=500.0),
+            ),
+            delay_s=0.01,
+        )
+    },
+)
+CONDITION = Condition(
+    airspeed_m_s=20.0,
+    density_kg_m3=1.2,
+    fuel_fraction=0.5,
+    mass_kg=11.0,
+    pitch_inertia_kg_m2=1.1,
+    x_cg_m=0.51,
+    z_cg_m=0.0,
+)
+
+
+@pytest.fixture(scope="session")
+def migrated_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An empty database, made once and copied for each test."""
+    file = tmp_path_factory.mktemp("database") / "empty.db"
+    upgrade(f"sqlite:///{file}")
+    return file
+
+
+@pytest.fixture
+def database_url(migrated_file: Path, tmp_path: Path) -> str:
+    file = tmp_path / "flexsid.db"
+    file.write_bytes(migrated_file.read_bytes())
+    return f"sqlite:///{file}"
+
+
+@pytest.fixture
+def store(database_url: str) -> Iterator[Store]:
+    opened = Store.open(database_url)
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def aircraft(store: Store) -> Aircraft:
+    return store.aircraft.add(AIRCRAFT)
+
+
+@pytest.fixture
+def flight(store: Store, aircraft: Aircraft) -> Flight:
+    assert aircraft.id is not None
+    return store.flights.add(Flight(aircraft_id=aircraft.id, number=1))
+
+
+@pytest.fixture
+def add_maneuver(store: Store, flight: Flight) -> Callable[..., Maneuver]:
+    """Add a maneuver with one input and one output channel; keywords change its fields."""
+
+    def add(fuel: float = 0.5, airspeed: float = 20.0, **changes: Any) -> Maneuver:
+        assert flight.id is not None
+        maneuver = Maneuver(
+            aircraft_id=flight.aircraft_id,
+            flight_id=flight.id,
+            label="m",
+            start_s=0.0,
+            duration_s=1.0,
+            condition=replace(CONDITION, fuel_fraction=fuel, airspeed_m_s=airspeed),
+            excitation=Excitation(period_s=1.0, harmonics={"bfs": (2, 4)}),
+        )
+        with store.transaction():
+            kept = store.maneuvers.add(replace(maneuver, **changes))
+            for name, unit, role in (("bfs", "deg", Role.INPUT), ("q", "deg/s", Role.OUTPUT)):
+                samples = np.sin(np.arange(200) / 10 + len(name)).astype(np.float32)
+                store.channels.add(
+                    Channel(
+                        name=name,
+                        unit=unit,
+                        role=role,
+                        rate_hz=200.0,
+                        start_s=0.0,
+                        n_samples=200,
+                        array=store.arrays.put(samples, unit),
+                        maneuver_id=kept.id,
+                    )
+                )
+        return kept
+
+    return add
+
+
+@pytest.fixture
+def maneuver(add_maneuver: Callable[..., Maneuver]) -> Maneuver:
+    return add_maneuver()
+
+
+@pytest.fixture
+def add_run(store: Store, maneuver: Maneuver) -> Callable[..., EstimationRun]:
+    """Queue a run; keywords change its fields."""
+
+    def add(method: Method = Method.EE, **changes: Any) -> EstimationRun:
+        assert maneuver.id is not None
+        run = EstimationRun(
+            maneuver_id=maneuver.id,
+            method=method,
+            structure=Structure(modes=(7,), fixed={}),
+            settings=RunSettings(band_hz=(0.5, 12.0)),
+        )
+        return store.runs.add(replace(run, **changes))
+
+    return add

@@ -1,0 +1,160 @@
+"""A run passes from state to state once, whoever asks, and late news changes nothing."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+import pytest
+
+from flexsid.errors import Conflict
+from flexsid.records.run import (
+    EstimationRun,
+    Fit,
+    Method,
+    ParameterEstimate,
+    Progress,
+    RunResult,
+    RunState,
+)
+from flexsid.storage import queue
+from flexsid.storage.store import Store
+
+AddRun = Callable[..., EstimationRun]
+RESULT = RunResult(
+    parameters=(ParameterEstimate(name="Cm_q", value=-3.0, std_error=None),),
+    covariance="0" * 64,
+    fit=Fit(
+        outcome="converged",
+        message="",
+        iterations=(),
+        cost=None,
+        r_squared={"q": 0.9},
+        n_lines=3,
+        n_parameters=1,
+        seconds=0.1,
+        start="equation-error",
+    ),
+    poles=(),
+    blocks=(),
+)
+
+
+def _claimed(store: Store, run: EstimationRun) -> EstimationRun:
+    claimed = queue.claim(store)
+    assert claimed is not None
+    assert claimed.id == run.id
+    return claimed
+
+
+def test_runs_are_claimed_oldest_first_each_once(store: Store, add_run: AddRun) -> None:
+    ids = [add_run().id for _ in range(30)]
+    claimed: list[int | None] = []
+
+    def take() -> None:
+        while (run := queue.claim(store)) is not None:
+            claimed.append(run.id)
+
+    threads = [threading.Thread(target=take) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(claimed) == 30
+    assert set(claimed) == set(ids)
+
+
+def test_one_run_can_be_claimed_by_name(store: Store, add_run: AddRun) -> None:
+    add_run()
+    second = add_run()
+    claimed = queue.claim(store, second.id)
+    assert claimed is not None
+    assert (claimed.id, claimed.state, claimed.attempt) == (second.id, RunState.RUNNING, 1)
+    assert claimed.started_at is not None
+    assert queue.claim(store, second.id) is None
+
+
+def test_progress_and_result_are_kept(store: Store, add_run: AddRun) -> None:
+    run = _claimed(store, add_run())
+    assert run.id is not None
+    assert queue.note_progress(store, run.id, 1, Progress(iteration=2, fraction=0.1))
+    finished = queue.finish(store, run.id, 1, RESULT, {"flexsid": "0.1.0"})
+    assert finished.state is RunState.SUCCEEDED
+    assert finished.result == RESULT
+    assert finished.progress == Progress(iteration=2, fraction=0.1)
+    assert finished.finished_at is not None
+    assert store.runs.get(run.id) == finished
+
+
+def test_a_cancelled_run_takes_no_result(store: Store, add_run: AddRun) -> None:
+    run = _claimed(store, add_run())
+    assert run.id is not None
+    assert queue.still_running(store, [(run.id, 1)]) == {run.id}
+    assert queue.request_cancel(store, run.id).state is RunState.CANCELLED
+    assert queue.still_running(store, [(run.id, 1)]) == set()
+    with pytest.raises(queue.StaleAttempt, match="cancelled"):
+        queue.finish(store, run.id, 1, RESULT, {})
+    assert not queue.fail(store, run.id, 1, "x", "y")
+    assert not queue.note_progress(store, run.id, 1, Progress())
+    assert store.runs.get(run.id).state is RunState.CANCELLED
+    assert queue.request_cancel(store, run.id).state is RunState.CANCELLED
+
+
+def test_a_queued_run_that_is_cancelled_never_starts(store: Store, add_run: AddRun) -> None:
+    run = add_run()
+    assert run.id is not None
+    queue.request_cancel(store, run.id)
+    assert queue.claim(store) is None
+
+
+def test_an_ended_run_cannot_be_cancelled(store: Store, add_run: AddRun) -> None:
+    run = _claimed(store, add_run())
+    assert run.id is not None
+    queue.fail(store, run.id, 1, "not-identifiable", "too little data")
+    with pytest.raises(Conflict, match="failed"):
+        queue.request_cancel(store, run.id)
+    error = store.runs.get(run.id).error
+    assert error == {"code": "not-identifiable", "message": "too little data"}
+
+
+def test_an_earlier_attempt_is_fenced_off(store: Store, add_run: AddRun) -> None:
+    run = _claimed(store, add_run())
+    assert run.id is not None
+    queue.put_back(store, run.id, 1)
+    assert _claimed(store, run).attempt == 2
+    with pytest.raises(queue.StaleAttempt):
+        queue.finish(store, run.id, 1, RESULT, {})
+    assert queue.finish(store, run.id, 2, RESULT, {}).attempt == 2
+
+
+def test_what_a_dead_server_left_runs_again_but_not_for_ever(store: Store, add_run: AddRun) -> None:
+    run = add_run()
+    assert run.id is not None
+    for attempt in range(1, queue.MOST_ATTEMPTS + 1):
+        assert _claimed(store, run).attempt == attempt
+        assert queue.take_over(store) == 1
+    assert queue.claim(store) is None
+    left = store.runs.get(run.id)
+    assert left.state is RunState.FAILED
+    assert left.error is not None
+    assert left.error["code"] == "worker-died"
+
+
+def test_only_an_ended_run_is_deleted(store: Store, add_run: AddRun) -> None:
+    run = add_run()
+    assert run.id is not None
+    with pytest.raises(Conflict, match="cancel it first"):
+        queue.delete(store, run.id)
+    queue.request_cancel(store, run.id)
+    queue.delete(store, run.id)
+    assert store.runs.find() == []
+
+
+def test_pages_of_runs_go_from_new_to_old(store: Store, add_run: AddRun) -> None:
+    runs = [add_run(method) for method in (Method.OE, Method.EE, Method.OE)]
+    first = queue.page(store, limit=2)
+    assert first.items == [runs[2], runs[1]]
+    second = queue.page(store, limit=2, after=first.next)
+    assert (second.items, second.next) == ([runs[0]], None)
+    assert queue.page(store, method=Method.EE, state=RunState.QUEUED).items == [runs[1]]
+    assert queue.page(store, maneuver_id=99).items == []
