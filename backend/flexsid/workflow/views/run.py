@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.nomenclature import describe
+from flexsid.records.comparison import Comparison
 from flexsid.records.run import EstimationRun, FitBlock, Method, Pole, RunResult
 from flexsid.records.views import (
     Convergence,
@@ -17,6 +20,7 @@ from flexsid.records.views import (
     Residuals,
 )
 from flexsid.storage.store import Store
+from flexsid.workflow.comparison import compare, of_coefficient
 from flexsid.workflow.views.modes import modal_poles
 
 _SHOWN_FIRST = 2  # outputs drawn when none was chosen; a page shows that many at once
@@ -42,7 +46,7 @@ def finished(store: Store, run_id: int) -> tuple[EstimationRun, RunResult]:
 
 
 def fit(
-    store: Store, run_id: int, outputs: tuple[str, ...] = (), block: str | None = None
+    store: Store, run_id: int, outputs: Sequence[str] = (), block: str | None = None
 ) -> FitPlot:
     """Read measured and fitted lines; the first outputs of the first block by default."""
     run, result = finished(store, run_id)
@@ -164,3 +168,13 @@ def _lines(store: Store, block: FitBlock) -> tuple[np.ndarray, np.ndarray, np.nd
     )
     order = np.argsort(omega, kind="stable")
     return omega[order], measured[order], fitted[order]
+
+
+def derivatives(
+    store: Store,
+    run_ids: Sequence[int],
+    prediction_ids: Sequence[int] = (),
+    coefficient: str | None = None,
+) -> Comparison:
+    """Read the derivatives of one coefficient, by method and prediction."""
+    return of_coefficient(compare(store, run_ids, prediction_ids), coefficient)

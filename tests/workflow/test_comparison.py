@@ -1,0 +1,94 @@
+"""What the comparison page relies on."""
+
+from __future__ import annotations
+
+import pytest
+
+from flexsid.errors import BadInput, Conflict
+from flexsid.records.run import Method
+from flexsid.workflow.comparison import compare, of_coefficient
+
+
+def row(comparison, name):
+    return next(row for row in comparison.rows if row.name == name)
+
+
+def test_predictions_are_taken_at_the_fuel_of_the_maneuver(store, add_result, prediction):
+    run = add_result({"Cm_alpha": (-1.6, 0.1)})
+    comparison = compare(store, [run.id], [prediction.id])
+    assert [source.kind for source in comparison.sources] == ["OE", "prediction"]
+    assert comparison.sources[1].label == "vortex lattice"
+    predicted = row(comparison, "Cm_alpha").values[1]
+    assert predicted.value == pytest.approx(-1.5), "half fuel"
+    assert predicted.std_error is None
+
+
+def test_runs_are_judged_in_combined_standard_errors(store, add_result, prediction):
+    first = add_result({"Cm_alpha": (-1.0, 0.3), "Cm_q": (-8.0, 0.1)})
+    second = add_result({"Cm_alpha": (-1.5, 0.4), "Cm_q": (-9.0, 0.1)}, method=Method.EE)
+    comparison = compare(store, [first.id, second.id], [prediction.id])
+    agreed, apart = row(comparison, "Cm_alpha"), row(comparison, "Cm_q")
+    assert agreed.max_difference_sigma == pytest.approx(0.5 / 0.5)
+    assert agreed.consistent is True
+    assert apart.max_difference_sigma == pytest.approx(1.0 / (0.1 * 2**0.5))
+    assert apart.consistent is False
+
+
+def test_what_has_no_standard_error_is_not_judged(store, add_result, prediction):
+    run = add_result({"Cm_alpha": (-1.0, 0.1), "Cm_q": (-8.0, None)})
+    comparison = compare(store, [run.id], [prediction.id])
+    for name in ("Cm_alpha", "Cm_q"):
+        assert row(comparison, name).consistent is None
+        assert row(comparison, name).max_difference_sigma is None
+
+
+def test_derivatives_stand_in_the_order_of_the_table(store, add_result):
+    small = add_result({"tau_q": (0.01, 0.001), "Cm_wf4s": (1.0, 0.1), "Cm_alpha": (1.0, 0.1)})
+    large = add_result(
+        {
+            "CQ10_eta7": (1.0, 0.1),
+            "CQ9_eta7": (1.0, 0.1),
+            "Cm_etadot7": (1.0, 0.1),
+            "Cm_eta10": (1.0, 0.1),
+            "Cm_eta9": (1.0, 0.1),
+            "CZ_q": (1.0, 0.1),
+        }
+    )
+    comparison = compare(store, [small.id, large.id], [])
+    assert [row.name for row in comparison.rows] == [
+        *("CZ_q", "Cm_alpha", "Cm_eta9", "Cm_eta10", "Cm_etadot7", "Cm_wf4s"),
+        *("CQ9_eta7", "CQ10_eta7", "tau_q"),
+    ]
+    assert row(comparison, "CZ_q").values[0] is None
+
+
+def test_residualized_prediction_is_a_source_of_its_own_shown_once(store, add_result, prediction):
+    runs = [
+        add_result(
+            {"Cm_alpha": (-1.0, 0.1)},
+            residualized={"Cm_alpha": -1.2},
+            prediction_id=prediction.id,
+        )
+        for _ in range(2)
+    ]
+    comparison = compare(store, [run.id for run in runs], [prediction.id])
+    labels = [source.label for source in comparison.sources]
+    assert labels[2:] == ["vortex lattice", "vortex lattice, residualized"]
+    assert row(comparison, "Cm_alpha").values[3].value == -1.2
+    assert len(compare(store, [runs[0].id], []).sources) == 1, "only what was asked for"
+
+
+def test_one_coefficient_can_be_picked(store, add_result):
+    run = add_result({"CZ_alpha": (-4.0, 0.1), "CQ7_eta7": (-1.0, 0.1)})
+    comparison = compare(store, [run.id], [])
+    assert [row.name for row in of_coefficient(comparison, "CQ7").rows] == ["CQ7_eta7"]
+    with pytest.raises(BadInput, match="CZ, CQ7"):
+        of_coefficient(comparison, "Cm")
+
+
+def test_a_run_without_result_cannot_be_compared(store, add_run):
+    run = add_run()
+    with pytest.raises(Conflict, match="queued"):
+        compare(store, [run.id], [])
+    with pytest.raises(BadInput, match="at least one run"):
+        compare(store, [], [])
