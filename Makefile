@@ -98,7 +98,7 @@ page-checks: install
 	$(say) 'the page: style, types and tests'
 	@$(BIN)/python hatch_build.py run lint
 	@$(BIN)/python hatch_build.py run format:check
-	@$(BIN)/python hatch_build.py run types
+	@$(BIN)/python hatch_build.py run typecheck
 	@$(BIN)/python hatch_build.py test
 
 # The walk in a browser uses the system's Chromium; only root can install one.

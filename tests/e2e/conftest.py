@@ -1,0 +1,146 @@
+"""A server with the demonstration campaign, and a browser that looks at it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+ROOT = Path(__file__).parents[2]
+SCREENSHOTS = Path(__file__).parent / "screenshots"
+CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
+QUIET = [
+    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+]
+FLEXSID = [
+    sys.executable,
+    "-c",
+    "import sys; from flexsid.cli.main import main; sys.exit(main(sys.argv[1:]))",
+]
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    program = next(filter(None, map(shutil.which, CHROMIUM)), None)
+    if program is None:
+        reason = "no Chromium on PATH; on Debian: apt-get install chromium"
+        if os.environ.get("CI") == "true":
+            pytest.fail(reason)
+        pytest.skip(reason)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=QUIET)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def campaign() -> Path:
+    """Database with the demonstration campaign, made again only when its makers change."""
+    cache = ROOT / ".cache" / "e2e"
+    kept = cache / f"{_hash_of_makers()}.db"
+    if not kept.is_file():
+        shutil.rmtree(cache, ignore_errors=True)
+        cache.mkdir(parents=True)
+        made = cache / "making.db"
+        _run("demo", "--no-serve", "--database", f"sqlite:///{made}")
+        made.rename(kept)
+    return kept
+
+
+@pytest.fixture(scope="session")
+def server(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Address of a server that runs on its own copy of the campaign."""
+    folder = tmp_path_factory.mktemp("server")
+    database = folder / "flexsid.db"
+    shutil.copy(campaign, database)
+    with closing(socket.socket()) as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    log = folder / "server.log"
+    with log.open("w") as output:
+        process = subprocess.Popen(
+            [*FLEXSID, "serve", "--database", f"sqlite:///{database}"],
+            cwd=ROOT / "backend",
+            env={**os.environ, "FLEXSID_PORT": str(port), "OPENBLAS_NUM_THREADS": "1"},
+            stdout=output,
+            stderr=subprocess.STDOUT,
+        )
+        address = f"http://127.0.0.1:{port}"
+        try:
+            _wait_until_healthy(address, process, log)
+            yield address
+        finally:
+            process.terminate()
+            process.wait(timeout=20)
+
+
+@pytest.fixture
+def page(browser: Browser, server: str) -> Iterator[Page]:
+    """A page that fails the test when it complained on the console or a request failed."""
+    complaints: list[str] = []
+    context = browser.new_context(viewport={"width": 1440, "height": 1000}, base_url=server)
+    page = context.new_page()
+    page.set_default_timeout(20_000)
+    page.on(
+        "console",
+        lambda said: complaints.append(said.text) if said.type in ("error", "warning") else None,
+    )
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on(
+        "response",
+        lambda answer: (
+            complaints.append(f"{answer.status} {answer.url}") if answer.status >= 400 else None
+        ),
+    )
+    yield page
+    context.close()
+    assert not complaints, "\n".join(complaints)
+
+
+def api(server: str, path: str) -> dict[str, object]:
+    """What the REST interface answers."""
+    with urllib.request.urlopen(f"{server}/api/v1/{path}", timeout=20) as answer:
+        return json.load(answer)
+
+
+def _hash_of_makers() -> str:
+    package = ROOT / "backend" / "flexsid"
+    floors = ("demo", "sysid", "records", "storage", "workflow", "importers")
+    sources = [path for floor in floors for path in sorted((package / floor).rglob("*.*"))]
+    digest = hashlib.sha256()
+    for path in [*sources, *sorted((ROOT / "migrations").rglob("*.py"))]:
+        if path.suffix != ".pyc":
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _run(*arguments: str) -> None:
+    done = subprocess.run(
+        [*FLEXSID, *arguments], cwd=ROOT / "backend", capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def _wait_until_healthy(address: str, process: subprocess.Popen[bytes], log: Path) -> None:
+    for _ in range(300):
+        assert process.poll() is None, f"the server ended:\n{log.read_text()}"
+        try:
+            with urllib.request.urlopen(f"{address}/api/v1/health", timeout=2):
+                return
+        except (urllib.error.URLError, ConnectionError, TimeoutError):
+            time.sleep(0.1)
+    pytest.fail(f"the server does not answer:\n{log.read_text()}")

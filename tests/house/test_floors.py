@@ -1,0 +1,74 @@
+"""The house is built one floor above the other, and stays so."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / "backend" / "flexsid"
+
+HEAVY = {"fastapi", "sqlalchemy", "plotly", "pydantic", "pandas", "alembic", "uvicorn"}
+
+
+def test_floors_import_downwards_only():
+    lint = subprocess.run(
+        [sys.executable, "-c", "from importlinter.cli import lint_imports_command as c; c()"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert lint.returncode == 0, lint.stdout + lint.stderr
+
+
+@pytest.mark.parametrize(
+    ("floor", "light"),
+    [
+        ("sysid", HEAVY),
+        ("nomenclature", HEAVY | {"numpy", "scipy"}),
+        ("units", HEAVY | {"scipy"}),
+        ("records", HEAVY),
+        ("figures", HEAVY | {"control"}),
+        ("workflow", {"fastapi", "plotly", "pandas", "uvicorn"}),
+    ],
+)
+def test_a_floor_does_not_drag_in_what_it_does_not_need(floor, light):
+    names = [f"flexsid.{floor}", *_modules(PACKAGE / floor)]
+    script = f"import sys; {'; '.join(f'import {name}' for name in names)}; print(*sys.modules)"
+    answer = subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=ROOT / "backend",
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert not light & set(answer.stdout.split())
+
+
+def test_no_drawer_for_odds_and_ends():
+    banned = {"utils", "util", "helpers", "helper", "common", "misc", "manager", "managers"}
+    sources = [*PACKAGE.rglob("*.py"), *(ROOT / "frontend" / "src").rglob("*.ts*")]
+    parts = {part for path in sources for part in path.relative_to(ROOT).with_suffix("").parts}
+    assert not banned & {part.lower() for part in parts}
+
+
+def test_every_package_says_what_it_is():
+    for path in PACKAGE.rglob("__init__.py"):
+        assert path.read_text().startswith('"""'), f"{path.relative_to(ROOT)} has no docstring"
+
+
+def test_every_folder_states_its_rules():
+    for folder in ("backend", "frontend", "migrations", "tests"):
+        assert (ROOT / folder / "README.md").is_file(), folder
+
+
+def _modules(folder: Path) -> list[str]:
+    return [
+        ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
+        for path in sorted(folder.rglob("*.py"))
+        if path.name not in ("__init__.py", "__main__.py")
+    ]
