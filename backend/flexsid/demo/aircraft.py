@@ -1,0 +1,166 @@
+"""FLEX-28 as the workbench knows it: geometry, mass, surfaces, sensors and instruments."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+from flexsid.demo.flex28 import INPUTS, Truth
+from flexsid.records.aircraft import (
+    Aircraft,
+    Combination,
+    DragPolar,
+    FlutterTable,
+    Geometry,
+    MassTable,
+    Sensor,
+    SensorKind,
+    Surface,
+)
+from flexsid.sysid.model.instruments import Butterworth, Instrument, SecondOrder
+from flexsid.units import factor
+
+NAME = "FLEX-28"
+
+_ACCELEROMETER_PAIRS = ("az_mf", "az_ma", "az_of", "az_oa", "ax_oa", "ay_wl")
+
+_DESCRIPTION = (
+    "Invented flexible flying wing of 28 ft span with two full-span rows of trailing-edge "
+    "surfaces. Every number comes from a beam finite element model and a vortex lattice "
+    "made for this purpose; none is of a real aircraft."
+)
+
+
+def describe_aircraft(truth: Truth) -> Aircraft:
+    """Write the aircraft down as an analyst would know it. The airframe is exact, noise typical."""
+    source = truth.source
+    noise = source["noise_sigma"]
+    drag = source["drag"]
+    return Aircraft(
+        name=NAME,
+        description=_DESCRIPTION,
+        geometry=Geometry(area_m2=truth.area, chord_m=truth.chord, span_m=truth.span),
+        mass=MassTable(
+            fuel=_numbers(truth.fuel),
+            mass_kg=_numbers(truth.mass),
+            pitch_inertia_kg_m2=_numbers(truth.pitch_inertia),
+            x_cg_m=_numbers(truth.x_cg),
+            z_cg_m=_numbers(truth.z_cg),
+        ),
+        surfaces=tuple(
+            Surface(name=name, instrument="potentiometer", noise_std_rad=noise["pot_rad"])
+            for name in INPUTS
+        ),
+        sensors=_sensors(truth),
+        combinations=_combinations(source),
+        instruments=_instruments(source),
+        polar=DragPolar(
+            cd_min=drag["CDmin"],
+            oswald=drag["e"],
+            aspect_ratio=drag["AR"],
+            lift_slope=float(-truth.derivatives[:, 0, 0].mean()),
+        ),
+        flutter=FlutterTable(
+            fuel=_numbers(truth.flutter_fuel), speed_m_s=_numbers(truth.flutter_speed)
+        ),
+    )
+
+
+def anti_alias(source: dict[str, Any]) -> Butterworth:
+    """Give the anti-alias filter that every recorded channel has gone through."""
+    return _butterworth(source["dynamics"]["antialias"])
+
+
+def _numbers(values: Any) -> tuple[float, ...]:
+    return tuple(map(float, values))
+
+
+def _butterworth(entry: dict[str, Any]) -> Butterworth:
+    return Butterworth(order=entry["order"], corner=2.0 * pi * entry["fc_hz"])
+
+
+def _instruments(source: dict[str, Any]) -> dict[str, Instrument]:
+    """Sensor dynamics, anti-alias filter and delay of every kind of channel."""
+    dynamics = source["dynamics"]
+    last = anti_alias(source)
+    delay = dynamics["channel_delay_s"]
+
+    def second_order(kind: str) -> SecondOrder:
+        entry = dynamics[kind]
+        return SecondOrder(natural_frequency=entry["wn"], damping=entry["zeta"])
+
+    return {
+        "potentiometer": Instrument(elements=(_butterworth(dynamics["pot_filter"]), last)),
+        "accelerometer": Instrument(
+            elements=(second_order("accelerometer"), last), delay_s=delay["accel"]
+        ),
+        "gyro": Instrument(elements=(second_order("gyro"), last), delay_s=delay["gyro"]),
+        "vane": Instrument(elements=(last,), delay_s=delay["vane"]),
+        "attitude": Instrument(elements=(last,), delay_s=delay["attitude"]),
+        "strain": Instrument(elements=(last,), delay_s=delay["strain"]),
+    }
+
+
+def _sensors(truth: Truth) -> tuple[Sensor, ...]:
+    """All 45 sensors in the order of the recorder: alpha, q, theta, accelerometers, gauges."""
+    noise = truth.source["noise_sigma"]
+    place = truth.locations
+
+    def at(name: str, kind: SensorKind, point: str, axis: str, std: float) -> Sensor:
+        x, y, z = map(float, place.get(point, (0.0, 0.0, 0.0)))
+        return Sensor(
+            name=name,
+            kind=kind,
+            point=point,
+            axis=axis,
+            location_m=(x, y, z),
+            instrument=kind.value,
+            noise_std=std,
+        )
+
+    in_g = noise["accel_g"] * factor("g", "acceleration")
+    return (
+        at("alpha", SensorKind.VANE, "boom", "y", noise["vane_rad"]),
+        at("q", SensorKind.GYRO, "nose_gyro", "y", noise["gyro_rad_s"]),
+        at("theta", SensorKind.ATTITUDE, "egi_att", "y", noise["attitude_rad"]),
+        *(
+            at(entry["id"], SensorKind.ACCELEROMETER, entry["point"], entry["axis"], in_g)
+            for entry in truth.source["accelerometers"]
+        ),
+        *(
+            at(
+                f"s_{gauge}",
+                SensorKind.STRAIN,
+                gauge,
+                "y",
+                noise["strain_ue"] * factor("ustrain", "strain"),
+            )
+            for gauge in truth.modes.gauges
+        ),
+    )
+
+
+def _combinations(source: dict[str, Any]) -> tuple[Combination, ...]:
+    """Symmetric parts of left and right pairs (Eq. 3).
+
+    Lateral accelerometers see a symmetric motion with opposite signs.
+    """
+    symmetric = [
+        Combination(
+            name=f"{pair}s",
+            terms=((f"{pair}l", 0.5), (f"{pair}r", -0.5 if pair.startswith("ay") else 0.5)),
+        )
+        for pair in _ACCELEROMETER_PAIRS
+    ]
+    gauges = [gauge for gauge in source["strain"] if gauge.split("_")[0].endswith("r")]
+    for gauge in gauges:
+        base, _, direction = gauge.partition("_")
+        tail = f"_{direction}" if direction else ""
+        stem = f"s_{base.removesuffix('r')}"
+        symmetric.append(
+            Combination(
+                name=f"{stem}s{tail}",
+                terms=((f"{stem}l{tail}", 0.5), (f"{stem}r{tail}", 0.5)),
+            )
+        )
+    return tuple(symmetric)

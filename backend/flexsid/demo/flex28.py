@@ -1,0 +1,185 @@
+"""FLEX-28 as it truly is: the numbers of ``data/flex28.json`` in SI units and radians."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from importlib.resources.abc import Traversable
+from typing import Any
+
+import numpy as np
+from scipy import interpolate
+
+from flexsid.sysid.model.condition import GRAVITY, FlightCondition
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.modes import ModeTable, StructuralModes
+from flexsid.sysid.simulation.actuators import Actuator
+from flexsid.sysid.simulation.controller import ScheduledController
+from flexsid.units import factor
+
+INPUTS = ("bfs", "wf1s", "wf2s", "wf3s", "wf4s")
+"""Symmetric surface pairs, named as the workbench names them."""
+
+_FOOT = factor("ft", "length")
+_SLUG = factor("slug", "mass")
+_INERTIA = factor("slug*ft2", "inertia")
+_DENSITY = factor("slug/ft3", "density")
+_MICROSTRAIN = factor("ustrain", "strain")
+_DEGREE = factor("deg", "angle")
+
+# Open-loop flutter speed of the eight-mode truth, from its own eigenvalues. [ft/s]
+_FLUTTER_FUEL = (0.0, 0.25, 0.5, 0.75, 1.0)
+_FLUTTER_SPEED = (199.00, 196.26, 194.60, 193.47, 192.63)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Truth:
+    """The aircraft that is flown; ``source`` is the file's content in its own units."""
+
+    source: dict[str, Any]
+    fuel: np.ndarray
+    area: float
+    chord: float
+    span: float
+    density: float
+    mass: np.ndarray
+    pitch_inertia: np.ndarray
+    x_cg: np.ndarray
+    z_cg: np.ndarray
+    symmetric: tuple[int, ...]
+    modes: ModeTable
+    locations: dict[str, np.ndarray]
+    derivatives: np.ndarray  # (fuel, rows, columns) of the eight symmetric modes
+    flutter_fuel: np.ndarray
+    flutter_speed: np.ndarray
+    actuator: Actuator
+    controller: ScheduledController
+
+    def flutter_speed_at(self, fuel: float) -> float:
+        """Open-loop flutter speed. [m/s]"""
+        return float(np.interp(fuel, self.flutter_fuel, self.flutter_speed))
+
+    def modes_at(self, fuel: float, count: int) -> StructuralModes:
+        """The first ``count`` symmetric modes at a fuel fraction."""
+        return self.modes.at(fuel).select(self.symmetric[:count])
+
+    def derivatives_at(self, fuel: float, count: int) -> DerivativeTable:
+        """True derivatives with the other modes truncated, at a fuel fraction."""
+        values = interpolate.interp1d(self.fuel, self.derivatives, axis=0)(fuel)
+        return DerivativeTable(self.symmetric, INPUTS, values).select(
+            self.symmetric[:count], INPUTS
+        )
+
+    def condition_at(self, airspeed: float, fuel: float) -> FlightCondition:
+        """Trimmed level flight: lift equals weight, thrust equals drag."""
+        mass = float(np.interp(fuel, self.fuel, self.mass))
+        force = 0.5 * self.density * airspeed**2 * self.area
+        lift = mass * GRAVITY / force
+        drag = self.source["drag"]
+        induced = 1.0 / (np.pi * drag["e"] * drag["AR"])
+        lift_slope = -float(np.interp(fuel, self.fuel, self.derivatives[:, 0, 0]))
+        return FlightCondition(
+            airspeed=airspeed,
+            density=self.density,
+            mass=mass,
+            pitch_inertia=float(np.interp(fuel, self.fuel, self.pitch_inertia)),
+            area=self.area,
+            chord=self.chord,
+            alpha=lift / lift_slope,
+            thrust=force * (drag["CDmin"] + induced * lift**2),
+            x_cg=float(np.interp(fuel, self.fuel, self.x_cg)),
+            z_cg=float(np.interp(fuel, self.fuel, self.z_cg)),
+            induced_drag=induced,
+        )
+
+    def body_position(self, point: str, condition: FlightCondition) -> np.ndarray:
+        """Where a point is from the c.g., in body axes. [m]"""
+        aft, right, up = self.locations[point]
+        return np.array([condition.x_cg - aft, right, condition.z_cg - up])
+
+
+@cache
+def load_truth() -> Truth:
+    """Read the shipped aircraft once."""
+    source = json.loads(_data("flex28.json").read_text(encoding="utf-8"))
+    dynamics, law = source["dynamics"]["actuator"], source["controller"]
+    delay = dynamics["delay_s"]
+    return Truth(
+        source=source,
+        fuel=np.array(source["fuel_fraction"]),
+        area=source["S"] * _FOOT**2,
+        chord=source["cbar"] * _FOOT,
+        span=source["b"] * _FOOT,
+        density=source["rho"] * _DENSITY,
+        mass=np.array(source["mass_slug"]) * _SLUG,
+        pitch_inertia=np.array(source["Iyy"]) * _INERTIA,
+        x_cg=np.array(source["xcg_struct"]) * _FOOT,
+        z_cg=np.array(source["zcg_struct"]) * _FOOT,
+        symmetric=tuple(source["sym_modes"]),
+        modes=_modes(source),
+        locations={
+            name: np.array(place) * _FOOT for name, place in source["points_struct"].items()
+        },
+        derivatives=np.stack([_table(at_fuel) for at_fuel in source["derivatives"]]),
+        flutter_fuel=np.array(_FLUTTER_FUEL),
+        flutter_speed=np.array(_FLUTTER_SPEED) * _FOOT,
+        actuator=Actuator(
+            natural_frequency=dynamics["wn"],
+            damping=dynamics["zeta"],
+            delay_s=delay,
+            rate_limit=dynamics["rate_limit_deg_s"] * _DEGREE,
+            position_limit=dynamics["pos_limit_deg"] * _DEGREE,
+        ),
+        controller=ScheduledController(
+            surfaces=tuple(f"{name}s" for name in law["surf"]),
+            gains=np.array(law["K"]),
+            low_speed=law["V_lo"] * _FOOT,
+            high_speed=law["V_hi"] * _FOOT,
+            least_gain=law["g_min"],
+            filter_corner=law["filter_wc"],
+            # The file counts the whole loop; the actuator brings its own share.
+            delay_s=law["total_delay_s"] - delay,
+        ),
+    )
+
+
+def load_nodes() -> tuple[np.ndarray, np.ndarray]:
+    """Nodes to draw, (K, 3) structural axes [m], and their shapes (F, n, K, 6) [m, rad]."""
+    with _data("modeshape_grid.npz").open("rb") as stream, np.load(stream) as grid:
+        return grid["points_struct"] * _FOOT, _shape_to_si(grid["phi_body"])
+
+
+def _data(name: str) -> Traversable:
+    return resources.files("flexsid.demo").joinpath("data", name)
+
+
+def _modes(source: dict[str, Any]) -> ModeTable:
+    fuel = np.array(source["fuel_fraction"])
+    empty, full = np.array(source["zeta_empty"]), np.array(source["zeta_full"])
+    omega = np.array(source["omega_rad_s"])
+    shapes = np.stack([np.array(shape) for shape in source["modeshape_at"].values()], axis=2)
+    strain = np.stack([np.array(gauge) for gauge in source["strain"].values()], axis=2)
+    return ModeTable(
+        fuel=fuel,
+        numbers=tuple(source["mode_number"]),
+        omega=omega,
+        zeta=empty + fuel[:, None] * (full - empty),
+        mass=np.full(omega.shape, source["generalized_mass"] * _INERTIA),
+        points=tuple(source["modeshape_at"]),
+        shape=_shape_to_si(shapes),
+        gauges=tuple(source["strain"]),
+        strain=strain * _MICROSTRAIN,
+    )
+
+
+def _shape_to_si(shape: np.ndarray) -> np.ndarray:
+    return shape * np.repeat([_FOOT, 1.0], 3).astype(shape.dtype)
+
+
+def _table(at_fuel: dict[str, Any]) -> np.ndarray:
+    rows = [at_fuel["CZ"], at_fuel["Cm"], *at_fuel["CQ"]]
+    return np.array(
+        [[row["alpha"], row["q"], *row["eta"], *row["etadot"], *row["delta"]] for row in rows]
+    )

@@ -1,0 +1,82 @@
+"""Fly the true aircraft in closed loop; what comes out is what its sensors feel."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexsid.demo.flex28 import Truth
+from flexsid.records.aircraft import Sensor, SensorKind
+from flexsid.sysid.model.condition import FlightCondition
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.simulation import sensors as feel
+from flexsid.sysid.simulation.airframe import Airframe, assemble_airframe
+from flexsid.sysid.simulation.closed_loop import Motion, fly_closed_loop
+
+RATE_HZ = 1000.0
+"""Rate of the simulation and of the fastest recorder channels."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrueFlight:
+    """One flight without instruments: ``felt`` (n_samples, n_sensors) in SI."""
+
+    condition: FlightCondition
+    derivatives: DerivativeTable
+    motion: Motion
+    felt: np.ndarray
+
+
+def fly_truth(
+    truth: Truth,
+    sensors: Sequence[Sensor],
+    airspeed: float,
+    fuel: float,
+    count: int,
+    excitation: np.ndarray,
+) -> TrueFlight:
+    """Fly through an excitation from trim.
+
+    Parameters
+    ----------
+    truth
+        The aircraft with its actuators and its controller.
+    sensors
+        Whose feelings are wanted.
+    airspeed
+        True airspeed. [m/s]
+    fuel
+        Fuel fraction. [1]
+    count
+        Number of symmetric modes in the truth; the others are truncated.
+    excitation
+        Added to the surface commands at ``RATE_HZ``, (n_samples, 5). [rad]
+    """
+    condition = truth.condition_at(airspeed, fuel)
+    derivatives = truth.derivatives_at(fuel, count)
+    airframe = assemble_airframe(condition, truth.modes_at(fuel, count), derivatives)
+    motion = fly_closed_loop(
+        airframe,
+        truth.actuator,
+        excitation,
+        RATE_HZ,
+        truth.controller,
+        np.stack([feel.gyro(airframe, "nose_gyro"), feel.attitude(airframe, "egi_att")]),
+    )
+    rows = np.stack([_row(truth, airframe, sensor) for sensor in sensors])
+    return TrueFlight(condition, derivatives, motion, motion.sense(rows))
+
+
+def _row(truth: Truth, airframe: Airframe, sensor: Sensor) -> np.ndarray:
+    if sensor.kind is SensorKind.STRAIN:
+        return feel.strain_gauge(airframe, sensor.point)
+    if sensor.kind is SensorKind.GYRO:
+        return feel.gyro(airframe, sensor.point)
+    if sensor.kind is SensorKind.ATTITUDE:
+        return feel.attitude(airframe, sensor.point)
+    position = truth.body_position(sensor.point, airframe.condition)
+    if sensor.kind is SensorKind.VANE:
+        return feel.vane(airframe, sensor.point, position)
+    return feel.accelerometer(airframe, sensor.axis, sensor.point, position)

@@ -1,0 +1,1 @@
+"""Excitation: orthogonal multisines that move every surface at once."""

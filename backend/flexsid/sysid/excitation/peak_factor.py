@@ -1,0 +1,83 @@
+"""Phases of a multisine: few peaks for its power, and zero at its start."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy import optimize
+
+
+def relative_peak_factor(samples: Float[np.ndarray, " n_samples"]) -> float:
+    """Peak-to-peak over that of a single sine of the same rms; 1 for one sine. [1]"""
+    peak_to_peak = samples.max() - samples.min()
+    return float(peak_to_peak / (2.0 * np.sqrt(2.0) * np.sqrt(np.mean(samples**2))))
+
+
+def schroeder_phases(amplitudes: Float[np.ndarray, " n_tones"]) -> Float[np.ndarray, " n_tones"]:
+    """Phases that spread the energy of the tones over the period. [rad]
+
+    Notes
+    -----
+    Source: Schroeder, IEEE Trans. Inf. Theory 16 (1970); for equal amplitudes
+    it is phi_k = -pi k^2 / n.
+    """
+    power = amplitudes**2 / np.sum(amplitudes**2)
+    before = np.concatenate([[0.0], np.cumsum(np.cumsum(power))[:-1]])
+    return -2.0 * np.pi * before
+
+
+def lower_peak(
+    harmonics: Int[np.ndarray, " n_tones"],
+    amplitudes: Float[np.ndarray, " n_tones"],
+    phases: Float[np.ndarray, " n_tones"],
+    iterations: int = 300,
+) -> Float[np.ndarray, " n_tones"]:
+    """Improve phases by clipping: cut the peaks, keep the phases of what is left.
+
+    Returns the best phases met, so the result is never worse than the start. [rad]
+
+    Notes
+    -----
+    Source: van der Ouderaa, Schoukens, Renneboog, IEEE Trans. Instrum. Meas. 37
+    (1988): swap between the clipped signal and the prescribed spectrum.
+    """
+    n_samples = 1 << int(np.ceil(np.log2(16 * harmonics.max())))
+    spectrum = np.zeros(n_samples // 2 + 1, dtype=complex)
+    best, lowest = phases, np.inf
+    for level in np.linspace(0.80, 0.99, iterations):
+        spectrum[harmonics] = amplitudes * np.exp(1j * (phases - np.pi / 2.0)) * n_samples / 2.0
+        samples = np.fft.irfft(spectrum, n_samples)
+        factor = relative_peak_factor(samples)
+        if factor < lowest:
+            best, lowest = phases, factor
+        limit = level * np.abs(samples).max()
+        clipped = np.fft.rfft(np.clip(samples, -limit, limit))[harmonics]
+        phases = np.angle(clipped) + np.pi / 2.0
+    return best
+
+
+def start_at_zero(
+    harmonics: Int[np.ndarray, " n_tones"],
+    amplitudes: Float[np.ndarray, " n_tones"],
+    phases: Float[np.ndarray, " n_tones"],
+) -> Float[np.ndarray, " n_tones"]:
+    """Shift in time to a zero crossing where the running integral is zero, too.
+
+    No step where the excitation starts, and an attitude that follows the integral
+    of the surfaces ends where it started. Peak factor and orthogonality do not
+    change. [rad]
+    """
+    turn = 2.0 * np.pi * harmonics
+
+    def value(cycle: float) -> float:
+        return float(np.sum(amplitudes * np.sin(turn * cycle + phases)))
+
+    n_grid = 32 * int(harmonics.max())
+    grid = np.arange(n_grid + 1) / n_grid
+    angles = np.outer(grid, turn) + phases
+    samples = np.sin(angles) @ amplitudes
+    integral = np.cos(angles) @ (amplitudes / turn)
+    crossings = np.flatnonzero(samples[:-1] * samples[1:] <= 0.0)
+    chosen = int(crossings[np.argmin(np.abs(integral[crossings]))])
+    shift = float(optimize.brentq(value, grid[chosen], grid[chosen + 1], xtol=1e-15))
+    return np.mod(phases + turn * shift + np.pi, 2.0 * np.pi) - np.pi

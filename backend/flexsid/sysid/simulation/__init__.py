@@ -1,0 +1,1 @@
+"""Truth simulation: a flexible aircraft flown in closed loop, sample by sample."""
