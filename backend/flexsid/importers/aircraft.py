@@ -1,0 +1,217 @@
+"""The ``[aircraft]`` part of a mapping: a name, or a whole definition."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import pi
+
+from flexsid.importers.quantity import refuse
+from flexsid.importers.table import Table
+from flexsid.records.aircraft import (
+    Aircraft,
+    Combination,
+    DragPolar,
+    FlutterTable,
+    Geometry,
+    MassTable,
+    Sensor,
+    SensorKind,
+    Surface,
+)
+from flexsid.sysid.model.instruments import (
+    Butterworth,
+    Element,
+    FirstOrder,
+    Instrument,
+    SecondOrder,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AircraftPart:
+    """Whose maneuver it is; ``definition`` is there when the mapping describes the aircraft.
+
+    ``builtin`` marks an aircraft that the workbench brings along.
+    """
+
+    name: str
+    builtin: bool = False
+    definition: Aircraft | None = None
+
+
+def read_aircraft(table: Table) -> AircraftPart:
+    """Read ``name``, ``builtin``, or ``name`` with geometry, mass, surfaces and sensors."""
+    if "builtin" in table:
+        part = AircraftPart(name=table.text("builtin"), builtin=True)
+    elif "geometry" in table:
+        definition = _definition(table)
+        part = AircraftPart(name=definition.name, definition=definition)
+    else:
+        part = AircraftPart(name=table.text("name"))
+    table.close()
+    return part
+
+
+def _definition(table: Table) -> Aircraft:
+    instruments = _instruments(table)
+    aircraft = Aircraft(
+        name=table.text("name"),
+        description=table.text("description", " ").strip(),
+        geometry=_geometry(table.table("geometry")),
+        mass=_mass(table.table("mass")),
+        surfaces=tuple(_surface(row, instruments) for row in table.tables("surfaces")),
+        sensors=tuple(_sensor(row, instruments) for row in table.tables("sensors")),
+        combinations=tuple(_combination(row) for row in table.tables("combinations")),
+        instruments=instruments,
+        polar=_polar(table.table("polar")) if "polar" in table else None,
+        flutter=_flutter(table.table("flutter")) if "flutter" in table else None,
+    )
+    if not aircraft.surfaces:
+        raise refuse(table.path("surfaces"), "is missing; an aircraft has at least one surface.")
+    names = [item.name for item in (*aircraft.surfaces, *aircraft.sensors, *aircraft.combinations)]
+    for name in names:
+        if names.count(name) > 1:
+            raise refuse(table.path("sensors"), f"use the name '{name}' twice.")
+    return aircraft
+
+
+def _geometry(table: Table) -> Geometry:
+    geometry = Geometry(
+        area_m2=table.si_scalar("area", "area"),
+        chord_m=table.si_scalar("chord", "length"),
+        span_m=table.si_scalar("span", "length"),
+    )
+    table.close()
+    if min(geometry.area_m2, geometry.chord_m, geometry.span_m) <= 0:
+        raise refuse(table.path("area"), "and the lengths must be positive.")
+    return geometry
+
+
+def _mass(table: Table) -> MassTable:
+    fuel = table.numbers("fuel")
+    mass = MassTable(
+        fuel=fuel,
+        mass_kg=table.si("mass", "mass"),
+        pitch_inertia_kg_m2=table.si("pitch_inertia", "inertia"),
+        x_cg_m=table.si("x_cg", "length"),
+        z_cg_m=table.si("z_cg", "length") if "z_cg" in table else (0.0,) * len(fuel),
+    )
+    table.close()
+    columns = (mass.mass_kg, mass.pitch_inertia_kg_m2, mass.x_cg_m, mass.z_cg_m)
+    if not fuel or any(len(column) != len(fuel) for column in columns):
+        raise refuse(
+            table.path("fuel"), "and the mass properties must have the same number of values."
+        )
+    if any(later <= earlier for earlier, later in pairwise(fuel)):
+        raise refuse(table.path("fuel"), "must increase.")
+    if min(mass.mass_kg) <= 0 or min(mass.pitch_inertia_kg_m2) <= 0:
+        raise refuse(table.path("mass"), "and the inertia must be positive.")
+    return mass
+
+
+def _surface(table: Table, instruments: dict[str, Instrument]) -> Surface:
+    surface = Surface(
+        name=table.text("name"),
+        instrument=_instrument_name(table, "instrument", instruments),
+        actuator=_instrument_name(table, "actuator", instruments),
+        noise_std_rad=table.si_scalar("noise_std", "angle") if "noise_std" in table else None,
+    )
+    table.close()
+    return surface
+
+
+def _sensor(table: Table, instruments: dict[str, Instrument]) -> Sensor:
+    name = table.text("name")
+    kind = SensorKind(table.choice("kind", tuple(kind.value for kind in SensorKind)))
+    location = table.si("location", "length") if "location" in table else (0.0, 0.0, 0.0)
+    if len(location) != 3:
+        raise refuse(table.path("location"), "must be x aft, y right, z up.")
+    sensor = Sensor(
+        name=name,
+        kind=kind,
+        point=table.text("point", name),
+        axis=table.choice(
+            "axis", ("x", "y", "z"), "z" if kind is SensorKind.ACCELEROMETER else "y"
+        ),
+        location_m=(location[0], location[1], location[2]),
+        instrument=_instrument_name(table, "instrument", instruments),
+        noise_std=table.optional_number("noise_std"),
+    )
+    table.close()
+    return sensor
+
+
+def _instrument_name(table: Table, key: str, instruments: dict[str, Instrument]) -> str | None:
+    name = table.optional_text(key)
+    if name is not None and name not in instruments:
+        known = ", ".join(instruments) or "none"
+        raise refuse(table.path(key), f"names '{name}', which is no instrument; defined: {known}.")
+    return name
+
+
+def _combination(table: Table) -> Combination:
+    weights = table.table("terms")
+    combination = Combination(
+        name=table.text("name"),
+        terms=tuple((channel, weights.number(channel)) for channel in weights.names()),
+    )
+    table.close()
+    return combination
+
+
+def _instruments(table: Table) -> dict[str, Instrument]:
+    if "instruments" not in table:
+        return {}
+    rows = table.table("instruments")
+    return {name: _instrument(rows.table(name)) for name in rows.names()}
+
+
+def _instrument(table: Table) -> Instrument:
+    instrument = Instrument(
+        elements=tuple(_element(row) for row in table.tables("elements")),
+        delay_s=table.si_scalar("delay", "time") if "delay" in table else 0.0,
+    )
+    table.close()
+    return instrument
+
+
+def _element(table: Table) -> Element:
+    kind = table.choice("type", ("first-order", "second-order", "butterworth"))
+    element: Element
+    if kind == "first-order":
+        element = FirstOrder(corner=_angular(table, "corner"))
+    elif kind == "second-order":
+        element = SecondOrder(
+            natural_frequency=_angular(table, "natural_frequency"),
+            damping=table.number("damping"),
+        )
+    else:
+        element = Butterworth(order=table.integer("order"), corner=_angular(table, "corner"))
+    table.close()
+    return element
+
+
+def _angular(table: Table, key: str) -> float:
+    if table.table(key).text("unit") == "Hz":
+        return 2.0 * pi * table.si_scalar(key, "frequency")
+    return table.si_scalar(key, "angular rate")
+
+
+def _polar(table: Table) -> DragPolar:
+    polar = DragPolar(
+        cd_min=table.number("cd_min"),
+        oswald=table.number("oswald"),
+        aspect_ratio=table.number("aspect_ratio"),
+        lift_slope=table.number("lift_slope"),
+    )
+    table.close()
+    return polar
+
+
+def _flutter(table: Table) -> FlutterTable:
+    flutter = FlutterTable(fuel=table.numbers("fuel"), speed_m_s=table.si("speed", "speed"))
+    table.close()
+    if len(flutter.fuel) != len(flutter.speed_m_s) or not flutter.fuel:
+        raise refuse(table.path("fuel"), "and speed must have the same number of values.")
+    return flutter

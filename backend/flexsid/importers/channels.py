@@ -1,0 +1,215 @@
+"""The ``[[channels]]`` part of a mapping: names, units, roles and signs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from flexsid import units
+from flexsid.errors import BadInput, UnreadableFile
+from flexsid.importers.quantity import refuse
+from flexsid.importers.source import Source, Sources
+from flexsid.importers.table import Table
+from flexsid.records.maneuver import Role
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChannelRule:
+    """One channel, or the columns of one array.
+
+    ``column`` alone is a field of the file; with ``array`` it is a column
+    number from 1. ``labels`` names all columns of ``array`` (a field of the
+    file, or a list); then ``unit`` may hold one unit per label or pattern and
+    ``name`` is a template with ``{label}``.
+    """
+
+    path: str
+    role: Role
+    name: str
+    units: tuple[tuple[str, str], ...]
+    column: str | int | None = None
+    array: str | None = None
+    labels: str | tuple[str, ...] | None = None
+    sign: float = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RawChannel:
+    """One channel as recorded, with its name and role."""
+
+    name: str
+    unit: str
+    role: Role
+    samples: np.ndarray
+
+
+def read_channel(table: Table) -> ChannelRule:
+    """Read one ``[[channels]]`` entry."""
+    array = table.optional_text("array")
+    labels: str | tuple[str, ...] | None = None
+    column: str | int | None = None
+    if "labels" in table:
+        labels = (
+            table.optional_text("labels") if _is_text(table, "labels") else table.texts("labels")
+        )
+    elif array is not None:
+        column = table.integer("column")
+        if column < 1:
+            raise refuse(table.path("column"), "counts from 1.")
+    else:
+        column = table.text("column")
+    if labels is not None and array is None:
+        raise refuse(table.path("array"), "is missing; labels name the columns of an array.")
+    fallback = "{label}" if labels is not None else str(column)
+    sign = table.number("sign", 1.0)
+    if abs(sign) != 1.0:
+        raise refuse(table.path("sign"), "must be 1 or -1; a scale belongs into the unit.")
+    rule = ChannelRule(
+        path=table.path("unit"),
+        role=Role(table.choice("role", tuple(role.value for role in Role))),
+        name=table.text("name", fallback),
+        units=_units(table),
+        column=column,
+        array=array,
+        labels=labels,
+        sign=sign,
+    )
+    table.close()
+    return rule
+
+
+def _is_text(table: Table, key: str) -> bool:
+    try:
+        table.text(key)
+    except BadInput:
+        return False
+    return True
+
+
+def _units(table: Table) -> tuple[tuple[str, str], ...]:
+    if table.is_table("unit"):
+        rows = table.table("unit")
+        pairs = tuple((pattern, rows.text(pattern)) for pattern in rows.names())
+    else:
+        pairs = (("*", table.text("unit")),)
+    for _, unit in pairs:
+        try:
+            units.lookup(unit)
+        except BadInput as error:
+            raise BadInput(
+                f"Mapping: '{table.path('unit')}': {error.message}",
+                code=error.code,
+                key=table.path("unit"),
+                **error.context,
+            ) from error
+    return pairs
+
+
+def extract_channels(
+    rules: tuple[ChannelRule, ...], sources: Sources
+) -> tuple[tuple[RawChannel, ...], tuple[Source, ...]]:
+    """Name the recorded columns and check their samples.
+
+    Returns
+    -------
+    channels
+        In the order of the mapping, in native unit and precision.
+    sources
+        The files they came from.
+
+    Raises
+    ------
+    BadInput
+        If a column is missing, a name comes twice, lengths differ or a sample
+        is not finite; the message names the place.
+    """
+    channels: list[RawChannel] = []
+    used: list[Source] = []
+    for rule in rules:
+        source, found = _extract(rule, sources)
+        channels.extend(found)
+        if source not in used:
+            used.append(source)
+    seen: set[str] = set()
+    for channel in channels:
+        if channel.name in seen:
+            raise BadInput(
+                f"The mapping names two channels '{channel.name}'; each needs its own name.",
+                code="duplicate-channel",
+                column=channel.name,
+            )
+        seen.add(channel.name)
+        if channel.samples.size != channels[0].samples.size:
+            row = min(channel.samples.size, channels[0].samples.size) + 1
+            raise UnreadableFile(
+                f"Channel '{channel.name}' has {channel.samples.size} samples but "
+                f"'{channels[0].name}' has {channels[0].samples.size}: equal up to row {row - 1}.",
+                code="unequal-lengths",
+                row=row,
+                column=channel.name,
+            )
+    return tuple(channels), tuple(used)
+
+
+def _extract(rule: ChannelRule, sources: Sources) -> tuple[Source, list[RawChannel]]:
+    if rule.array is None:
+        field = str(rule.column)
+        source, _ = sources.find(field)
+        samples = np.atleast_1d(sources.numbers(field))
+        if samples.ndim != 1:
+            raise BadInput(
+                f"Field '{field}' has shape {samples.shape}; say which with array and column.",
+                code="bad-mapping",
+                column=field,
+            )
+        return source, [_channel(rule, rule.name, field, samples, source)]
+    source, _ = sources.find(rule.array)
+    matrix = sources.numbers(rule.array)
+    matrix = matrix[:, None] if matrix.ndim == 1 else matrix
+    if matrix.ndim != 2:
+        raise BadInput(
+            f"Array '{rule.array}' has shape {matrix.shape}; rows of samples and columns of "
+            "channels are expected.",
+            code="bad-mapping",
+            column=rule.array,
+        )
+    if isinstance(rule.column, int):
+        if rule.column > matrix.shape[1]:
+            raise BadInput(
+                f"Array '{rule.array}' has {matrix.shape[1]} columns, the mapping asks for column "
+                f"{rule.column}.",
+                code="missing-column",
+                column=f"{rule.array}({rule.column})",
+            )
+        label = f"{rule.array}({rule.column})"
+        return source, [_channel(rule, rule.name, label, matrix[:, rule.column - 1], source)]
+    labels = sources.texts(rule.labels) if isinstance(rule.labels, str) else rule.labels or ()
+    if len(labels) != matrix.shape[1]:
+        raise BadInput(
+            f"Array '{rule.array}' has {matrix.shape[1]} columns but {len(labels)} labels.",
+            code="unequal-lengths",
+            column=rule.array,
+        )
+    return source, [
+        _channel(rule, rule.name.replace("{label}", label), label, matrix[:, index], source)
+        for index, label in enumerate(labels)
+    ]
+
+
+def _channel(
+    rule: ChannelRule, name: str, label: str, samples: np.ndarray, source: Source
+) -> RawChannel:
+    source.check_finite(samples, label)
+    unit = next((unit for pattern, unit in rule.units if fnmatchcase(label, pattern)), None)
+    if unit is None:
+        raise refuse(rule.path, f"gives no unit for '{label}'.")
+    if samples.dtype.kind != "f":
+        samples = samples.astype(np.float64)
+    return RawChannel(
+        name=name,
+        unit=unit,
+        role=rule.role,
+        samples=np.ascontiguousarray(samples if rule.sign > 0 else -samples),
+    )

@@ -1,0 +1,114 @@
+"""The ``[excitation]`` part of a mapping: which harmonics each input owns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from flexsid.importers.quantity import Quantity, refuse, resolve
+from flexsid.importers.source import Sources
+from flexsid.importers.table import Table
+from flexsid.records.maneuver import Excitation
+
+_MOST_LINES = 10_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Interleaving:
+    """Consecutive harmonics dealt out to the inputs in turn, from ``first`` upward."""
+
+    order: str | tuple[str, ...]
+    name: str
+    first: Quantity
+    per_input: Quantity
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExcitationPart:
+    """Harmonics per input, listed or interleaved (Eq. 4)."""
+
+    period: Quantity
+    start_s: float
+    n_periods: int
+    harmonics: tuple[tuple[str, tuple[int, ...]], ...] | Interleaving
+
+
+def read_excitation(table: Table) -> ExcitationPart:
+    """Read ``harmonics`` by input, or ``order`` with ``first`` and ``per_input``."""
+    harmonics: tuple[tuple[str, tuple[int, ...]], ...] | Interleaving
+    if "harmonics" in table:
+        rows = table.table("harmonics")
+        harmonics = tuple((name, rows.integers(name)) for name in rows.names())
+    else:
+        harmonics = _interleaving(table)
+    part = ExcitationPart(
+        period=table.quantity("period", "time"),
+        start_s=table.si_scalar("start", "time") if "start" in table else 0.0,
+        n_periods=table.integer("n_periods", 1),
+        harmonics=harmonics,
+    )
+    table.close()
+    return part
+
+
+def _interleaving(table: Table) -> Interleaving:
+    order: str | tuple[str, ...]
+    name = "{label}"
+    if table.is_table("order"):
+        labels = table.table("order")
+        order = labels.text("field")
+        name = labels.text("name", "{label}")
+        labels.close()
+    else:
+        order = table.texts("order")
+    return Interleaving(
+        order=order,
+        name=name,
+        first=table.quantity("first", "number"),
+        per_input=table.quantity("per_input", "number"),
+    )
+
+
+def extract_excitation(part: ExcitationPart, sources: Sources, inputs: Sequence[str]) -> Excitation:
+    """Give every input its harmonics.
+
+    Raises
+    ------
+    BadInput
+        If a harmonic belongs to a channel that is no input, or to two.
+    """
+    if isinstance(part.harmonics, Interleaving):
+        harmonics = _deal(part.harmonics, sources)
+    else:
+        harmonics = dict(part.harmonics)
+    owner: dict[int, str] = {}
+    for name, lines in harmonics.items():
+        if name not in inputs:
+            raise refuse(
+                "excitation", f"excites '{name}', which is no input; inputs: {', '.join(inputs)}."
+            )
+        for line in lines:
+            if line < 1 or line in owner:
+                by = f"{owner[line]} and {name} own" if line in owner else f"{name} owns"
+                raise refuse("excitation", f"cannot hold: {by} harmonic {line}.")
+            owner[line] = name
+    period_s = resolve(part.period, sources, None)
+    if period_s <= 0 or part.n_periods < 1:
+        raise refuse("excitation.period", "and n_periods must be positive.")
+    return Excitation(
+        period_s=period_s, harmonics=harmonics, start_s=part.start_s, n_periods=part.n_periods
+    )
+
+
+def _deal(plan: Interleaving, sources: Sources) -> dict[str, tuple[int, ...]]:
+    labels = sources.texts(plan.order) if isinstance(plan.order, str) else plan.order
+    names = tuple(plan.name.replace("{label}", label) for label in labels)
+    first = round(resolve(plan.first, sources, None))
+    count = round(resolve(plan.per_input, sources, None))
+    if not names or first < 1 or not 1 <= count * len(names) <= _MOST_LINES:
+        raise refuse("excitation.first", "and per_input must be at least 1, with order not empty.")
+    step = len(names)
+    return {
+        name: tuple(range(first + place, first + place + step * count, step))
+        for place, name in enumerate(names)
+    }

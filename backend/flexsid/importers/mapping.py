@@ -1,0 +1,96 @@
+"""Mapping: the small TOML file that says what recorded columns mean.
+
+The format is described in ``examples/README.md`` of the project.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+from flexsid.errors import BadInput
+from flexsid.importers.aircraft import AircraftPart, read_aircraft
+from flexsid.importers.channels import read_channel
+from flexsid.importers.clock import read_time
+from flexsid.importers.maneuver import FlightPart, ManeuverPart, read_flight, read_maneuver
+from flexsid.importers.modal_table import ModalPart, read_modal_table
+from flexsid.importers.predictions import PredictionPart, read_prediction
+from flexsid.importers.quantity import refuse
+from flexsid.importers.source import Sources
+from flexsid.importers.table import Table
+
+_KNOWN = Path(__file__).parent / "known"
+_LARGEST_MAPPING = 1024 * 1024
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mapping:
+    """One mapping file, checked; what it leaves out is None or empty."""
+
+    aircraft: AircraftPart | None = None
+    flight: FlightPart | None = None
+    maneuver: ManeuverPart | None = None
+    modal_tables: tuple[ModalPart, ...] = ()
+    predictions: tuple[PredictionPart, ...] = ()
+
+
+def parse_mapping(text: str) -> Mapping:
+    """Parse and check a mapping.
+
+    Raises
+    ------
+    BadInput
+        Naming the key that is missing, misspelt or of the wrong kind.
+    """
+    if len(text) > _LARGEST_MAPPING:
+        raise BadInput("The mapping is larger than 1 MB; it is no mapping.", code="bad-mapping")
+    try:
+        content = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise BadInput(f"The mapping is not valid TOML: {error}.", code="bad-mapping") from error
+    table = Table(content)
+    mapping = Mapping(
+        aircraft=read_aircraft(table.table("aircraft")) if "aircraft" in table else None,
+        flight=read_flight(table.table("flight")) if "flight" in table else None,
+        maneuver=_maneuver(table),
+        modal_tables=tuple(read_modal_table(row) for row in table.tables("modal_tables")),
+        predictions=tuple(read_prediction(row) for row in table.tables("predictions")),
+    )
+    table.close()
+    if mapping.maneuver is None and not mapping.modal_tables and not mapping.predictions:
+        raise refuse("maneuver", "or modal_tables or predictions must be there; nothing to import.")
+    if mapping.maneuver is not None and mapping.flight is None:
+        raise refuse("flight", "is missing; a maneuver belongs to a flight with a number.")
+    return mapping
+
+
+def _maneuver(table: Table) -> ManeuverPart | None:
+    if "maneuver" not in table:
+        for key in ("channels", "time", "excitation"):
+            if key in table:
+                raise refuse("maneuver", f"is missing although there is '{key}'.")
+        return None
+    channels = tuple(read_channel(row) for row in table.tables("channels"))
+    if not channels:
+        raise refuse("channels", "is missing; name at least the inputs and one output.")
+    return read_maneuver(
+        table.table("maneuver"),
+        read_time(table.table("time")),
+        channels,
+        table.table("excitation") if "excitation" in table else None,
+    )
+
+
+def recognise(sources: Sources) -> str | None:
+    """Give the mapping that comes with the workbench for files of a known form.
+
+    Returns
+    -------
+    str or None
+        Text of the mapping, None where the files are of no known form.
+    """
+    simulated = ("t_s", "outputs", "inputs", "multisine_command", "output_names", "input_names")
+    if all(sources.has(field) for field in simulated):
+        return (_KNOWN / "flex28-record.toml").read_text(encoding="utf-8")
+    return None

@@ -1,0 +1,70 @@
+"""NumPy archives: named arrays, never pickled objects."""
+
+from __future__ import annotations
+
+import math
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from flexsid.errors import UnreadableFile
+
+LARGEST_CONTENT = 2 * 1024**3
+
+
+def recognises(head: bytes) -> bool:
+    """Tell a zip archive by its magic."""
+    return head.startswith(b"PK\x03\x04")
+
+
+def read(path: Path) -> tuple[dict[str, np.ndarray], int]:
+    """Read every array of an archive.
+
+    Raises
+    ------
+    UnreadableFile
+        If a member is no plain array, claims more than it holds, or the
+        archive unpacks to more than LARGEST_CONTENT.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            members = archive.infolist()
+            total = sum(member.file_size for member in members)
+            if total > LARGEST_CONTENT:
+                raise UnreadableFile(
+                    f"the archive unpacks to {total / 1024**3:.1f} GB, too much to read."
+                )
+            arrays = {
+                member.filename.removesuffix(".npy"): _member(archive, member) for member in members
+            }
+    except (zipfile.BadZipFile, EOFError, OSError, NotImplementedError, RuntimeError) as error:
+        raise UnreadableFile(f"the archive is damaged ({error}).") from error
+    if not arrays:
+        raise UnreadableFile("the archive holds no array.")
+    return arrays, 1
+
+
+def _member(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> np.ndarray:
+    name = member.filename.removesuffix(".npy")
+    try:
+        with archive.open(member) as file:
+            version = np.lib.format.read_magic(file)
+            header = (
+                np.lib.format.read_array_header_1_0
+                if version == (1, 0)
+                else np.lib.format.read_array_header_2_0
+            )
+            shape, _, dtype = header(file)
+        if dtype.hasobject:
+            raise UnreadableFile(
+                f"array '{name}' holds Python objects, which are never loaded.", column=name
+            )
+        if math.prod(shape) * dtype.itemsize > member.file_size:
+            raise UnreadableFile(
+                f"array '{name}' claims shape {shape}, more than the file holds.", column=name
+            )
+        with archive.open(member) as file:
+            return np.lib.format.read_array(file, allow_pickle=False)
+    except ValueError as error:
+        raise UnreadableFile(f"array '{name}' is not readable ({error}).", column=name) from error

@@ -1,0 +1,125 @@
+"""Source: what one file holds, as named arrays, before anybody gives it a meaning."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexsid.errors import BadInput, UnreadableFile
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Source:
+    """Named arrays of one file; text arrays keep their text.
+
+    ``first_row`` is the row of the file (from 1) where sample 0 of a column
+    stands, so that a message can name the place that an editor shows.
+    """
+
+    name: str
+    sha256: str
+    arrays: Mapping[str, np.ndarray]
+    first_row: int = 1
+
+    def check_finite(self, samples: np.ndarray, label: str) -> None:
+        """Refuse NaN and infinity, naming row and column."""
+        bad = np.flatnonzero(~np.isfinite(samples))
+        if bad.size:
+            row = self.first_row + int(bad[0])
+            raise UnreadableFile(
+                f"{self.name}: row {row}, column '{label}' holds {samples[bad[0]]}; "
+                "every sample must be a finite number.",
+                code="not-finite",
+                row=row,
+                column=label,
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Sources:
+    """The files of one import, searched together."""
+
+    items: tuple[Source, ...]
+
+    def has(self, field: str) -> bool:
+        """Tell whether some file holds this field."""
+        return any(field in source.arrays for source in self.items)
+
+    def find(self, field: str) -> tuple[Source, np.ndarray]:
+        """Find a field; ``file.mat:path`` says which file where several hold it.
+
+        Raises
+        ------
+        BadInput
+            If no file holds the field, or more than one does.
+        """
+        holders = [source for source in self.items if field in source.arrays]
+        if not holders and ":" in field:
+            file, _, path = field.partition(":")
+            holders = [
+                source for source in self.items if source.name == file and path in source.arrays
+            ]
+            if holders:
+                return holders[0], holders[0].arrays[path]
+        if len(holders) == 1:
+            return holders[0], holders[0].arrays[field]
+        names = ", ".join(source.name for source in self.items)
+        if holders:
+            several = " and ".join(source.name for source in holders)
+            raise BadInput(
+                f"Field '{field}' is in {several}; write '{holders[0].name}:{field}' "
+                "to say which is meant.",
+                code="ambiguous-field",
+                column=field,
+            )
+        known = [path for source in self.items for path in source.arrays]
+        close = difflib.get_close_matches(field, known, n=4, cutoff=0.5)
+        hint = f"Close: {', '.join(close)}." if close else f"It holds: {_listing(known)}."
+        raise BadInput(
+            f"No column or field '{field}' in {names}. {hint}", code="missing-column", column=field
+        )
+
+    def numbers(self, field: str) -> np.ndarray:
+        """Find a numeric field and drop its axes of length one."""
+        source, values = self.find(field)
+        if values.dtype.kind not in "biuf":
+            raise BadInput(
+                f"Field '{field}' of {source.name} holds {_kind(values)}, numbers are expected.",
+                code="not-numeric",
+                column=field,
+            )
+        return np.squeeze(values)
+
+    def scalar(self, field: str) -> float:
+        """Find a field that holds one finite number."""
+        values = self.numbers(field)
+        if values.size != 1 or not np.isfinite(values).all():
+            raise BadInput(
+                f"Field '{field}' must hold one finite number, it has shape {values.shape}.",
+                code="not-numeric",
+                column=field,
+            )
+        return float(values.reshape(-1)[0])
+
+    def texts(self, field: str) -> tuple[str, ...]:
+        """Find a field that holds names."""
+        source, values = self.find(field)
+        if values.dtype.kind not in "US":
+            raise BadInput(
+                f"Field '{field}' of {source.name} must hold names.", code="not-text", column=field
+            )
+        return tuple(str(text) for text in values.reshape(-1))
+
+
+def _kind(values: np.ndarray) -> str:
+    return {"U": "text", "S": "text", "c": "complex numbers", "O": "objects"}.get(
+        values.dtype.kind, str(values.dtype)
+    )
+
+
+def _listing(names: Sequence[str], limit: int = 12) -> str:
+    shown = ", ".join(names[:limit])
+    return f"{shown} and {len(names) - limit} more" if len(names) > limit else shown

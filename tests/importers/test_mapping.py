@@ -1,0 +1,85 @@
+"""Mapping: every mistake is refused with the key that holds it."""
+
+from __future__ import annotations
+
+import pytest
+
+from flexsid.errors import BadInput
+from flexsid.importers.mapping import parse_mapping
+
+GOOD = """
+[aircraft]
+name = "X-1"
+
+[flight]
+number = 3
+date = "2026-05-31"
+
+[maneuver]
+label = "sweep"
+
+[maneuver.condition]
+airspeed = { value = 45.0, unit = "kt" }
+altitude = { value = 1000.0, unit = "ft" }
+fuel_fraction = { value = 0.5 }
+
+[time]
+column = "t_s"
+
+[[channels]]
+column = "elevator"
+name = "wf1s"
+unit = "deg"
+role = "input"
+sign = -1
+
+[[channels]]
+column = "q"
+unit = "deg/s"
+role = "output"
+"""
+
+
+def test_a_good_mapping_is_read() -> None:
+    mapping = parse_mapping(GOOD)
+    assert mapping.maneuver is not None
+    assert [rule.name for rule in mapping.maneuver.channels] == ["wf1s", "q"]
+    assert mapping.maneuver.channels[0].sign == -1.0
+    assert mapping.flight is not None
+    assert mapping.flight.number == 3
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("number = 3", "numbr = 3", "'flight.number' is missing"),
+        ("number = 3", 'number = 3\nnumer = "x"', "'flight.numer' is not a key.*'number'"),
+        ("number = 3", 'number = "three"', "'flight.number' must be a whole number"),
+        ('"2026-05-31"', '"31 May"', "'flight.date' must be written"),
+        ('unit = "deg"\n', 'unit = "degrees"\n', r"'channels\[1\].unit'.*Unknown unit 'degrees'"),
+        ('unit = "kt"', 'unit = "kg"', "'maneuver.condition.airspeed.unit' measures mass"),
+        ('unit = "kt"', 'unit = "kn"', "'maneuver.condition.airspeed.unit'.*Unknown unit 'kn'"),
+        ("value = 45.0", "value = nan", "'maneuver.condition.airspeed.value' must be a finite"),
+        ("airspeed =", "speed =", "'maneuver.condition.speed' is not a key"),
+        ('role = "input"', 'role = "surface"', "'channels.1..role' must be one of input, output"),
+        ("sign = -1", "sign = 2", "'channels.1..sign' must be 1 or -1"),
+        ('column = "t_s"', "rate = 50", "'time.rate' must be a table"),
+        ('name = "X-1"', "", "'aircraft.name' is missing"),
+        ("[flight]", "[flight", "not valid TOML"),
+    ],
+)
+def test_a_mistake_is_named(old: str, new: str, message: str) -> None:
+    assert old in GOOD
+    with pytest.raises(BadInput, match=message):
+        parse_mapping(GOOD.replace(old, new))
+
+
+def test_a_mapping_of_nothing_is_refused() -> None:
+    with pytest.raises(BadInput, match="nothing to import"):
+        parse_mapping('[aircraft]\nname = "X-1"\n')
+
+
+def test_a_maneuver_needs_its_flight() -> None:
+    text = GOOD.replace('[flight]\nnumber = 3\ndate = "2026-05-31"\n', "")
+    with pytest.raises(BadInput, match="'flight' is missing"):
+        parse_mapping(text)

@@ -1,0 +1,182 @@
+"""Readers: what was written comes back exactly; what is not what it says is refused."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+import zlib
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from flexsid.errors import BadInput, UnreadableFile
+from flexsid.importers.readers import read, read_all
+
+TIME = np.arange(5) / 50.0
+Q = np.array([0.1, -0.2, 0.3, -0.4, 0.5])
+
+
+def write(path: Path, text: str, encoding: str = "utf-8") -> Path:
+    path.write_bytes(text.encode(encoding))
+    return path
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t", "   "])
+def test_delimited_text_with_a_header(tmp_path: Path, delimiter: str) -> None:
+    rows = [delimiter.join(["t_s", "q"])]
+    rows += [f"{t}{delimiter}{q}" for t, q in zip(TIME, Q, strict=True)]
+    source = read(write(tmp_path / "flight.csv", "\n".join(rows) + "\n"))
+    np.testing.assert_array_equal(source.arrays["t_s"], TIME)
+    np.testing.assert_array_equal(source.arrays["q"], Q)
+    assert source.first_row == 2
+
+
+def test_latin_1_quotes_comments_and_windows_line_ends(tmp_path: Path) -> None:
+    text = '# recorder 7\r\n"t [s]","α"\r\n0,1\r\n1,2\r\n'.replace("α", "größe")
+    source = read(write(tmp_path / "flight.csv", text, "latin-1"))
+    assert list(source.arrays) == ["t [s]", "größe"]
+    assert source.first_row == 3
+
+
+def test_text_without_a_header_counts_its_columns(tmp_path: Path) -> None:
+    source = read(write(tmp_path / "flight.txt", "0 1.5\n1 2.5\n"))
+    np.testing.assert_array_equal(source.arrays["2"], [1.5, 2.5])
+    assert source.first_row == 1
+
+
+def test_a_header_of_millions_of_columns_is_refused_at_once(tmp_path: Path) -> None:
+    wide = write(tmp_path / "wide.csv", "a," * 400_000 + "b\n1\n")
+    with pytest.raises(UnreadableFile, match=r"row 1 names 400001 columns"):
+        read(wide)
+
+
+def test_matlab_5_structs_become_paths(tmp_path: Path) -> None:
+    path = tmp_path / "model.mat"
+    savemat(path, {"data": {"CZ": np.array([[1.0, 2.0]]), "inner": {"V": 23.0}, "name": "NOM"}})
+    sources = read_all([path])
+    np.testing.assert_array_equal(sources.numbers("data.CZ"), [1.0, 2.0])
+    assert sources.scalar("data.inner.V") == 23.0
+    assert sources.texts("data.name") == ("NOM",)
+
+
+def test_matlab_7_3_arrays_come_back_in_matlab_order(tmp_path: Path) -> None:
+    path = tmp_path / "model.mat"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        file["fdata"] = np.arange(6.0).reshape(2, 3).T
+        file["model/V"] = np.array([[23.0]])
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
+    sources = read_all([path])
+    np.testing.assert_array_equal(sources.numbers("fdata"), np.arange(6.0).reshape(2, 3))
+    assert sources.scalar("model.V") == 23.0
+
+
+def test_matlab_7_3_never_reads_outside_its_file(tmp_path: Path) -> None:
+    secret = write(tmp_path / "secret.txt", "12345678")
+    path = tmp_path / "outside.mat"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("stolen", (8,), "u1", external=[(str(secret), 0, 8)])
+    with pytest.raises(UnreadableFile, match="'stolen' keeps its samples elsewhere"):
+        read(path)
+    with h5py.File(path, "w") as file:
+        file["linked"] = h5py.ExternalLink(str(secret), "/x")
+    with pytest.raises(UnreadableFile, match="'linked' is a link"):
+        read(path)
+
+
+def test_a_small_matlab_file_that_unpacks_to_gigabytes_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("flexsid.importers.mat.LARGEST_CONTENT", 10_000_000)
+    path = tmp_path / "bomb.mat"
+    savemat(path, {"zeros": np.zeros((2000, 2000))}, do_compression=True)
+    assert path.stat().st_size < 100_000
+    with pytest.raises(UnreadableFile, match="unpacks to more than"):
+        read(path)
+
+
+def test_a_cut_off_matlab_file_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "cut.mat"
+    savemat(path, {"data": np.random.default_rng(1).normal(size=1000)})
+    path.write_bytes(path.read_bytes()[:-100])
+    with pytest.raises(UnreadableFile, match=r"cut\.mat: .*cut off"):
+        read(path)
+
+
+def test_numpy_archives_keep_precision(tmp_path: Path) -> None:
+    path = tmp_path / "record.npz"
+    np.savez(path, q=Q.astype(np.float32), names=np.array(["q", "alpha"]))
+    sources = read_all([path])
+    assert sources.numbers("q").dtype == np.float32
+    assert sources.texts("names") == ("q", "alpha")
+
+
+def test_pickles_are_never_loaded(tmp_path: Path) -> None:
+    path = tmp_path / "pickle.npz"
+    np.savez(path, q=np.array([{"a": 1}], dtype=object))
+    with pytest.raises(UnreadableFile, match="'q' holds Python objects"):
+        read(path)
+
+
+def test_an_array_that_claims_more_than_it_holds_is_refused(tmp_path: Path) -> None:
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(
+        header, {"descr": "<f8", "fortran_order": False, "shape": (10**12,)}
+    )
+    path = tmp_path / "huge.npz"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("q.npy", header.getvalue() + bytes(80))
+    with pytest.raises(UnreadableFile, match="'q' claims shape"):
+        read(path)
+
+
+def test_a_zip_bomb_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("flexsid.importers.npz.LARGEST_CONTENT", 1_000_000)
+    path = tmp_path / "bomb.npz"
+    np.savez_compressed(path, q=np.zeros(1_000_000))
+    with pytest.raises(UnreadableFile, match="unpacks to"):
+        read(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("flight.mat", b"t_s,q\n0,1\n", "does not start like a MATLAB file"),
+        ("flight.npz", b"t_s,q\n0,1\n", "does not start like a NumPy archive file"),
+        ("flight.csv", b"PK\x03\x04\x00\x00", "does not start like a delimited text file"),
+        ("flight.xls", b"whatever", "files of kind '.xls' cannot be read"),
+        ("flight.npz", b"PK\x03\x04" + zlib.compress(b"x" * 100), "the archive is damaged"),
+    ],
+)
+def test_content_must_be_what_the_suffix_says(
+    tmp_path: Path, name: str, content: bytes, message: str
+) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(UnreadableFile, match=message):
+        read(tmp_path / name)
+
+
+def test_an_upload_is_called_by_its_owner_s_name(tmp_path: Path) -> None:
+    path = tmp_path / "tmp83nf"
+    path.write_bytes(b"")
+    with pytest.raises(UnreadableFile, match=r"flight\.csv is empty: row 1, column 1"):
+        read(path, "flight.csv")
+
+
+def test_a_missing_field_is_named_with_close_matches(tmp_path: Path) -> None:
+    path = tmp_path / "record.npz"
+    np.savez(path, airspeed=1.0)
+    with pytest.raises(BadInput, match=r"No column or field 'airspeeds' .* Close: airspeed"):
+        read_all([path]).numbers("airspeeds")
+
+
+def test_a_field_in_two_files_needs_its_file(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        np.savez(tmp_path / f"{name}.npz", V=ord(name))
+    sources = read_all([tmp_path / "a.npz", tmp_path / "b.npz"])
+    with pytest.raises(BadInput, match=r"write 'a\.npz:V'"):
+        sources.scalar("V")
+    assert sources.scalar("b.npz:V") == ord("b")
