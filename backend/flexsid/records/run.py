@@ -1,0 +1,150 @@
+"""EstimationRun: what was asked, how far it is, and what came out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+
+from flexsid.records.model_structure import Structure
+
+
+class Method(StrEnum):
+    """The three maximum-likelihood methods of the paper."""
+
+    OE = "OE"
+    FRE = "FRE"
+    EE = "EE"
+
+
+class RunState(StrEnum):
+    """Life of a run; the run table is the job queue."""
+
+    QUEUED = "queued"
+    RUNNING = "running"
+    SUCCEEDED = "succeeded"
+    FAILED = "failed"
+    CANCELLED = "cancelled"
+
+
+class Start(StrEnum):
+    """Where the iteration starts."""
+
+    PREDICTION = "prediction"
+    RESIDUALIZED_PREDICTION = "residualized-prediction"
+    EQUATION_ERROR = "equation-error"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunSettings:
+    """Choices of the analyst that are not model structure."""
+
+    start: Start = Start.EQUATION_ERROR
+    band_hz: tuple[float, float] | None = None
+    max_iterations: int = 50
+    noise: str = "diagonal"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Progress:
+    """Last thing that a running job said."""
+
+    iteration: int = 0
+    cost: float | None = None
+    fraction: float = 0.0
+    message: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParameterEstimate:
+    """One estimated derivative or delay; ``std_error`` is None where it is not identifiable."""
+
+    name: str
+    value: float
+    std_error: float | None
+    start: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pole:
+    """An eigenvalue of the identified model with its standard errors."""
+
+    real: float
+    imag: float
+    name: str = ""
+    real_std: float | None = None
+    imag_std: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FitBlock:
+    """One set of lines that was fitted: OE one, FRE one per input, EE one per coefficient.
+
+    ``arrays`` names hashes: ``omega`` (M,), ``measured`` and ``fitted`` (M, len(outputs)).
+    """
+
+    name: str
+    outputs: tuple[str, ...]
+    arrays: dict[str, str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Iteration:
+    """One step of the maximisation."""
+
+    iteration: int
+    cost: float
+    step: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fit:
+    """How the maximisation ended and how well the model fits."""
+
+    outcome: str  # converged, iteration limit, singular information, diverged
+    message: str
+    iterations: tuple[Iteration, ...]
+    cost: float | None
+    r_squared: dict[str, float]
+    n_lines: int
+    n_parameters: int
+    seconds: float
+    start: str
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunResult:
+    """What a finished run keeps; ``covariance`` is a hash, ordered as ``parameters``."""
+
+    parameters: tuple[ParameterEstimate, ...]
+    covariance: str
+    fit: Fit
+    poles: tuple[Pole, ...]
+    blocks: tuple[FitBlock, ...]
+    residualized_prediction: dict[str, float] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EstimationRun:
+    """A request and, once done, its result."""
+
+    maneuver_id: int
+    method: Method
+    structure: Structure
+    settings: RunSettings
+    modal_table_id: int | None = None
+    damping_table_id: int | None = None
+    prediction_id: int | None = None
+    structure_id: int | None = None
+    state: RunState = RunState.QUEUED
+    attempt: int = 0
+    progress: Progress | None = None
+    error: dict[str, str] | None = None  # {"code", "message"}
+    result: RunResult | None = None
+    versions: dict[str, str] | None = None
+    author: str = ""
+    created_at: datetime | None = None
+    started_at: datetime | None = None
+    finished_at: datetime | None = None
+    id: int | None = None

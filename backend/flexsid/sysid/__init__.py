@@ -1,0 +1,1 @@
+"""The mathematics of flexsid: arrays and frozen values, free of web, database and plots."""

@@ -1,0 +1,245 @@
+"""Experiment: the lines of one maneuver, and the fast response of the model at them.
+
+The derivatives enter force rows only, so the sensitivity of every output to
+derivative (i, j) is G_i w_j: the output's response to a unit force in row i times
+the variable j. The normal matrix is then a product of two small matrices summed
+over lines (the Kronecker form); no Jacobian is ever stored.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexsid.sysid.estimation.parameters import Extra, Parameters
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+
+
+@dataclass(frozen=True, slots=True)
+class Experiment:
+    """What was measured at the lines of one maneuver.
+
+    ``instruments`` is each output's measured over true response; inputs have
+    theirs removed already. Lines of one ``group`` share a noise covariance:
+    one group for OE, one per input for FRE.
+    """
+
+    name: str
+    model: AeroelasticModel
+    instruments: Complex[np.ndarray, "n_omega n_y"]
+    omega: Float[np.ndarray, " n_omega"]
+    inputs: Complex[np.ndarray, "n_omega n_u"]
+    measured: Complex[np.ndarray, "n_omega n_y"]
+    group: np.ndarray
+    group_names: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Response:
+    """The model's answer at every line for one theta."""
+
+    motion: Complex[np.ndarray, "n_omega n_r"]
+    outputs: Complex[np.ndarray, "n_omega n_y"]
+    dynamics: Complex[np.ndarray, "n_omega n_r n_r"]
+    sensors: Complex[np.ndarray, "n_omega n_y n_r"]
+
+
+@dataclass(frozen=True, slots=True)
+class Sensitivity:
+    """Sensitivity in its factored form: forces G, variables w, and dense extras."""
+
+    forces: Complex[np.ndarray, "n_omega n_y n_r"]
+    variables: Complex[np.ndarray, "n_omega n_w"]
+    extras: Complex[np.ndarray, "n_omega n_y n_extra"]
+
+
+class LineModel:
+    """An experiment with all that does not depend on theta computed once."""
+
+    def __init__(self, experiment: Experiment, parameters: Parameters) -> None:
+        model = experiment.model
+        self.experiment = experiment
+        self.parameters = parameters
+        self.s = 1j * experiment.omega
+        self.sensors = experiment.instruments[:, :, None] * model.sensors.response(
+            experiment.omega
+        )
+        self.dynamics = model.known_dynamics(experiment.omega)
+        self.rows = model.row_factors()
+        self.columns = model.column_factors()
+        self.scale = self.rows[parameters.rows] * self.columns[parameters.columns]
+
+    def respond(self, theta: Float[np.ndarray, " n_theta"]) -> Response:
+        """Outputs at theta: one small solve per line."""
+        n_r = self.dynamics.shape[1]
+        n = n_r - 2
+        table = self.parameters.table(theta).values
+        forces = self.rows[:, None] * table * self.columns
+        K = self.dynamics - forces[:, :n_r]
+        K[:, :, 2:] -= self.s[:, None, None] * forces[:, n_r : n_r + n]
+        sensors = self._apply_extras(theta, K)
+        load = self.experiment.inputs @ forces[:, n_r + n :].T
+        motion = np.linalg.solve(K, load[:, :, None])[:, :, 0]
+        outputs = np.matmul(sensors, motion[:, :, None])[:, :, 0]
+        return Response(motion, outputs, K, sensors)
+
+    def sensitivity(
+        self, theta: Float[np.ndarray, " n_theta"], response: Response
+    ) -> Sensitivity:
+        """Factored sensitivities of the outputs around a response."""
+        forces = np.linalg.solve(
+            response.dynamics.transpose(0, 2, 1), response.sensors.transpose(0, 2, 1)
+        ).transpose(0, 2, 1)
+        variables = np.concatenate(
+            [
+                response.motion,
+                self.s[:, None] * response.motion[:, 2:],
+                self.experiment.inputs,
+            ],
+            axis=1,
+        )
+        return Sensitivity(forces, variables, self._extra_sensitivity(theta, response, forces))
+
+    def _extra_values(self, theta: Float[np.ndarray, " n_theta"]) -> list[tuple[Extra, float]]:
+        first = self.parameters.rows.size
+        return list(zip(self.parameters.extras, theta[first:].tolist(), strict=True))
+
+    def _apply_extras(
+        self, theta: Float[np.ndarray, " n_theta"], K: Complex[np.ndarray, "n_omega n_r n_r"]
+    ) -> Complex[np.ndarray, "n_omega n_y n_r"]:
+        values = self._extra_values(theta)
+        if not values:
+            return self.sensors
+        sensors = self.sensors.copy()
+        modes = self.experiment.model.modes
+        frequency = np.ones(modes.omega.size)
+        damping = np.ones(modes.omega.size)
+        for extra, value in values:
+            if extra.kind == "omega":
+                frequency[extra.mode] = value
+            elif extra.kind == "zeta":
+                damping[extra.mode] = value
+            elif extra.kind == "shape":
+                sensors[:, extra.output, 2 + extra.mode] *= value
+        w, z = modes.omega * frequency, modes.zeta * damping
+        change = (
+            2.0 * self.s[:, None] * (z * w - modes.zeta * modes.omega) + w**2 - modes.omega**2
+        )
+        modal = np.arange(2, 2 + modes.omega.size)
+        K[:, modal, modal] += change
+        for extra, value in values:
+            if extra.kind == "delay":
+                sensors[:, extra.output] *= np.exp(-self.s * value)[:, None]
+            elif extra.kind == "scale":
+                sensors[:, extra.output] *= value
+        return sensors
+
+    def _extra_sensitivity(
+        self,
+        theta: Float[np.ndarray, " n_theta"],
+        response: Response,
+        forces: Complex[np.ndarray, "n_omega n_y n_r"],
+    ) -> Complex[np.ndarray, "n_omega n_y n_extra"]:
+        values = self._extra_values(theta)
+        result = np.zeros((*response.outputs.shape, len(values)), dtype=complex)
+        modes = self.experiment.model.modes
+        frequency = {e.mode: v for e, v in values if e.kind == "omega"}
+        damping = {e.mode: v for e, v in values if e.kind == "zeta"}
+        for column, (extra, value) in enumerate(values):
+            if extra.kind == "delay":
+                result[:, extra.output, column] = -self.s * response.outputs[:, extra.output]
+            elif extra.kind == "scale":
+                result[:, extra.output, column] = response.outputs[:, extra.output] / value
+            elif extra.kind == "shape":
+                seen = response.sensors[:, extra.output, 2 + extra.mode] / value
+                result[:, extra.output, column] = seen * response.motion[:, 2 + extra.mode]
+            else:
+                w = modes.omega[extra.mode]
+                z = modes.zeta[extra.mode]
+                if extra.kind == "omega":
+                    z = z * damping.get(extra.mode, 1.0)
+                    change = 2.0 * z * w * self.s + 2.0 * value * w**2
+                else:
+                    change = 2.0 * z * w * frequency.get(extra.mode, 1.0) * self.s
+                load = -change * response.motion[:, 2 + extra.mode]
+                result[:, :, column] = forces[:, :, 2 + extra.mode] * load[:, None]
+        return result
+
+    def normal_equations(
+        self,
+        sensitivity: Sensitivity,
+        residuals: Complex[np.ndarray, "n_omega n_y"],
+        weights: Complex[np.ndarray, "n_omega n_y n_y"] | Float[np.ndarray, "n_omega n_y"],
+    ) -> tuple[Float[np.ndarray, "n_theta n_theta"], Float[np.ndarray, " n_theta"]]:
+        """Re sum J^H W J and Re sum J^H W nu in the Kronecker form.
+
+        Parameters
+        ----------
+        sensitivity
+            Factored sensitivities.
+        residuals
+            Measured less modelled outputs.
+        weights
+            Inverse noise covariance of each line, or its diagonal.
+        """
+        G, w, E = sensitivity.forces, sensitivity.variables, sensitivity.extras
+        GE = np.concatenate([G, E], axis=2) if E.shape[2] else G
+        if weights.ndim == 2:
+            weighted = GE.conj() * weights[:, :, None]
+        else:
+            weighted = np.matmul(weights.conj().transpose(0, 2, 1), GE).conj()
+        left = weighted.transpose(0, 2, 1)
+        A = np.matmul(left, GE)
+        b = np.matmul(left, residuals[:, :, None])[:, :, 0]
+        n_r = G.shape[2]
+        return self._assemble(A, b, w, n_r)
+
+    def _assemble(
+        self,
+        A: Complex[np.ndarray, "n_omega n_all n_all"],
+        b: Complex[np.ndarray, "n_omega n_all"],
+        w: Complex[np.ndarray, "n_omega n_w"],
+        n_r: int,
+    ) -> tuple[Float[np.ndarray, "n_theta n_theta"], Float[np.ndarray, " n_theta"]]:
+        rows, columns = self.parameters.rows, self.parameters.columns
+        n_w, p = w.shape[1], rows.size
+        upper = np.triu_indices(n_r)
+        outer = (w.conj()[:, :, None] * w[:, None, :]).reshape(w.shape[0], -1)
+        blocks = A[:, upper[0], upper[1]]
+        product = blocks.real.T @ outer.real - blocks.imag.T @ outer.imag
+        four = np.empty((n_r, n_r, n_w, n_w))
+        four[upper] = product.reshape(-1, n_w, n_w)
+        four[upper[1], upper[0]] = four[upper].transpose(0, 2, 1)
+        full = four.transpose(0, 2, 1, 3).reshape(n_r * n_w, n_r * n_w)
+        place = rows * n_w + columns
+        N = np.empty((p + A.shape[1] - n_r,) * 2)
+        N[:p, :p] = full[np.ix_(place, place)] * self.scale[:, None] * self.scale
+        gradient = (b[:, :n_r].T @ w.conj()).real
+        g = np.concatenate([gradient[rows, columns] * self.scale, b[:, n_r:].real.sum(axis=0)])
+        if N.shape[0] > p:
+            cross = np.tensordot(w.conj(), A[:, :n_r, n_r:], axes=(0, 0)).real
+            N[:p, p:] = cross[columns, rows] * self.scale[:, None]
+            N[p:, :p] = N[:p, p:].T
+            N[p:, p:] = A[:, n_r:, n_r:].real.sum(axis=0)
+        return N, g
+
+    def output_gradients(
+        self,
+        sensitivity: Sensitivity,
+        residuals: Complex[np.ndarray, "n_omega n_y"],
+        weights: Float[np.ndarray, "n_omega n_y"],
+    ) -> Float[np.ndarray, "n_groups n_theta n_y"]:
+        """Re sum J^H W nu of every single output, by group of lines."""
+        group = self.experiment.group
+        parts = []
+        for g in range(len(self.experiment.group_names)):
+            lines = group == g
+            pull = (weights * residuals)[lines]
+            loads = sensitivity.forces[lines].conj() * pull[:, :, None]
+            spread = np.tensordot(loads, sensitivity.variables[lines].conj(), axes=(0, 0)).real
+            derivatives = spread[:, self.parameters.rows, self.parameters.columns].T
+            extras = np.einsum("kye,ky->ey", sensitivity.extras[lines].conj(), pull).real
+            parts.append(np.concatenate([derivatives * self.scale[:, None], extras]))
+        return np.stack(parts)

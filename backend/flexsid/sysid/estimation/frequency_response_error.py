@@ -1,0 +1,55 @@
+"""Frequency response error: measured against modelled responses (Eq. 21)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.output_error import check_finite
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.signals import FrequencyResponse
+
+
+def frequency_response_error(
+    model: AeroelasticModel, responses: dict[str, FrequencyResponse], name: str = "FRE"
+) -> Experiment:
+    """Set up frequency response error for one maneuver.
+
+    Parameters
+    ----------
+    model
+        Condition, modes, inputs and sensors.
+    responses
+        For each input its column of responses at its own lines, (M_j, n_y, 1),
+        instrument dynamics removed. Inputs left out are not fitted.
+    name
+        What to call the maneuver.
+
+    Notes
+    -----
+    Source: Eqs 21-22. A column is what the outputs do under a unit deflection of
+    one input, so each of its lines enters as a line of output error with a unit
+    input; every column has a noise density of its own.
+    """
+    omega, inputs, measured, group = [], [], [], []
+    for number, (column, response) in enumerate(responses.items()):
+        unit = np.zeros((response.omega.size, len(model.inputs)), dtype=complex)
+        unit[:, model.inputs.index(column)] = 1.0
+        rows = [response.outputs.index(output) for output in model.outputs]
+        values = response.values[:, rows, 0]
+        check_finite(values, model.outputs)
+        omega.append(response.omega)
+        inputs.append(unit)
+        measured.append(values)
+        group.append(np.full(response.omega.size, number))
+    omega_all = np.concatenate(omega)
+    return Experiment(
+        name=name,
+        model=model,
+        instruments=np.ones((omega_all.size, len(model.outputs)), dtype=complex),
+        omega=omega_all,
+        inputs=np.concatenate(inputs),
+        measured=np.concatenate(measured),
+        group=np.concatenate(group),
+        group_names=tuple(responses),
+    )

@@ -1,0 +1,109 @@
+"""Spectral density of the residuals, and the weights that follow from it (Eq. 19)."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+_RELATIVE_FLOOR = 1e-20  # of the measured power: keeps weights finite on noise-free data
+
+
+def residual_density(
+    residuals: Complex[np.ndarray, "n_omega n_y"],
+    measured: Complex[np.ndarray, "n_omega n_y"],
+    group: np.ndarray,
+    n_groups: int,
+    kind: str,
+) -> np.ndarray:
+    """Covariance of one line's residual, by group of lines.
+
+    Parameters
+    ----------
+    residuals, measured
+        Of all lines. [output unit * s]
+    group
+        Group of each line.
+    n_groups
+        Number of groups.
+    kind
+        ``diagonal``, or ``full`` with shrinkage towards the diagonal where the
+        lines are too few to fill a matrix.
+
+    Returns
+    -------
+    array
+        (n_groups, n_y) real, or (n_groups, n_y, n_y) Hermitian.
+    """
+    n_y = residuals.shape[1]
+    full = kind == "full"
+    density = np.zeros((n_groups, n_y, n_y), dtype=complex) if full else np.zeros((n_groups, n_y))
+    for g in range(n_groups):
+        lines = group == g
+        nu, z = residuals[lines], measured[lines]
+        power = np.mean(np.abs(nu) ** 2, axis=0)
+        diagonal = np.maximum(power, _RELATIVE_FLOOR * np.mean(np.abs(z) ** 2, axis=0))
+        if not full:
+            density[g] = diagonal
+            continue
+        sample = nu.T @ nu.conj() / nu.shape[0]
+        keep = 1.0 - shrinkage(nu.shape[0], n_y)
+        density[g] = keep * sample
+        density[g][np.diag_indices(n_y)] = diagonal
+    return density
+
+
+def shrinkage(n_lines: int, n_y: int) -> float:
+    """Share of the off-diagonal terms given up so that a full matrix stays invertible.
+
+    Zero with at least ten lines per output; one third of the way at three, and
+    never so little that the matrix could be singular.
+    """
+    return float(np.clip(n_y / n_lines, 0.0, 0.9)) if n_lines < 10 * n_y else 0.0
+
+
+def line_weights(density: np.ndarray, group: np.ndarray) -> np.ndarray:
+    """Inverse density of every line: (n_omega, n_y), or (n_omega, n_y, n_y)."""
+    if density.ndim == 2:
+        return (1.0 / density)[group]
+    return np.linalg.solve(density, np.broadcast_to(np.eye(density.shape[1]), density.shape))[group]
+
+
+def log_determinant(density: np.ndarray, group: np.ndarray) -> float:
+    """Sum over lines of ln |S|."""
+    counts = np.bincount(group, minlength=density.shape[0])
+    if density.ndim == 2:
+        return float(counts @ np.log(density).sum(axis=1))
+    return float(counts @ np.linalg.slogdet(density)[1])
+
+
+def weighted_square(
+    residuals: Complex[np.ndarray, "n_omega n_y"], weights: np.ndarray
+) -> float:
+    """Sum over lines of nu^H W nu."""
+    if weights.ndim == 2:
+        return float(np.sum(weights * np.abs(residuals) ** 2))
+    return float(np.einsum("ki,kij,kj->", residuals.conj(), weights, residuals).real)
+
+
+def smoothed_density(
+    residuals: Complex[np.ndarray, "n_omega n_y"],
+    group: np.ndarray,
+    n_groups: int,
+    half_width: int = 12,
+) -> Complex[np.ndarray, "n_omega n_y n_y"]:
+    """Full density that may change with frequency, from neighbouring lines.
+
+    The estimator weights with one density per group; what the residuals really
+    are (coloured, correlated between outputs by noise on the measured inputs)
+    is read from the lines around each line, own line included.
+    """
+    product = residuals[:, :, None] * residuals.conj()[:, None, :]
+    result = np.empty_like(product)
+    for g in range(n_groups):
+        lines = np.flatnonzero(group == g)
+        total = np.concatenate([np.zeros_like(product[:1]), np.cumsum(product[lines], axis=0)])
+        position = np.arange(lines.size)
+        low = np.maximum(position - half_width, 0)
+        high = np.minimum(position + half_width + 1, lines.size)
+        result[lines] = (total[high] - total[low]) / (high - low)[:, None, None]
+    return result

@@ -1,0 +1,80 @@
+"""Output error: measured outputs against those of the model driven by measured inputs (Eq. 18)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.signals import FrequencyData
+
+
+def output_error(
+    model: AeroelasticModel,
+    inputs: FrequencyData,
+    outputs: FrequencyData,
+    instruments: np.ndarray,
+    name: str = "OE",
+) -> Experiment:
+    """Set up output error for one maneuver.
+
+    Parameters
+    ----------
+    model
+        Condition, modes, inputs and sensors.
+    inputs
+        Surface deflections, instrument dynamics removed. [rad s]
+    outputs
+        Sensor spectra as recorded, whole maneuver. [output unit * s]
+    instruments
+        Recorded over true response of every output, (n_omega, n_y). [1]
+    name
+        What to call the maneuver.
+
+    Raises
+    ------
+    BadInput
+        If an output carries no signal, or a spectrum is not finite.
+
+    Notes
+    -----
+    Source: Eqs 18-20.
+    """
+    u = inputs.pick(model.inputs).values
+    z = outputs.pick(model.outputs).values
+    check_finite(u, model.inputs)
+    check_finite(z, model.outputs)
+    return Experiment(
+        name=name,
+        model=model,
+        instruments=np.asarray(instruments, dtype=complex),
+        omega=outputs.omega,
+        inputs=u,
+        measured=z,
+        group=np.zeros(outputs.omega.size, dtype=int),
+        group_names=(name,),
+    )
+
+
+def check_finite(values: np.ndarray, names: tuple[str, ...]) -> None:
+    """Refuse channels without signal or with numbers that are none.
+
+    Raises
+    ------
+    BadInput
+        Naming the first such channel.
+    """
+    for column, name in enumerate(names):
+        if not np.isfinite(values[:, column]).all():
+            raise BadInput(
+                f"the spectrum of '{name}' is not finite; check the recording for gaps",
+                code="not-finite",
+                channel=name,
+            )
+        if not values[:, column].any():
+            raise BadInput(
+                f"channel '{name}' carries no signal at the lines of the fit; leave it out",
+                code="no-signal",
+                channel=name,
+            )

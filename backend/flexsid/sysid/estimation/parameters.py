@@ -1,0 +1,162 @@
+"""Parameters: which quantities an estimator may change, and where each one enters."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from flexsid.errors import BadInput
+from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
+
+_EXTRA = re.compile(r"^(delay|scale|omega|zeta|shape)_(.+)$")
+
+
+@dataclass(frozen=True, slots=True)
+class Extra:
+    """A free quantity that is no derivative.
+
+    ``delay`` [s] and ``scale`` [1] belong to an output; ``omega`` and ``zeta``
+    are factors on the table's frequency and damping of a mode; ``shape`` is a
+    factor on what one output sees of one mode.
+    """
+
+    kind: str
+    output: int | None = None
+    mode: int | None = None
+
+    @property
+    def neutral(self) -> float:
+        """The value that changes nothing."""
+        return 0.0 if self.kind == "delay" else 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """Free quantities by name, with the table that holds all that is not free.
+
+    The first ``rows.size`` entries of theta are derivatives (row, column of the
+    table), the rest are ``extras``.
+    """
+
+    names: tuple[str, ...]
+    start: Float[np.ndarray, " n_theta"]
+    base: DerivativeTable
+    rows: np.ndarray
+    columns: np.ndarray
+    extras: tuple[Extra, ...]
+
+    def table(self, theta: Float[np.ndarray, " n_theta"]) -> DerivativeTable:
+        """The full table of derivatives at theta."""
+        values = self.base.values.copy()
+        values[self.rows, self.columns] = theta[: self.rows.size]
+        return DerivativeTable(self.base.modes, self.base.inputs, values)
+
+
+def select_parameters(
+    start: DerivativeTable,
+    free: Sequence[str] | None,
+    outputs: tuple[str, ...],
+    extras: Sequence[str] = (),
+    fixed: Mapping[str, float] | None = None,
+) -> Parameters:
+    """Sort quantities into free and held.
+
+    Parameters
+    ----------
+    start
+        Starting values; those that are not free stay there.
+    free
+        Names of the free derivatives; None frees every derivative of the table.
+    outputs
+        Output names, to which delays and scale factors belong.
+    extras
+        Names such as ``delay_q``, ``scale_alpha``, ``omega_7``, ``zeta_7``,
+        ``shape_q_7``.
+    fixed
+        Values for derivatives that are held elsewhere than at the start.
+
+    Raises
+    ------
+    BadInput
+        If a name is unknown, or nothing at all is free.
+    """
+    row_names = coefficients(start.modes)
+    column_names = variables(start.modes, start.inputs)
+    places = {
+        f"{row}_{column}": (i, j)
+        for i, row in enumerate(row_names)
+        for j, column in enumerate(column_names)
+    }
+    fixed = dict(fixed or {})
+    for name in [*fixed, *(free or ())]:
+        if name not in places:
+            raise BadInput(
+                f"'{name}' is not a derivative of this model; it has rows "
+                f"{', '.join(row_names)} and columns {', '.join(column_names)}",
+                code="unknown-derivative",
+                name=name,
+            )
+    chosen = [name for name in (free if free is not None else places) if name not in fixed]
+    values = start.values.copy()
+    for name, value in fixed.items():
+        values[places[name]] = value
+    found = tuple(_parse_extra(name, outputs, start.modes) for name in extras)
+    names = (*chosen, *extras)
+    if not names:
+        raise BadInput(
+            "no parameter is free; choose at least one derivative to estimate",
+            code="no-free-parameter",
+        )
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise BadInput(f"'{twice}' is named twice among the free parameters", name=twice)
+    where = np.array([places[name] for name in chosen], dtype=int).reshape(-1, 2)
+    theta = np.concatenate([values[where[:, 0], where[:, 1]], [x.neutral for x in found]])
+    return Parameters(
+        names=names,
+        start=theta,
+        base=DerivativeTable(start.modes, start.inputs, values),
+        rows=where[:, 0],
+        columns=where[:, 1],
+        extras=found,
+    )
+
+
+def _parse_extra(name: str, outputs: tuple[str, ...], modes: tuple[int, ...]) -> Extra:
+    match = _EXTRA.match(name)
+    if match is None:
+        raise BadInput(
+            f"'{name}' is neither a derivative nor one of delay_<output>, scale_<output>, "
+            "omega_<mode>, zeta_<mode>, shape_<output>_<mode>",
+            code="unknown-parameter",
+            name=name,
+        )
+    kind, rest = match[1], match[2]
+    output, mode = rest, None
+    if kind in ("omega", "zeta"):
+        output, mode = None, rest
+    elif kind == "shape":
+        output, _, mode = rest.rpartition("_")
+    if output is not None and output not in outputs:
+        raise BadInput(
+            f"'{name}' belongs to output '{output}', which is not fitted; outputs are "
+            f"{', '.join(outputs)}",
+            code="unknown-output",
+            name=name,
+        )
+    if mode is not None and (not mode.isdigit() or int(mode) not in modes):
+        raise BadInput(
+            f"'{name}' belongs to mode {mode}, which is not in the model; modes are "
+            f"{', '.join(map(str, modes)) or 'none'}",
+            code="unknown-mode",
+            name=name,
+        )
+    return Extra(
+        kind,
+        None if output is None else outputs.index(output),
+        None if mode is None else modes.index(int(mode)),
+    )

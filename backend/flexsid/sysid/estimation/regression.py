@@ -1,0 +1,163 @@
+"""Complex least squares with real parameters, also when the regressors carry known noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+from scipy import linalg
+
+from flexsid.errors import NotIdentifiable
+from flexsid.sysid.estimation import noise
+
+_WORST_CONDITION = 1e10
+_ITERATIONS = 20
+_MARGIN = 1.5  # the compensated normal matrix keeps at least 1/3 of its weakest direction
+
+
+@dataclass(frozen=True, slots=True)
+class Disturbance:
+    """Covariance of the errors at every line: of the regressors, of the dependent
+    variable, and E[x z*] between the two."""
+
+    regressors: Complex[np.ndarray, "n_omega p p"]
+    cross: Complex[np.ndarray, "n_omega p"]
+    dependent: Float[np.ndarray, " n_omega"]
+
+    def equation_variance(self, theta: Float[np.ndarray, " p"]) -> Float[np.ndarray, " n_omega"]:
+        """Variance that these errors give to z - X theta at every line."""
+        quadratic = np.einsum("a,kab,b->k", theta, self.regressors, theta).real
+        return quadratic - 2.0 * (self.cross @ theta).real + self.dependent
+
+
+@dataclass(frozen=True, slots=True)
+class Regression:
+    """Values, their covariance for white residuals, and for the residuals as they are."""
+
+    values: Float[np.ndarray, " p"]
+    covariance: Float[np.ndarray, "p p"]
+    corrected_covariance: Float[np.ndarray, "p p"]
+
+
+def regress(
+    X: Complex[np.ndarray, "n_omega p"],
+    z: Complex[np.ndarray, " n_omega"],
+    names: tuple[str, ...],
+    disturbance: Disturbance | None = None,
+) -> Regression:
+    """Fit z = X theta with real theta.
+
+    Parameters
+    ----------
+    X, z
+        Regressors and dependent variable, one row per line.
+    names
+        Of the parameters, for messages.
+    disturbance
+        Errors of X and z. With it, lines are weighted by the variance that the
+        errors give to the equation, and the bias they cause is taken out.
+
+    Raises
+    ------
+    NotIdentifiable
+        If there are too few lines, a regressor is still, or some are collinear.
+
+    Notes
+    -----
+    With M complex lines and p real parameters the residual variance is
+    nu^H nu / (M - p/2) and Cov = 1/2 s^2 [Re X^H X]^-1. The form without the
+    half, often printed, is twice too large.
+    """
+    n_lines, p = X.shape
+    if p >= 2 * n_lines:
+        raise NotIdentifiable(
+            f"{p} derivatives of one coefficient are free ({names[0]}...) but there are only "
+            f"{n_lines} lines; free fewer or use more lines",
+            parameters=p,
+            lines=n_lines,
+        )
+    scale = np.linalg.norm(X, axis=0)
+    if not scale.all():
+        quiet = names[int(np.argmin(scale))]
+        raise NotIdentifiable(
+            f"the variable of {quiet} does not move in this maneuver; hold it fixed", name=quiet
+        )
+    q, r = np.linalg.qr(np.concatenate([X.real, X.imag]) / scale)
+    if np.linalg.cond(r) > _WORST_CONDITION:
+        raise NotIdentifiable(
+            f"the regressors of {names[0].split('_')[0]} are collinear; hold some of "
+            f"{', '.join(names)} fixed",
+            code="collinear",
+        )
+    theta = np.linalg.solve(r, q.T @ np.concatenate([z.real, z.imag])) / scale
+    variance = np.ones(n_lines)
+    normal = (r.T @ r) * np.outer(scale, scale)
+    if disturbance is not None:
+        theta, normal, variance = _compensated(X, z, theta, disturbance)
+    return _with_covariance(X, z, theta, normal, variance)
+
+
+def _compensated(
+    X: Complex[np.ndarray, "n_omega p"],
+    z: Complex[np.ndarray, " n_omega"],
+    theta: Float[np.ndarray, " p"],
+    disturbance: Disturbance,
+) -> tuple[
+    Float[np.ndarray, " p"], Float[np.ndarray, "p p"], Float[np.ndarray, " n_omega"]
+]:
+    normal = np.empty((theta.size,) * 2)
+    variance = np.ones(X.shape[0])
+    for _ in range(_ITERATIONS):
+        variance = _line_variance(X, z, theta, disturbance)
+        weighted = X.conj() / variance[:, None]
+        noisy = (weighted.T @ X).real
+        bias = np.tensordot(1.0 / variance, disturbance.regressors, axes=(0, 0)).real
+        pull = ((1.0 / variance) @ disturbance.cross).real
+        scale = np.sqrt(np.diag(noisy))
+        outer = np.outer(scale, scale)
+        share = linalg.eigh(bias / outer, noisy / outer, eigvals_only=True)[-1]
+        keep = min(1.0, 1.0 / max(_MARGIN * share, np.finfo(float).tiny))
+        normal = noisy - keep * bias
+        right = (weighted.T @ z).real - keep * pull
+        update = np.linalg.solve(normal / outer, right / scale) / scale
+        moved = np.max(np.abs(update - theta) * scale) / np.max(np.abs(theta) * scale)
+        theta = update
+        if moved < 1e-8:
+            break
+    return theta, normal, variance
+
+
+def _line_variance(
+    X: Complex[np.ndarray, "n_omega p"],
+    z: Complex[np.ndarray, " n_omega"],
+    theta: Float[np.ndarray, " p"],
+    disturbance: Disturbance,
+) -> Float[np.ndarray, " n_omega"]:
+    """Variance of the equation: known errors, and a white rest (noise on the inputs)."""
+    known = disturbance.equation_variance(theta)
+    found = np.abs(z - X @ theta) ** 2
+    freedom = X.shape[0] - 0.5 * X.shape[1]
+    rest = max(0.0, float(np.sum(found) / freedom - np.mean(known)))
+    return np.maximum(known + rest, 1e-12 * known.max())
+
+
+def _with_covariance(
+    X: Complex[np.ndarray, "n_omega p"],
+    z: Complex[np.ndarray, " n_omega"],
+    theta: Float[np.ndarray, " p"],
+    normal: Float[np.ndarray, "p p"],
+    variance: Float[np.ndarray, " n_omega"],
+) -> Regression:
+    n_lines, p = X.shape
+    nu = (z - X @ theta) / np.sqrt(variance)
+    scale = np.sqrt(np.diag(normal))
+    identity = np.eye(p)
+    inverse = np.linalg.solve(normal / np.outer(scale, scale), identity) / np.outer(scale, scale)
+    freedom = n_lines - 0.5 * p
+    level = float(np.sum(np.abs(nu) ** 2)) / freedom
+    one_group = np.zeros(n_lines, dtype=int)
+    density = noise.smoothed_density(nu[:, None], one_group, 1)[:, 0, 0].real
+    density *= n_lines / freedom
+    middle = ((X.conj() * (density / variance)[:, None]).T @ X).real
+    return Regression(theta, 0.5 * level * inverse, 0.5 * inverse @ middle @ inverse)

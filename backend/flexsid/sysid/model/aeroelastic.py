@@ -1,0 +1,132 @@
+"""AeroelasticModel: one maneuver's known physics, ready for any table of derivatives (Eqs 5-16)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import control
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexsid.sysid.model.condition import GRAVITY, FlightCondition
+from flexsid.sysid.model.derivatives import DerivativeTable, variables
+from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE, SensorRows
+from flexsid.sysid.modes.shapes import StructuralModes
+
+
+@dataclass(frozen=True, slots=True)
+class StateSpace:
+    """A, B, C, D with the names of states, inputs and outputs (Eq. 5)."""
+
+    A: Float[np.ndarray, "n_x n_x"]
+    B: Float[np.ndarray, "n_x n_u"]
+    C: Float[np.ndarray, "n_y n_x"]
+    D: Float[np.ndarray, "n_y n_u"]
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+    def to_control(self) -> control.StateSpace:
+        """The same system for python-control."""
+        return control.ss(
+            self.A,
+            self.B,
+            self.C,
+            self.D,
+            states=list(self.states),
+            inputs=list(self.inputs),
+            outputs=list(self.outputs),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class AeroelasticModel:
+    """Condition, structure, inputs and sensors; only the derivatives are missing.
+
+    The motion is r = [alpha, q, eta_1..n]; theta = q/s and etadot = s eta are
+    eliminated, so that K(s) r = F u has only 2 + n rows.
+    """
+
+    condition: FlightCondition
+    modes: StructuralModes
+    inputs: tuple[str, ...]
+    sensors: SensorRows
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs."""
+        return self.sensors.names
+
+    def row_factors(self) -> Float[np.ndarray, " n_rows"]:
+        """Dimensional factors of the coefficient rows (Eq. 12)."""
+        return self.condition.row_factors(self.modes.mass)
+
+    def column_factors(self) -> Float[np.ndarray, " n_w"]:
+        """Dimensional factors of the variables (Eq. 12)."""
+        return self.condition.column_factors(len(self.modes.numbers), len(self.inputs))
+
+    def known_dynamics(
+        self, omega: Float[np.ndarray, " n_omega"]
+    ) -> Complex[np.ndarray, "n_omega n_r n_r"]:
+        """K(s) without aerodynamics: kinematics, thrust, gravity and the structure."""
+        s = 1j * np.asarray(omega, dtype=float)
+        n = len(self.modes.numbers)
+        K = np.zeros((s.size, 2 + n, 2 + n), dtype=complex)
+        angle, attitude = self._kinematic_terms()
+        K[:, 0, 0] = s - angle
+        K[:, 0, 1] = -1.0 - attitude / s
+        K[:, 1, 1] = s
+        modal = np.arange(2, 2 + n)
+        w, z = self.modes.omega, self.modes.zeta
+        K[:, modal, modal] = s[:, None] ** 2 + 2.0 * z * w * s[:, None] + w**2
+        return K
+
+    def state_space(self, derivatives: DerivativeTable) -> StateSpace:
+        """Assemble A, B, C, D for these derivatives; instruments are not included.
+
+        Parameters
+        ----------
+        derivatives
+            Of exactly this model's modes and inputs.
+        """
+        n, n_u = len(self.modes.numbers), len(self.inputs)
+        angle, attitude = self._kinematic_terms()
+        forces = self.row_factors()[:, None] * derivatives.values * self.column_factors()
+        state_columns = np.r_[0, 1, 3 : 3 + 2 * n]  # theta exerts no aerodynamic force
+        force_rows = np.r_[0, 1, 3 + n : 3 + 2 * n]
+        A = np.zeros((3 + 2 * n, 3 + 2 * n))
+        B = np.zeros((3 + 2 * n, n_u))
+        A[np.ix_(force_rows, state_columns)] = forces[:, : 2 + 2 * n]
+        B[force_rows] = forces[:, 2 + 2 * n :]
+        A[0, 0] += angle
+        A[0, 1] += 1.0
+        A[0, 2] += attitude
+        A[2, 1] = 1.0
+        eta, etadot = np.arange(3, 3 + n), np.arange(3 + n, 3 + 2 * n)
+        A[eta, etadot] = 1.0
+        A[etadot, eta] -= self.modes.omega**2
+        A[etadot, etadot] -= 2.0 * self.modes.zeta * self.modes.omega
+        C, D = self._outputs(A, B)
+        states = ("alpha", "q", "theta", *variables(self.modes.numbers, ())[2:])
+        return StateSpace(A, B, C, D, states, self.inputs, self.outputs)
+
+    def _kinematic_terms(self) -> tuple[float, float]:
+        """Known terms of alpha-dot in alpha and theta (second matrix of Eq. 14a)."""
+        c = self.condition
+        gravity = GRAVITY * np.sin(c.gamma) / c.airspeed
+        return float(gravity - c.thrust * np.cos(c.alpha) / (c.mass * c.airspeed)), -float(gravity)
+
+    def _outputs(
+        self, A: Float[np.ndarray, "n_x n_x"], B: Float[np.ndarray, "n_x n_u"]
+    ) -> tuple[Float[np.ndarray, "n_y n_x"], Float[np.ndarray, "n_y n_u"]]:
+        n = len(self.modes.numbers)
+        P = self.sensors.polynomial
+        motion = np.r_[0, 1, 3 : 3 + n]
+        eta, etadot = np.arange(3, 3 + n), np.arange(3 + n, 3 + 2 * n)
+        C = np.zeros((P.shape[1], A.shape[0]))
+        C[:, motion] = P[POSITION]
+        C[:, 2] = P[INTEGRAL, :, 1]
+        C[:, etadot] += P[RATE, :, 2:]
+        rates = np.r_[0, 1, etadot]  # alpha-dot, q-dot and eta-double-dot come from A and B
+        weights = np.concatenate([P[RATE, :, :2], P[ACCELERATION, :, 2:]], axis=1)
+        return C + weights @ A[rates], weights @ B[rates]

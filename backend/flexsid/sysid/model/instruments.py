@@ -1,0 +1,77 @@
+"""Instrument: what lies between a physical quantity and its recorded samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+from scipy import signal
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SecondOrder:
+    """Sensor with unit static gain: wn^2 / (s^2 + 2 zeta wn s + wn^2)."""
+
+    natural_frequency: float
+    damping: float
+
+    def polynomials(self) -> tuple[np.ndarray, np.ndarray]:
+        """Numerator and denominator in s, highest power first."""
+        wn = self.natural_frequency
+        return np.array([wn**2]), np.array([1.0, 2.0 * self.damping * wn, wn**2])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FirstOrder:
+    """Lag with unit static gain: wc / (s + wc)."""
+
+    corner: float
+
+    def polynomials(self) -> tuple[np.ndarray, np.ndarray]:
+        """Numerator and denominator in s, highest power first."""
+        return np.array([self.corner]), np.array([1.0, self.corner])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Butterworth:
+    """Analog low-pass filter of given order and corner. [rad/s]"""
+
+    order: int
+    corner: float
+
+    def polynomials(self) -> tuple[np.ndarray, np.ndarray]:
+        """Numerator and denominator in s, highest power first."""
+        numerator, denominator = signal.butter(self.order, self.corner, analog=True)
+        return np.atleast_1d(numerator), np.atleast_1d(denominator)
+
+
+Element = SecondOrder | FirstOrder | Butterworth
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Instrument:
+    """A chain of elements followed by a pure delay. [s]"""
+
+    elements: tuple[Element, ...] = ()
+    delay_s: float = 0.0
+
+    def response(self, omega: Float[np.ndarray, " n_omega"]) -> Complex[np.ndarray, " n_omega"]:
+        """Frequency response of the whole chain, delay included.
+
+        Parameters
+        ----------
+        omega
+            Angular frequencies. [rad/s]
+
+        Returns
+        -------
+        array
+            Measured over true quantity. [1]
+        """
+        s = 1j * np.asarray(omega, dtype=float)
+        response = np.exp(-s * self.delay_s)
+        for element in self.elements:
+            numerator, denominator = element.polynomials()
+            response = response * np.polyval(numerator, s) / np.polyval(denominator, s)
+        return response

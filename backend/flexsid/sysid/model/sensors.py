@@ -1,0 +1,148 @@
+"""What each sensor sees of rigid and elastic motion (Eq. 17), as polynomials in s.
+
+With the motion r = [alpha, q, eta_1..n] every output is a known combination
+y = (P_-1 / s + P_0 + P_1 s + P_2 s^2) r: theta = q/s, etadot = s eta, and the
+forces are read from the accelerations they cause. No derivative enters P, which
+is why one model serves all three estimators and needs no C and D of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexsid.sysid.model.condition import GRAVITY, FlightCondition
+
+INTEGRAL, POSITION, RATE, ACCELERATION = range(4)
+
+
+@dataclass(frozen=True, slots=True)
+class SensorRows:
+    """Coefficients of 1/s, 1, s, s^2 for each output; axis 0 is the power."""
+
+    names: tuple[str, ...]
+    polynomial: Float[np.ndarray, "4 n_y n_r"]
+
+    def response(
+        self, omega: Float[np.ndarray, " n_omega"]
+    ) -> Complex[np.ndarray, "n_omega n_y n_r"]:
+        """Output per unit motion at each frequency. [output unit]"""
+        s = 1j * np.asarray(omega, dtype=float)
+        powers = np.stack([1.0 / s, np.ones_like(s), s, s * s], axis=1)
+        return np.tensordot(powers, self.polynomial, axes=(1, 0))
+
+    def rigid_only(self) -> SensorRows:
+        """The same sensors blind to the structure (C_e = 0, Fig. 11)."""
+        polynomial = self.polynomial.copy()
+        polynomial[:, :, 2:] = 0.0
+        return SensorRows(self.names, polynomial)
+
+
+def stack_rows(names: Sequence[str], rows: Sequence[Float[np.ndarray, "4 n_r"]]) -> SensorRows:
+    """Gather single rows into one set."""
+    return SensorRows(tuple(names), np.stack(rows, axis=1))
+
+
+def center_of_gravity_acceleration(
+    condition: FlightCondition, n_modes: int
+) -> Float[np.ndarray, "4 n_r"]:
+    """Normal acceleration of the c.g. as an accelerometer there reads it: V times Z.
+
+    Notes
+    -----
+    Z is alpha-dot less q and less the thrust and gravity terms of Eq. 14a.
+    """
+    row = np.zeros((4, 2 + n_modes))
+    sine = np.sin(condition.gamma)
+    row[RATE, 0] = condition.airspeed
+    row[POSITION, 1] = -condition.airspeed
+    row[POSITION, 0] = (
+        condition.thrust * np.cos(condition.alpha) / condition.mass - GRAVITY * sine
+    )
+    row[INTEGRAL, 1] = GRAVITY * sine
+    return row
+
+
+def body_axes(
+    location: tuple[float, float, float], condition: FlightCondition
+) -> tuple[float, float, float]:
+    """Structural location (x aft, y right, z up) to body axes at the c.g. [m]"""
+    x, y, z = location
+    return condition.x_cg - x, y, condition.z_cg - z
+
+
+def accelerometer_row(
+    axis: str,
+    position: tuple[float, float, float],
+    translation: Float[np.ndarray, "3 n_modes"],
+    rotation: Float[np.ndarray, "3 n_modes"],
+    condition: FlightCondition,
+) -> Float[np.ndarray, "4 n_r"]:
+    """Accelerometer at a body-axes position; gravity leaks in by local tilt. [m/s2]
+
+    Raises
+    ------
+    ValueError
+        If the axis is not x, y or z.
+    """
+    x, _, z = position
+    n_modes = translation.shape[1]
+    normal = center_of_gravity_acceleration(condition, n_modes)
+    row = np.zeros_like(normal)
+    if axis == "z":
+        row += normal
+        row[RATE, 1] -= x
+        row[POSITION, 2:] += GRAVITY * np.sin(condition.alpha) * rotation[1]
+    elif axis == "x":
+        lift = condition.lift_coefficient
+        row -= (condition.alpha - 2.0 * condition.induced_drag * lift) * normal
+        row[POSITION, 0] += GRAVITY
+        row[RATE, 1] += z
+        row[POSITION, 2:] += GRAVITY * rotation[1]
+    elif axis == "y":
+        row[POSITION, 2:] -= GRAVITY * rotation[0]
+    else:
+        raise ValueError(f"accelerometer axis must be x, y or z, not '{axis}'")
+    row[ACCELERATION, 2:] += translation["xyz".index(axis)]
+    return row
+
+
+def gyro_row(rotation: Float[np.ndarray, "3 n_modes"]) -> Float[np.ndarray, "4 n_r"]:
+    """Pitch-rate gyro: q and the local elastic rate. [rad/s]"""
+    row = np.zeros((4, 2 + rotation.shape[1]))
+    row[POSITION, 1] = 1.0
+    row[RATE, 2:] = rotation[1]
+    return row
+
+
+def attitude_row(rotation: Float[np.ndarray, "3 n_modes"]) -> Float[np.ndarray, "4 n_r"]:
+    """Pitch attitude and the local elastic slope. [rad]"""
+    row = np.zeros((4, 2 + rotation.shape[1]))
+    row[INTEGRAL, 1] = 1.0
+    row[POSITION, 2:] = rotation[1]
+    return row
+
+
+def vane_row(
+    position: tuple[float, float, float],
+    translation: Float[np.ndarray, "3 n_modes"],
+    rotation: Float[np.ndarray, "3 n_modes"],
+    condition: FlightCondition,
+) -> Float[np.ndarray, "4 n_r"]:
+    """Angle-of-attack vane on a boom: rigid, rotation and elastic parts. [rad]"""
+    row = np.zeros((4, 2 + rotation.shape[1]))
+    row[POSITION, 0] = 1.0
+    row[POSITION, 1] = -position[0] / condition.airspeed
+    row[POSITION, 2:] = rotation[1]
+    row[RATE, 2:] = translation[2] / condition.airspeed
+    return row
+
+
+def strain_row(strain: Float[np.ndarray, " n_modes"]) -> Float[np.ndarray, "4 n_r"]:
+    """Strain gauge: a known combination of generalised displacements. [1]"""
+    row = np.zeros((4, 2 + strain.size))
+    row[POSITION, 2:] = strain
+    return row

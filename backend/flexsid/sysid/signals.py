@@ -1,0 +1,47 @@
+"""The data nouns: samples by channel on one clock, and spectra by channel on one set of lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+
+@dataclass(frozen=True, slots=True)
+class TimeHistory:
+    """Uniformly sampled channels that share one clock; axis 0 is time."""
+
+    start_s: float
+    rate_hz: float
+    values: Float[np.ndarray, "n_samples n_channels"]
+    names: tuple[str, ...]
+
+    @property
+    def time_s(self) -> Float[np.ndarray, " n_samples"]:
+        """Time of every sample. [s]"""
+        return self.start_s + np.arange(self.values.shape[0]) / self.rate_hz
+
+
+@dataclass(frozen=True, slots=True)
+class FrequencyData:
+    """Complex spectra of channels at common lines; axis 0 is frequency."""
+
+    omega: Float[np.ndarray, " n_omega"]
+    values: Complex[np.ndarray, "n_omega n_channels"]
+    names: tuple[str, ...]
+
+    def pick(self, names: tuple[str, ...]) -> FrequencyData:
+        """Return the channels named, in that order."""
+        columns = [self.names.index(name) for name in names]
+        return FrequencyData(self.omega, self.values[:, columns], tuple(names))
+
+
+@dataclass(frozen=True, slots=True)
+class FrequencyResponse:
+    """Measured or modelled responses; axis 0 is frequency, then outputs, then inputs."""
+
+    omega: Float[np.ndarray, " n_omega"]
+    values: Complex[np.ndarray, "n_omega n_y n_u"]
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
