@@ -102,6 +102,12 @@ _ALIASES = {
 
 SYMBOLS: tuple[str, ...] = tuple(_UNITS)
 
+_SI_UNITS = {
+    unit.dimension: symbol
+    for symbol, unit in _UNITS.items()
+    if unit.factor == 1.0 and unit.offset == 0.0
+}
+
 
 def lookup(unit: str) -> Unit:
     """Find a unit by its symbol; ``^`` and spaces may be written or left out.
@@ -134,6 +140,11 @@ def lookup(unit: str) -> Unit:
 def dimension(unit: str) -> str:
     """Name what a unit measures, such as ``length``."""
     return lookup(unit).dimension
+
+
+def si_unit(unit: str) -> str:
+    """Symbol of the SI unit that ``to_si`` converts values in ``unit`` to."""
+    return _SI_UNITS[dimension(unit)]
 
 
 def factor(unit: str, dimension: str) -> float:

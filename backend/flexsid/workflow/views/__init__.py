@@ -1,6 +1,7 @@
 """Read from the store what figures draw: finished numbers, nothing drawn."""
 
 from flexsid.workflow.views.campaign import envelope
+from flexsid.workflow.views.maneuver import plot_matrix, spectrum, time_history
 from flexsid.workflow.views.run import (
     derivatives,
     fit,
@@ -16,6 +17,9 @@ __all__ = [
     "fit",
     "iterations",
     "parameter_correlation",
+    "plot_matrix",
     "poles",
     "residual",
+    "spectrum",
+    "time_history",
 ]

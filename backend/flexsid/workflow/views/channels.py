@@ -1,0 +1,107 @@
+"""Recorded channels and their symmetric combinations by name, in SI."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.records.aircraft import Combination
+from flexsid.records.maneuver import Channel, Maneuver, Role
+from flexsid.records.views import ChannelTrace
+from flexsid.storage.store import Store
+from flexsid.units import si_unit, to_si
+from flexsid.workflow.interval import samples_between
+
+Interval = tuple[float, float]
+
+
+def input_names(store: Store, maneuver: Maneuver) -> tuple[str, ...]:
+    """Measured surfaces of a maneuver, those that are excited first."""
+    measured = [c.name for c in store.channels.find(maneuver_id=maneuver.id, role=Role.INPUT)]
+    excited = [] if maneuver.excitation is None else list(maneuver.excitation.harmonics)
+    return tuple(dict.fromkeys([*(name for name in excited if name in measured), *measured]))
+
+
+def read_channels(
+    store: Store, maneuver: Maneuver, names: Sequence[str], interval_s: Interval | None = None
+) -> tuple[ChannelTrace, ...]:
+    """Read channels, or combinations of channels, over an interval of the record.
+
+    Raises
+    ------
+    BadInput
+        If there is neither a channel nor a combination of this name, or the channels
+        of a combination were not sampled together.
+    """
+    recorded = {channel.name: channel for channel in store.channels.find(maneuver_id=maneuver.id)}
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    combined = {combination.name: combination for combination in aircraft.combinations}
+    wanted = tuple(dict.fromkeys(names))
+    parts = {name: _parts(name, recorded, combined) for name in wanted}
+    needed = {channel.array for terms in parts.values() for channel, _ in terms}
+    samples = store.arrays.get_many(needed)
+    return tuple(_trace(name, parts[name], samples, interval_s) for name in wanted)
+
+
+def _parts(
+    name: str, recorded: dict[str, Channel], combined: dict[str, Combination]
+) -> list[tuple[Channel, float]]:
+    if name in recorded:
+        return [(recorded[name], 1.0)]
+    terms = combined[name].terms if name in combined else ()
+    if not terms or any(term not in recorded for term, _ in terms):
+        known = [
+            *recorded,
+            *(n for n, c in combined.items() if all(t in recorded for t, _ in c.terms)),
+        ]
+        raise BadInput(
+            f"the maneuver has no channel '{name}'; it has {', '.join(known)}",
+            code="unknown-channel",
+            channel=name,
+        )
+    channels = [recorded[term] for term, _ in terms]
+    if len({(c.rate_hz, c.start_s, c.n_samples, si_unit(c.unit)) for c in channels}) > 1:
+        raise BadInput(
+            f"'{name}' combines channels of different rates or units; choose its parts instead: "
+            f"{', '.join(channel.name for channel in channels)}",
+            code="unequal-channels",
+            channel=name,
+        )
+    return [(recorded[term], weight) for term, weight in terms]
+
+
+def _trace(
+    name: str,
+    parts: list[tuple[Channel, float]],
+    samples: dict[str, np.ndarray],
+    interval_s: Interval | None,
+) -> ChannelTrace:
+    first, _ = parts[0]
+    window = slice(0, first.n_samples)
+    if interval_s is not None:
+        window = samples_between(interval_s, first.start_s, first.rate_hz, first.n_samples)
+    values = sum(
+        weight * to_si(samples[channel.array][window], channel.unit) for channel, weight in parts
+    )
+    index = np.arange(window.start, window.stop)
+    return ChannelTrace(
+        name=name,
+        unit=si_unit(first.unit),
+        role=first.role,
+        time_s=first.start_s + index / first.rate_hz,
+        values=np.asarray(values),
+    )
+
+
+def on_one_clock(traces: Sequence[ChannelTrace]) -> tuple[ChannelTrace, ...]:
+    """Bring traces to the time axis of the one with the fewest samples."""
+    clock = min(traces, key=lambda trace: trace.time_s.size).time_s
+    return tuple(
+        trace
+        if trace.time_s is clock
+        else replace(trace, time_s=clock, values=np.interp(clock, trace.time_s, trace.values))
+        for trace in traces
+    )

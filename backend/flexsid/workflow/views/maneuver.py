@@ -1,0 +1,123 @@
+"""What a maneuver looked like: its channels in time, against each other, and by frequency."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.records.maneuver import Maneuver
+from flexsid.records.views import ChannelHistories, PlotMatrix, Spectra
+from flexsid.storage.store import Store
+from flexsid.sysid.spectra.fourier import finite_fourier_transform, unit_lines
+from flexsid.workflow.interval import excitation_interval
+from flexsid.workflow.views.channels import input_names, on_one_clock, read_channels
+
+_POINTS = 1000  # about as many as a screen has columns
+_MOST_POINTS = 20_000
+
+
+def time_history(
+    store: Store,
+    maneuver_id: int,
+    channels: Sequence[str] = (),
+    start_s: float | None = None,
+    stop_s: float | None = None,
+    points: int = _POINTS,
+) -> ChannelHistories:
+    """Read channels over a window; the inputs over the whole record by default."""
+    if not 10 <= points <= _MOST_POINTS:
+        raise BadInput(
+            f"{points} points per channel cannot be drawn; choose 10 to {_MOST_POINTS}",
+            code="bad-points",
+        )
+    maneuver = store.maneuvers.get(maneuver_id)
+    window = (
+        -np.inf if start_s is None else start_s,
+        np.inf if stop_s is None else stop_s,
+    )
+    if not window[0] < window[1]:
+        raise BadInput(
+            f"the window from {start_s} to {stop_s} s is empty; the start must come first",
+            code="bad-window",
+        )
+    chosen = channels or input_names(store, maneuver)
+    excitation = maneuver.excitation
+    return ChannelHistories(
+        maneuver_id=maneuver_id,
+        traces=read_channels(store, maneuver, chosen, window),
+        excitation_s=None if excitation is None else excitation_interval(excitation),
+        points=points,
+    )
+
+
+def plot_matrix(store: Store, maneuver_id: int, channels: Sequence[str] = ()) -> PlotMatrix:
+    """Read channels against each other while the excitation ran; the inputs by default.
+
+    Trim before and after would only add points at rest, which hide correlation.
+    """
+    maneuver = store.maneuvers.get(maneuver_id)
+    chosen = channels or input_names(store, maneuver)
+    excitation = maneuver.excitation
+    interval = None if excitation is None else excitation_interval(excitation)
+    traces = read_channels(store, maneuver, chosen, interval)
+    together = on_one_clock(traces) if traces else ()
+    samples = (
+        np.stack([trace.values for trace in together], axis=1) if together else np.zeros((0, 0))
+    )
+    return PlotMatrix(
+        maneuver_id=maneuver_id,
+        names=tuple(trace.name for trace in together),
+        units=tuple(trace.unit for trace in together),
+        samples=samples,
+        correlation=correlation(samples),
+    )
+
+
+def correlation(samples: np.ndarray) -> np.ndarray:
+    """Pairwise correlation coefficients of columns; NaN for a column that never moves."""
+    moved = samples - samples.mean(axis=0) if samples.size else samples
+    product = moved.T @ moved
+    scale = np.sqrt(np.outer(np.diag(product), np.diag(product)))
+    return np.divide(product, scale, out=np.full(product.shape, np.nan), where=scale > 0)
+
+
+def spectrum(store: Store, maneuver_id: int, channels: Sequence[str] = ()) -> Spectra:
+    """Transform channels at the excited lines; the inputs by default."""
+    maneuver = store.maneuvers.get(maneuver_id)
+    inputs = input_names(store, maneuver)
+    omega, owners = _excited_lines(maneuver)
+    traces = read_channels(store, maneuver, channels or inputs)
+    magnitude = np.full((omega.size, len(traces)), np.nan)
+    for column, trace in enumerate(traces):
+        rate_hz = (trace.time_s.size - 1) / (trace.time_s[-1] - trace.time_s[0])
+        seen = omega <= np.pi * rate_hz  # a slow channel says nothing above its Nyquist frequency
+        moved = (trace.values - trace.values.mean())[:, None]
+        magnitude[seen, column] = np.abs(
+            finite_fourier_transform(moved, rate_hz, omega[seen])[:, 0]
+        )
+    return Spectra(
+        maneuver_id=maneuver_id,
+        inputs=inputs,
+        frequency_hz=omega / (2.0 * np.pi),
+        owners=owners,
+        names=tuple(trace.name for trace in traces),
+        units=tuple(trace.unit for trace in traces),
+        magnitude=magnitude,
+    )
+
+
+def _excited_lines(maneuver: Maneuver) -> tuple[np.ndarray, tuple[str, ...]]:
+    if maneuver.excitation is None:
+        raise BadInput(
+            f"maneuver {maneuver.id} has no multisine excitation, so no lines to transform at",
+            code="no-excitation",
+        )
+    lines = sorted(
+        (harmonic, name)
+        for name, harmonics in maneuver.excitation.harmonics.items()
+        for harmonic in harmonics
+    )
+    harmonics = np.array([harmonic for harmonic, _ in lines])
+    return unit_lines(harmonics, maneuver.excitation.period_s), tuple(name for _, name in lines)
