@@ -98,3 +98,10 @@ def test_temperatures_have_an_offset_and_no_factor() -> None:
 
 def test_single_precision_is_converted_in_double() -> None:
     assert units.to_si(np.float32([1.0]), "ft").dtype == np.float64
+
+
+@pytest.mark.parametrize("symbol", units.SYMBOLS)
+def test_every_unit_has_an_si_unit_that_changes_nothing(symbol: str) -> None:
+    si = units.si_unit(symbol)
+    assert units.dimension(si) == units.dimension(symbol)
+    np.testing.assert_array_equal(units.to_si([0.0, 1.0], si), [0.0, 1.0])
