@@ -99,7 +99,7 @@ def _coefficient(value: float, centre: tuple[float, float]) -> Spec:
         return _text("–", centre, {"size": 13})
     if abs(value) > LIMIT:
         return _text(f"<b>{value:.2f} !</b>", centre, {"size": 13, "color": style.FLAG})
-    return _text(f"{value:.2f}", centre, {"size": 13})
+    return _text(f"{value:z.2f}", centre, {"size": 13})
 
 
 def _text(text: str, centre: tuple[float, float], font: Spec) -> Spec:

@@ -20,11 +20,13 @@ _COLOURS = {
 
 def time_history(value: ChannelHistories) -> Spec:
     """Draw each channel in its own row and unit; what a screen cannot show is thinned out."""
-    if not value.traces:
-        return empty("No channel chosen")
+    ends = [trace.time_s[[0, -1]] for trace in value.traces if trace.time_s.size]
+    if not ends:
+        return empty("No samples in this window")
     count = len(value.traces)
+    shown = [float(np.min(ends)), float(np.max(ends))]
     layout: Spec = {
-        "xaxis": {**title("Time [s]"), "anchor": axis(count)},
+        "xaxis": {**title("Time [s]"), "anchor": axis(count), "range": shown},
         "showlegend": False,
         "hovermode": "x",
         "meta": {"rows": count},

@@ -19,10 +19,9 @@ Interval = tuple[float, float]
 
 
 def input_names(store: Store, maneuver: Maneuver) -> tuple[str, ...]:
-    """Measured surfaces of a maneuver, those that are excited first."""
-    measured = [c.name for c in store.channels.find(maneuver_id=maneuver.id, role=Role.INPUT)]
-    excited = [] if maneuver.excitation is None else list(maneuver.excitation.harmonics)
-    return tuple(dict.fromkeys([*(name for name in excited if name in measured), *measured]))
+    """Measured surfaces of a maneuver, in the order of the recorder."""
+    measured = store.channels.find(maneuver_id=maneuver.id, role=Role.INPUT)
+    return tuple(channel.name for channel in measured)
 
 
 def read_channels(
