@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Complex, Float
-from scipy import signal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,8 +41,10 @@ class Butterworth:
 
     def polynomials(self) -> tuple[np.ndarray, np.ndarray]:
         """Numerator and denominator in s, highest power first."""
-        numerator, denominator = signal.butter(self.order, self.corner, analog=True)
-        return np.atleast_1d(numerator), np.atleast_1d(denominator)
+        # Written out: loading scipy.signal for it takes seconds, and records load this module.
+        angles = np.pi * (2 * np.arange(self.order) + self.order + 1) / (2 * self.order)
+        denominator = np.poly(self.corner * np.exp(1j * angles)).real
+        return denominator[-1:], denominator
 
 
 Element = SecondOrder | FirstOrder | Butterworth
