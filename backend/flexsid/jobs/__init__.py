@@ -1,0 +1,1 @@
+"""Carries out queued runs in worker processes."""

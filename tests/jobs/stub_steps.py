@@ -1,0 +1,65 @@
+"""Steps whose task says what happens to it; workers load this module by name."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.records.run import EstimationRun, Fit, ParameterEstimate, Progress, RunResult
+from flexsid.storage import queue
+from flexsid.storage.store import Store
+
+
+def prepare(store: Store, run: EstimationRun) -> dict[str, Any]:
+    words = run.author.split()
+    if words[0] == "unprepared":
+        raise BadInput("there is no mode 99 in the table", code="unknown-mode")
+    return {"do": words[0], "file": words[1] if len(words) > 1 else "", "attempt": run.attempt}
+
+
+def compute(task: dict[str, Any], report: Callable[[Progress], None]) -> dict[str, Any]:
+    report(Progress(iteration=1, cost=float("nan"), fraction=0.5, message="half way"))
+    what = task["do"]
+    if what == "refuse":
+        raise NotIdentifiable("the input never moves")
+    if what == "stumble":
+        return {"value": [][0]}
+    if what == "hold":
+        Path(task["file"]).write_text(str(os.getpid()))
+        time.sleep(60)
+    if what == "crash" or (what == "crash-once" and task["attempt"] == 1):
+        os.kill(os.getpid(), signal.SIGKILL)
+    if what == "unpicklable":
+        return {"value": lambda: 1}
+    if what == "threads":
+        return {"value": float(os.environ["OPENBLAS_NUM_THREADS"])}
+    return {"value": 2.0}
+
+
+def keep(store: Store, run_id: int, attempt: int, outcome: dict[str, Any]) -> EstimationRun:
+    with store.transaction():
+        result = RunResult(
+            parameters=(ParameterEstimate(name="Cm_q", value=outcome["value"], std_error=0.1),),
+            covariance=store.arrays.put(np.array([[0.01]])),
+            fit=Fit(
+                outcome="converged",
+                message="",
+                iterations=(),
+                cost=1.0,
+                r_squared={},
+                n_lines=1,
+                n_parameters=1,
+                seconds=0.0,
+                start="",
+            ),
+            poles=(),
+            blocks=(),
+        )
+        return queue.finish(store, run_id, attempt, result, {"flexsid": "test"})
