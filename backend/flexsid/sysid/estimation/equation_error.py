@@ -102,9 +102,7 @@ def equation_error(
             covariance[np.ix_(place, place)] = result.covariance
             corrected[np.ix_(place, place)] = result.corrected_covariance
             fitted = fitted + X[:, columns] @ result.values
-        lines.append(
-            FittedLines(name, (name,), motion.omega, z[:, row : row + 1], fitted[:, None])
-        )
+        lines.append(FittedLines(name, (name,), motion.omega, z[:, row : row + 1], fitted[:, None]))
     return Estimate(
         names=parameters.names,
         values=values,
@@ -132,13 +130,9 @@ class _MotionNoise:
         self.coefficient = model.known_dynamics(motion.omega) / model.row_factors()[:, None]
         self.covariance = motion.covariance
 
-    def of_row(
-        self, row: int, held: Float[np.ndarray, " n_w"], columns: np.ndarray
-    ) -> Disturbance:
+    def of_row(self, row: int, held: Float[np.ndarray, " n_w"], columns: np.ndarray) -> Disturbance:
         """Joint covariance of the row's free regressors and dependent variable."""
-        dependent = self.coefficient[:, row] - np.tensordot(
-            self.regressor, held, axes=(1, 0)
-        )
+        dependent = self.coefficient[:, row] - np.tensordot(self.regressor, held, axes=(1, 0))
         both = np.concatenate([self.regressor[:, columns], dependent[:, None, :]], axis=1)
         joint = both @ self.covariance @ both.conj().transpose(0, 2, 1)
         return Disturbance(joint[:, :-1, :-1], joint[:, :-1, -1], joint[:, -1, -1].real)

@@ -63,9 +63,7 @@ class LineModel:
         self.experiment = experiment
         self.parameters = parameters
         self.s = 1j * experiment.omega
-        self.sensors = experiment.instruments[:, :, None] * model.sensors.response(
-            experiment.omega
-        )
+        self.sensors = experiment.instruments[:, :, None] * model.sensors.response(experiment.omega)
         self.dynamics = model.known_dynamics(experiment.omega)
         self.rows = model.row_factors()
         self.columns = model.column_factors()
@@ -85,9 +83,7 @@ class LineModel:
         outputs = np.matmul(sensors, motion[:, :, None])[:, :, 0]
         return Response(motion, outputs, K, sensors)
 
-    def sensitivity(
-        self, theta: Float[np.ndarray, " n_theta"], response: Response
-    ) -> Sensitivity:
+    def sensitivity(self, theta: Float[np.ndarray, " n_theta"], response: Response) -> Sensitivity:
         """Factored sensitivities of the outputs around a response."""
         forces = np.linalg.solve(
             response.dynamics.transpose(0, 2, 1), response.sensors.transpose(0, 2, 1)
@@ -124,9 +120,7 @@ class LineModel:
             elif extra.kind == "shape":
                 sensors[:, extra.output, 2 + extra.mode] *= value
         w, z = modes.omega * frequency, modes.zeta * damping
-        change = (
-            2.0 * self.s[:, None] * (z * w - modes.zeta * modes.omega) + w**2 - modes.omega**2
-        )
+        change = 2.0 * self.s[:, None] * (z * w - modes.zeta * modes.omega) + w**2 - modes.omega**2
         modal = np.arange(2, 2 + modes.omega.size)
         K[:, modal, modal] += change
         for extra, value in values:
@@ -208,21 +202,22 @@ class LineModel:
         upper = np.triu_indices(n_r)
         outer = (w.conj()[:, :, None] * w[:, None, :]).reshape(w.shape[0], -1)
         blocks = A[:, upper[0], upper[1]]
-        product = blocks.real.T @ outer.real - blocks.imag.T @ outer.imag
+        product = np.real(blocks).T @ np.real(outer) - np.imag(blocks).T @ np.imag(outer)
         four = np.empty((n_r, n_r, n_w, n_w))
         four[upper] = product.reshape(-1, n_w, n_w)
         four[upper[1], upper[0]] = four[upper].transpose(0, 2, 1)
         full = four.transpose(0, 2, 1, 3).reshape(n_r * n_w, n_r * n_w)
         place = rows * n_w + columns
-        N = np.empty((p + A.shape[1] - n_r,) * 2)
+        size = p + A.shape[1] - n_r
+        N = np.empty((size, size))
         N[:p, :p] = full[np.ix_(place, place)] * self.scale[:, None] * self.scale
-        gradient = (b[:, :n_r].T @ w.conj()).real
-        g = np.concatenate([gradient[rows, columns] * self.scale, b[:, n_r:].real.sum(axis=0)])
+        gradient = np.real(b[:, :n_r].T @ w.conj())
+        g = np.concatenate([gradient[rows, columns] * self.scale, np.real(b[:, n_r:]).sum(axis=0)])
         if N.shape[0] > p:
-            cross = np.tensordot(w.conj(), A[:, :n_r, n_r:], axes=(0, 0)).real
+            cross = np.real(np.tensordot(w.conj(), A[:, :n_r, n_r:], axes=(0, 0)))
             N[:p, p:] = cross[columns, rows] * self.scale[:, None]
             N[p:, :p] = N[:p, p:].T
-            N[p:, p:] = A[:, n_r:, n_r:].real.sum(axis=0)
+            N[p:, p:] = np.real(A[:, n_r:, n_r:]).sum(axis=0)
         return N, g
 
     def output_gradients(
@@ -238,8 +233,8 @@ class LineModel:
             lines = group == g
             pull = (weights * residuals)[lines]
             loads = sensitivity.forces[lines].conj() * pull[:, :, None]
-            spread = np.tensordot(loads, sensitivity.variables[lines].conj(), axes=(0, 0)).real
+            spread = np.real(np.tensordot(loads, sensitivity.variables[lines].conj(), axes=(0, 0)))
             derivatives = spread[:, self.parameters.rows, self.parameters.columns].T
-            extras = np.einsum("kye,ky->ey", sensitivity.extras[lines].conj(), pull).real
+            extras = np.real(np.einsum("kye,ky->ey", sensitivity.extras[lines].conj(), pull))
             parts.append(np.concatenate([derivatives * self.scale[:, None], extras]))
         return np.stack(parts)

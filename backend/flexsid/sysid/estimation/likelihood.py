@@ -110,16 +110,13 @@ class _Problem:
 
     def densities(self, state: _State) -> list[np.ndarray]:
         return [
-            noise.residual_density(
-                nu, e.measured, e.group, len(e.group_names), self.settings.noise
-            )
+            noise.residual_density(nu, e.measured, e.group, len(e.group_names), self.settings.noise)
             for e, nu in zip(self.experiments, state.residuals, strict=True)
         ]
 
     def weights(self, densities: list[np.ndarray]) -> list[np.ndarray]:
         return [
-            noise.line_weights(S, e.group)
-            for S, e in zip(densities, self.experiments, strict=True)
+            noise.line_weights(S, e.group) for S, e in zip(densities, self.experiments, strict=True)
         ]
 
     def cost(self, state: _State, densities: list[np.ndarray]) -> float:
@@ -168,8 +165,9 @@ class _Problem:
         lacks 2/M g_o g_o^T of every output o. Without this term the relaxation of S
         converges only linearly where the model is of too low an order.
         """
-        N, g = np.diag(self.prior_information), self.prior_information * (
-            self.prior_mean - state.theta
+        N, g = (
+            np.diag(self.prior_information),
+            self.prior_information * (self.prior_mean - state.theta),
         )
         columns = []
         for model, response, nu, W in zip(
@@ -268,10 +266,7 @@ class _Problem:
             self.models, state.responses, state.residuals, weights, self.experiments, strict=True
         ):
             S = inflation * noise.smoothed_density(nu, e.group, len(e.group_names))
-            if W.ndim == 2:
-                middle = W[:, :, None] * S * W[:, None, :]
-            else:
-                middle = W @ S @ W
+            middle = W[:, :, None] * S * W[:, None, :] if W.ndim == 2 else W @ S @ W
             sensitivity = model.sensitivity(state.theta, response)
             total += model.normal_equations(sensitivity, nu, middle)[0]
         return total
@@ -330,3 +325,12 @@ def _scaled_inverse(
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:
     return 0.5 * (matrix + matrix.T)
+
+
+def starting_cost(experiments: Sequence[Experiment], parameters: Parameters) -> float:
+    """Negative log likelihood at the start; infinite where the model has no response."""
+    problem = _Problem(experiments, parameters, FitSettings())
+    state = problem.at(parameters.start)
+    if not all(np.isfinite(nu).all() for nu in state.residuals):
+        return float("inf")
+    return problem.cost(state, problem.densities(state))

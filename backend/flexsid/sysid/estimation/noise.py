@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex
 
 _RELATIVE_FLOOR = 1e-20  # of the measured power: keeps weights finite on noise-free data
 
@@ -76,9 +76,7 @@ def log_determinant(density: np.ndarray, group: np.ndarray) -> float:
     return float(counts @ np.linalg.slogdet(density)[1])
 
 
-def weighted_square(
-    residuals: Complex[np.ndarray, "n_omega n_y"], weights: np.ndarray
-) -> float:
+def weighted_square(residuals: Complex[np.ndarray, "n_omega n_y"], weights: np.ndarray) -> float:
     """Sum over lines of nu^H W nu."""
     if weights.ndim == 2:
         return float(np.sum(weights * np.abs(residuals) ** 2))

@@ -21,12 +21,13 @@ class Extra:
 
     ``delay`` [s] and ``scale`` [1] belong to an output; ``omega`` and ``zeta``
     are factors on the table's frequency and damping of a mode; ``shape`` is a
-    factor on what one output sees of one mode.
+    factor on what one output sees of one mode. The place that a kind does not
+    need stays 0.
     """
 
     kind: str
-    output: int | None = None
-    mode: int | None = None
+    output: int = 0
+    mode: int = 0
 
     @property
     def neutral(self) -> float:
@@ -157,6 +158,6 @@ def _parse_extra(name: str, outputs: tuple[str, ...], modes: tuple[int, ...]) ->
         )
     return Extra(
         kind,
-        None if output is None else outputs.index(output),
-        None if mode is None else modes.index(int(mode)),
+        0 if output is None else outputs.index(output),
+        0 if mode is None else modes.index(int(mode)),
     )

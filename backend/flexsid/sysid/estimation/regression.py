@@ -18,8 +18,10 @@ _MARGIN = 1.5  # the compensated normal matrix keeps at least 1/3 of its weakest
 
 @dataclass(frozen=True, slots=True)
 class Disturbance:
-    """Covariance of the errors at every line: of the regressors, of the dependent
-    variable, and E[x z*] between the two."""
+    """Covariance of the errors at every line.
+
+    Of the regressors, of the dependent variable, and E[x z*] between the two.
+    """
 
     regressors: Complex[np.ndarray, "n_omega p p"]
     cross: Complex[np.ndarray, "n_omega p"]
@@ -27,8 +29,8 @@ class Disturbance:
 
     def equation_variance(self, theta: Float[np.ndarray, " p"]) -> Float[np.ndarray, " n_omega"]:
         """Variance that these errors give to z - X theta at every line."""
-        quadratic = np.einsum("a,kab,b->k", theta, self.regressors, theta).real
-        return quadratic - 2.0 * (self.cross @ theta).real + self.dependent
+        quadratic = np.real(np.einsum("a,kab,b->k", theta, self.regressors, theta))
+        return quadratic - 2.0 * np.real(self.cross @ theta) + self.dependent
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,14 +85,14 @@ def regress(
         raise NotIdentifiable(
             f"the variable of {quiet} does not move in this maneuver; hold it fixed", name=quiet
         )
-    q, r = np.linalg.qr(np.concatenate([X.real, X.imag]) / scale)
+    q, r = np.linalg.qr(np.concatenate([np.real(X), np.imag(X)]) / scale)
     if np.linalg.cond(r) > _WORST_CONDITION:
         raise NotIdentifiable(
             f"the regressors of {names[0].split('_')[0]} are collinear; hold some of "
             f"{', '.join(names)} fixed",
             code="collinear",
         )
-    theta = np.linalg.solve(r, q.T @ np.concatenate([z.real, z.imag])) / scale
+    theta = np.linalg.solve(r, q.T @ np.concatenate([np.real(z), np.imag(z)])) / scale
     variance = np.ones(n_lines)
     normal = (r.T @ r) * np.outer(scale, scale)
     if disturbance is not None:
@@ -103,9 +105,7 @@ def _compensated(
     z: Complex[np.ndarray, " n_omega"],
     theta: Float[np.ndarray, " p"],
     disturbance: Disturbance,
-) -> tuple[
-    Float[np.ndarray, " p"], Float[np.ndarray, "p p"], Float[np.ndarray, " n_omega"]
-]:
+) -> tuple[Float[np.ndarray, " p"], Float[np.ndarray, "p p"], Float[np.ndarray, " n_omega"]]:
     normal = np.empty((theta.size,) * 2)
     variance = np.ones(X.shape[0])
     for _ in range(_ITERATIONS):
@@ -157,7 +157,7 @@ def _with_covariance(
     freedom = n_lines - 0.5 * p
     level = float(np.sum(np.abs(nu) ** 2)) / freedom
     one_group = np.zeros(n_lines, dtype=int)
-    density = noise.smoothed_density(nu[:, None], one_group, 1)[:, 0, 0].real
+    density = np.real(noise.smoothed_density(nu[:, None], one_group, 1)[:, 0, 0])
     density *= n_lines / freedom
-    middle = ((X.conj() * (density / variance)[:, None]).T @ X).real
+    middle = np.real((X.conj() * (density / variance)[:, None]).T @ X)
     return Regression(theta, 0.5 * level * inverse, 0.5 * inverse @ middle @ inverse)

@@ -28,7 +28,7 @@ class StateSpace:
 
     def to_control(self) -> control.StateSpace:
         """The same system for python-control."""
-        return control.ss(
+        return control.StateSpace(
             self.A,
             self.B,
             self.C,
@@ -122,7 +122,7 @@ class AeroelasticModel:
         n = len(self.modes.numbers)
         P = self.sensors.polynomial
         motion = np.r_[0, 1, 3 : 3 + n]
-        eta, etadot = np.arange(3, 3 + n), np.arange(3 + n, 3 + 2 * n)
+        etadot = np.arange(3 + n, 3 + 2 * n)
         C = np.zeros((P.shape[1], A.shape[0]))
         C[:, motion] = P[POSITION]
         C[:, 2] = P[INTEGRAL, :, 1]

@@ -59,9 +59,7 @@ def center_of_gravity_acceleration(
     sine = np.sin(condition.gamma)
     row[RATE, 0] = condition.airspeed
     row[POSITION, 1] = -condition.airspeed
-    row[POSITION, 0] = (
-        condition.thrust * np.cos(condition.alpha) / condition.mass - GRAVITY * sine
-    )
+    row[POSITION, 0] = condition.thrust * np.cos(condition.alpha) / condition.mass - GRAVITY * sine
     row[INTEGRAL, 1] = GRAVITY * sine
     return row
 

@@ -6,6 +6,9 @@ from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Complex, Float
+from scipy import fft
+
+_LARGEST_MATRIX = 2_000_000  # elements; 32 MB for sine and cosine
 
 
 def finite_fourier_transform(
@@ -41,9 +44,9 @@ def finite_fourier_transform(
     Notes
     -----
     The Euler sum is exact for a band-limited transient that starts and ends at
-    trim, which a whole recorded maneuver is. The trigonometric matrix is built
-    by block products of complex rotations and cached, because every maneuver
-    of a campaign shares it: the transform is then one matrix product.
+    trim, which a whole recorded maneuver is. Lines that fall on a grid of
+    n/(m period) are read from a zero-padded fast transform; others cost one
+    product with a cached trigonometric matrix.
     """
     omega = np.asarray(omega, dtype=float)
     if omega.size and (omega.min() < 0 or omega.max() > np.pi * rate_hz * (1 + 1e-12)):
@@ -53,8 +56,12 @@ def finite_fourier_transform(
             f"{omega.max() / 2 / np.pi:g} Hz"
         )
     samples = np.asarray(samples, dtype=float)
-    cosine, sine = _trigonometric_matrix(omega.tobytes(), samples.shape[0], float(rate_hz))
-    transform = (cosine @ samples - 1j * (sine @ samples)) / rate_hz
+    grid = _grid_of(omega, samples.shape[0], rate_hz)
+    if grid is not None:
+        length, bins = grid
+        transform = fft.rfft(samples, n=length, axis=0)[bins] / rate_hz
+    else:
+        transform = _by_matrix(samples, rate_hz, omega)
     if start_s:
         transform *= np.exp(-1j * omega * start_s)[:, None]
     return transform
@@ -63,6 +70,37 @@ def finite_fourier_transform(
 def unit_lines(harmonics: np.ndarray, period_s: float) -> Float[np.ndarray, " n_omega"]:
     """Angular frequencies of harmonics of 1/period. [rad/s]"""
     return 2.0 * np.pi * np.asarray(harmonics, dtype=float) / period_s
+
+
+def _grid_of(
+    omega: Float[np.ndarray, " n_omega"], n_samples: int, rate_hz: float
+) -> tuple[int, np.ndarray] | None:
+    """Length of a zero-padded transform that has bins at all lines, and these bins."""
+    lines = omega / (2.0 * np.pi)
+    spacing = np.diff(lines)
+    if lines.size < 8 or spacing.min() <= 0:
+        return None
+    period = round(rate_hz / float(spacing.min()))
+    length = period * -(-n_samples // period)
+    bins = lines * length / rate_hz
+    near = np.rint(bins)
+    if length > 8 * n_samples or np.max(np.abs(bins - near)) > 1e-6:
+        return None
+    return length, near.astype(int)
+
+
+def _by_matrix(
+    samples: Float[np.ndarray, "n_samples n_channels"],
+    rate_hz: float,
+    omega: Float[np.ndarray, " n_omega"],
+) -> Complex[np.ndarray, "n_omega n_channels"]:
+    at_once = max(1, _LARGEST_MATRIX // samples.shape[0])
+    parts = []
+    for first in range(0, omega.size, at_once):
+        lines = omega[first : first + at_once]
+        cosine, sine = _trigonometric_matrix(lines.tobytes(), samples.shape[0], float(rate_hz))
+        parts.append((cosine @ samples - 1j * (sine @ samples)) / rate_hz)
+    return np.concatenate(parts) if parts else np.zeros((0, samples.shape[1]), dtype=complex)
 
 
 @lru_cache(maxsize=8)
@@ -74,4 +112,4 @@ def _trigonometric_matrix(
     fine = np.exp(1j * np.outer(omega / rate_hz, np.arange(block)))
     coarse = np.exp(1j * np.outer(omega / rate_hz, block * np.arange(-(-n_samples // block))))
     rotation = (coarse[:, :, None] * fine[:, None, :]).reshape(omega.size, -1)[:, :n_samples]
-    return np.ascontiguousarray(rotation.real), np.ascontiguousarray(rotation.imag)
+    return np.ascontiguousarray(np.real(rotation)), np.ascontiguousarray(np.imag(rotation))

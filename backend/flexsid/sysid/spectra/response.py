@@ -63,9 +63,7 @@ def bare_airframe_responses(
                 input=name,
             )
     both = np.concatenate([inputs.values, outputs.values], axis=1)
-    ratios = [
-        both[own] / commands.values[own, j][:, None] for j, own in enumerate(lines)
-    ]
+    ratios = [both[own] / commands.values[own, j][:, None] for j, own in enumerate(lines)]
     omega = outputs.omega
     low = max(omega[own[0]] for own in lines)
     high = min(omega[own[-1]] for own in lines)
