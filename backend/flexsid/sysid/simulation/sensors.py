@@ -10,7 +10,7 @@ from flexsid.sysid.simulation.airframe import ALPHA, THETA, Airframe, Q
 
 
 def accelerometer(
-    airframe: Airframe, axis: str, point: str, position: Float[np.ndarray, "xyz"]
+    airframe: Airframe, axis: str, point: str, position: Float[np.ndarray, " xyz"]
 ) -> Float[np.ndarray, " n_w"]:
     """Accelerometer along a body axis, with the gravity that local tilt leaks in. [m/s2]
 
@@ -61,7 +61,7 @@ def attitude(airframe: Airframe, point: str) -> Float[np.ndarray, " n_w"]:
 
 
 def vane(
-    airframe: Airframe, point: str, position: Float[np.ndarray, "xyz"]
+    airframe: Airframe, point: str, position: Float[np.ndarray, " xyz"]
 ) -> Float[np.ndarray, " n_w"]:
     """Angle-of-attack vane on a boom that moves, turns and bends. [rad]"""
     translation, rotation = _shapes(airframe, point)

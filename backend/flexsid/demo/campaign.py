@@ -1,0 +1,255 @@
+"""The demonstration campaign: three flights of FLEX-28, flown and kept."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from datetime import date
+
+from flexsid.demo.aircraft import NAME, describe_aircraft
+from flexsid.demo.flex28 import load_truth
+from flexsid.demo.flights import FlownManeuver, fly
+from flexsid.demo.sources import modal_tables, model_structures, predictions
+from flexsid.records.aircraft import Aircraft
+from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Channel, Maneuver
+from flexsid.storage.store import Store
+
+Report = Callable[[float, str], None]
+"""Takes the fraction that is done, and what was done last."""
+
+SEED = 28
+
+
+@dataclass(frozen=True, slots=True)
+class Card:
+    """One maneuver of the flight plan."""
+
+    airspeed_ratio: float
+    fuel: float
+    fta: int
+
+    @property
+    def peak_deg(self) -> float:
+        """Excitation is smaller where the aircraft answers more. [deg]"""
+        if self.airspeed_ratio > 1.0:
+            return 1.2
+        return 2.0 if self.airspeed_ratio < 0.9 else 1.6
+
+
+@dataclass(frozen=True, slots=True)
+class Sortie:
+    """One flight of the plan; fuel burns from card to card."""
+
+    number: int
+    flown_on: date
+    description: str
+    cards: tuple[Card, ...]
+
+
+def _cards(*plan: tuple[float, float, int]) -> tuple[Card, ...]:
+    return tuple(Card(*entry) for entry in plan)
+
+
+PLAN = (
+    Sortie(
+        1,
+        date(2025, 5, 13),
+        "Clearance to 0.80 of the flutter speed, heavy",
+        _cards(
+            (0.56, 0.92, 503),
+            (0.56, 0.86, 506),
+            (0.65, 0.80, 503),
+            (0.65, 0.74, 506),
+            (0.72, 0.68, 503),
+            (0.72, 0.62, 506),
+            (0.80, 0.56, 503),
+            (0.80, 0.50, 506),
+        ),
+    ),
+    Sortie(
+        2,
+        date(2025, 5, 15),
+        "Clearance to 0.95 of the flutter speed",
+        _cards(
+            (0.56, 0.66, 503),
+            (0.56, 0.60, 506),
+            (0.65, 0.55, 503),
+            (0.65, 0.50, 506),
+            (0.80, 0.42, 503),
+            (0.80, 0.34, 506),
+            (0.95, 0.22, 503),
+            (0.95, 0.12, 506),
+        ),
+    ),
+    Sortie(
+        3,
+        date(2025, 5, 22),
+        "Through the flutter speed under control of the loop",
+        _cards(
+            (0.80, 0.90, 506),
+            (0.95, 0.80, 503),
+            (0.95, 0.72, 506),
+            (1.02, 0.64, 503),
+            (1.02, 0.57, 506),
+            (1.09, 0.50, 506),
+            (1.09, 0.42, 503),
+            (1.09, 0.25, 506),
+            (0.65, 0.15, 506),
+        ),
+    ),
+)
+_FIRST_CARD_S = 600.0
+_BETWEEN_CARDS_S = 90.0
+
+
+def fill(store: Store, report: Report | None = None, seed: int = SEED) -> int:
+    """Fly what is missing of the campaign and keep it; what is there stays as it is.
+
+    Parameters
+    ----------
+    store
+        A migrated store.
+    report
+        Told the fraction done and a sentence after every maneuver.
+    seed
+        The same seed gives the same samples.
+
+    Returns
+    -------
+    int
+        Number of maneuvers added.
+    """
+    tell = report or (lambda fraction, message: None)
+    aircraft = add_aircraft(store)
+    missing = _missing(store, aircraft, seed)
+    tell(0.0, f"flying {len(missing)} maneuvers" if missing else "the campaign is complete")
+    flown = _fly_all([task.order for task in missing])
+    for count, (task, maneuver) in enumerate(zip(missing, flown, strict=True), start=1):
+        add_maneuver(store, maneuver, task.flight_id)
+        tell(count / len(missing), f"flown {maneuver.label}")
+    return len(missing)
+
+
+def add_aircraft(store: Store) -> Aircraft:
+    """Keep FLEX-28 with its modal tables, predictions and structures, unless it is there."""
+    known = store.aircraft.find(name=NAME)
+    if known:
+        return known[0]
+    truth = load_truth()
+    with store.transaction():
+        aircraft = store.aircraft.add(describe_aircraft(truth))
+        assert aircraft.id is not None
+        for table in modal_tables(truth, aircraft.id, store.arrays.put):
+            store.modal_tables.add(table)
+        for prediction in predictions(truth, aircraft.id, store.arrays.put):
+            store.predictions.add(prediction)
+        for structure in model_structures(aircraft.id):
+            store.model_structures.add(structure)
+    return aircraft
+
+
+def add_maneuver(store: Store, flown: FlownManeuver, flight_id: int) -> Maneuver:
+    """Keep a flown maneuver with all its channels, or nothing of it."""
+    with store.transaction():
+        maneuver = store.maneuvers.add(
+            Maneuver(
+                aircraft_id=store.flights.get(flight_id).aircraft_id,
+                flight_id=flight_id,
+                label=flown.label,
+                start_s=flown.start_s,
+                duration_s=flown.duration_s,
+                condition=flown.condition,
+                fta=flown.fta,
+                excitation=flown.excitation,
+                airspeed_ratio=flown.airspeed_ratio,
+                max_input_correlation=flown.max_input_correlation,
+                note=flown.note,
+            )
+        )
+        for channel in flown.channels:
+            store.channels.add(
+                Channel(
+                    name=channel.name,
+                    unit=channel.unit,
+                    role=channel.role,
+                    rate_hz=channel.rate_hz,
+                    start_s=flown.start_s,
+                    n_samples=channel.samples.size,
+                    array=store.arrays.put(channel.samples, channel.unit),
+                    maneuver_id=maneuver.id,
+                )
+            )
+    return maneuver
+
+
+@dataclass(frozen=True, slots=True)
+class _Order:
+    card: Card
+    seed: tuple[int, ...]
+    start_s: float
+    label: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Task:
+    flight_id: int
+    order: _Order
+
+
+def _missing(store: Store, aircraft: Aircraft, seed: int) -> list[_Task]:
+    """Find the cards that are not kept yet; a fill that was cut short goes on there."""
+    tasks = []
+    for sortie in PLAN:
+        flight = _flight(store, aircraft, sortie)
+        assert flight.id is not None
+        present = {maneuver.label for maneuver in store.maneuvers.find(flight_id=flight.id)}
+        for place, card in enumerate(sortie.cards):
+            label = f"{sortie.number}-{place + 1:02d} FTA {card.fta}"
+            start_s = _FIRST_CARD_S + place * _BETWEEN_CARDS_S
+            if label not in present:
+                own = (seed, sortie.number, place)
+                tasks.append(_Task(flight.id, _Order(card, own, start_s, label)))
+    return tasks
+
+
+def _flight(store: Store, aircraft: Aircraft, sortie: Sortie) -> Flight:
+    assert aircraft.id is not None
+    known = store.flights.find(aircraft_id=aircraft.id, number=sortie.number)
+    if known:
+        return known[0]
+    return store.flights.add(
+        Flight(
+            aircraft_id=aircraft.id,
+            number=sortie.number,
+            flown_on=sortie.flown_on,
+            description=sortie.description,
+        )
+    )
+
+
+def _fly_all(orders: Sequence[_Order]) -> Iterator[FlownManeuver]:
+    """Fly in two processes, in order; a few maneuvers are not worth starting them."""
+    if len(orders) < 4:
+        yield from map(_fly_card, orders)
+        return
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(max_workers=2, mp_context=context) as pool:
+        try:
+            yield from pool.map(_fly_card, orders)
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def _fly_card(order: _Order) -> FlownManeuver:
+    return fly(
+        airspeed_ratio=order.card.airspeed_ratio,
+        fuel=order.card.fuel,
+        fta=order.card.fta,
+        peak_deg=order.card.peak_deg,
+        seed=order.seed,
+        start_s=order.start_s,
+        label=order.label,
+    )

@@ -1,0 +1,155 @@
+"""Fly one maneuver of FLEX-28 and record it, as an analyst gets it from the aircraft."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from flexsid.demo.aircraft import anti_alias, describe_aircraft
+from flexsid.demo.flex28 import load_truth
+from flexsid.demo.recorder import LOW, FlownChannel, Recorder, condition_channels
+from flexsid.demo.truth_flight import RATE_HZ, fly_truth
+from flexsid.records.aircraft import Aircraft
+from flexsid.records.maneuver import Condition, Excitation, Role
+from flexsid.sysid.excitation.catalogue import design_flight_test_aid
+from flexsid.sysid.excitation.multisine import Multisine
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.units import factor
+from flexsid.workflow.condition import complete_condition
+from flexsid.workflow.ingest import largest_correlation
+
+TRIM_S = 2.0
+SETTLE_S = 4.0
+ALTITUDE_M = 1524.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FlownManeuver:
+    """A recorded maneuver that is not kept yet, with the truth it came from."""
+
+    label: str
+    fta: int
+    start_s: float
+    duration_s: float
+    condition: Condition
+    airspeed_ratio: float
+    excitation: Excitation
+    max_input_correlation: float
+    channels: tuple[FlownChannel, ...]
+    truth: DerivativeTable
+    note: str = ""
+
+
+def fly(
+    *,
+    airspeed_ratio: float = 0.65,
+    fuel: float = 0.5,
+    fta: int = 506,
+    peak_deg: float = 2.0,
+    modes_in_truth: int = 8,
+    seed: int | tuple[int, ...] = 0,
+    noise: bool = True,
+    start_s: float = 0.0,
+    label: str | None = None,
+) -> FlownManeuver:
+    """Fly a flight test aid in closed loop from trim and record all channels.
+
+    Parameters
+    ----------
+    airspeed_ratio
+        Airspeed over open-loop flutter speed at this fuel. [1]
+    fuel
+        Fuel fraction. [1]
+    fta
+        Number of the flight test aid, 503 or 506.
+    peak_deg
+        Largest excitation of the body flaps; the others follow in proportion. [deg]
+    modes_in_truth
+        Number of symmetric modes that fly; eight is all.
+    seed
+        Decides the noise, and nothing else.
+    noise
+        False gives perfect channels.
+    start_s
+        Flight time at which the record starts. [s]
+    label
+        What the maneuver is called; made from the condition when left out.
+    """
+    truth = load_truth()
+    aircraft = describe_aircraft(truth)
+    multisine = design(fta, peak_deg)
+    duration_s = TRIM_S + multisine.period_s + SETTLE_S
+    excitation = np.zeros((round(duration_s * RATE_HZ), len(multisine.inputs)))
+    during = _during(multisine.period_s)
+    n_excited = during.stop - during.start
+    excitation[during] = multisine.sample(np.arange(n_excited) / RATE_HZ)
+
+    airspeed = airspeed_ratio * truth.flutter_speed_at(fuel)
+    flight = fly_truth(truth, aircraft.sensors, airspeed, fuel, modes_in_truth, excitation)
+    generator = np.random.default_rng(seed) if noise else None
+    recorder = Recorder(aircraft, anti_alias(truth.source), generator)
+    surfaces = recorder.surfaces(aircraft, flight.motion.surfaces)
+    states = condition_channels(
+        flight.condition,
+        fuel,
+        ALTITUDE_M,
+        duration_s,
+        truth.source["noise_sigma"]["airspeed_ft_s"] * factor("ft/s", "speed"),
+        generator,
+    )
+    condition = _average(aircraft, states)
+    correlation = largest_correlation([channel.samples[during] for channel in surfaces])
+    assert condition.flutter_speed_m_s is not None
+    assert correlation is not None
+    return FlownManeuver(
+        label=label or f"FTA {fta} at {airspeed_ratio:.2f} V_f, fuel {fuel:.2f}",
+        fta=fta,
+        start_s=start_s,
+        duration_s=duration_s,
+        condition=condition,
+        airspeed_ratio=condition.airspeed_m_s / condition.flutter_speed_m_s,
+        excitation=Excitation(
+            period_s=multisine.period_s,
+            harmonics=multisine.harmonics(),
+            start_s=start_s + TRIM_S,
+        ),
+        max_input_correlation=correlation,
+        channels=(
+            *surfaces,
+            *recorder.sensors(aircraft.sensors, flight.felt, flight.condition),
+            *recorder.commands(multisine.inputs, excitation),
+            *states,
+        ),
+        truth=flight.derivatives,
+        note=f"{modes_in_truth} symmetric modes in the truth",
+    )
+
+
+@cache
+def design(fta: int, peak_deg: float) -> Multisine:
+    """Design a flight test aid for the five symmetric surfaces of FLEX-28."""
+    layout = load_truth().source["multisine"]
+    return design_flight_test_aid(
+        fta,
+        order=tuple(f"{name}s" for name in layout["order"]),
+        relative_peaks={f"{name}s": scale for name, scale in layout["scale"].items()},
+        peak=np.radians(peak_deg),
+        period_s=layout["T_s"],
+        first_harmonic=layout["k0"],
+    )
+
+
+def _during(period_s: float) -> slice:
+    """Samples of a fast channel while the surfaces are excited."""
+    first = round(TRIM_S * RATE_HZ)
+    return slice(first, first + round(period_s * RATE_HZ))
+
+
+def _average(aircraft: Aircraft, states: list[FlownChannel]) -> Condition:
+    """Average the recorded condition and look up what depends on fuel."""
+    assert all(channel.role is Role.CONDITION and channel.rate_hz == LOW for channel in states)
+    mean = {channel.name: float(channel.samples.mean(dtype=np.float64)) for channel in states}
+    measured = {name: mean[name] for name in ("airspeed", "density", "fuel_fraction", "thrust")}
+    return complete_condition(aircraft, measured | {"alpha": mean["alpha_trim"]})

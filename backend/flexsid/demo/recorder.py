@@ -1,0 +1,183 @@
+"""The recorder on board: instruments, noise, native units and three sampling rates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexsid.demo.truth_flight import RATE_HZ
+from flexsid.records.aircraft import Aircraft, Sensor, SensorKind
+from flexsid.records.maneuver import Role
+from flexsid.sysid.model.condition import FlightCondition
+from flexsid.sysid.model.instruments import Butterworth, Instrument
+from flexsid.sysid.simulation.recording import pass_instruments
+from flexsid.units import factor
+
+HIGH, MEDIUM, LOW = RATE_HZ, 200.0, 20.0
+"""The three rates of the paper: f_s, 0.20 f_s, 0.02 f_s. [Hz]"""
+
+# Surfaces, the nose gyro and the outboard accelerometers are recorded fast; the
+# navigation unit, the vane and the strain gauges at the analysis rate.
+_FAST = ("q", "az_ofl", "az_ofr", "az_oal", "az_oar")
+
+_UNITS = {
+    SensorKind.ACCELEROMETER: "g",
+    SensorKind.GYRO: "rad/s",
+    SensorKind.ATTITUDE: "rad",
+    SensorKind.VANE: "rad",
+    SensorKind.STRAIN: "ustrain",
+}
+_DIMENSIONS = {"g": "acceleration", "ustrain": "strain"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FlownChannel:
+    """One recorded channel in its native unit; ``samples`` (n,) as the recorder keeps them."""
+
+    name: str
+    unit: str
+    role: Role
+    rate_hz: float
+    samples: np.ndarray
+
+
+class Recorder:
+    """Records at single precision; without a generator of noise it is a perfect one.
+
+    Noise is white and enters before the anti-alias filter. ``noise_std`` of a
+    sensor is what it would be at the medium rate without that filter, so that a
+    channel is as noisy at a line whatever its rate.
+    """
+
+    def __init__(
+        self, aircraft: Aircraft, anti_alias: Butterworth, noise: np.random.Generator | None
+    ) -> None:
+        self._instruments = aircraft.instruments
+        self._anti_alias = Instrument(elements=(anti_alias,))
+        self._noise = noise
+
+    def surfaces(self, aircraft: Aircraft, deflections: np.ndarray) -> list[FlownChannel]:
+        """Record surface positions by their potentiometers."""
+        surfaces = aircraft.surfaces
+        seen = self._see(
+            deflections,
+            [str(surface.instrument) for surface in surfaces],
+            [surface.noise_std_rad or 0.0 for surface in surfaces],
+        )
+        return [
+            _channel(surface.name, "rad", Role.INPUT, HIGH, samples)
+            for surface, samples in zip(surfaces, seen.T, strict=True)
+        ]
+
+    def sensors(
+        self, sensors: Sequence[Sensor], felt: np.ndarray, condition: FlightCondition
+    ) -> list[FlownChannel]:
+        """Record sensors, with what they read in trim."""
+        seen = self._see(
+            felt,
+            [str(sensor.instrument) for sensor in sensors],
+            [sensor.noise_std or 0.0 for sensor in sensors],
+        )
+        channels = []
+        for sensor, samples in zip(sensors, seen.T, strict=True):
+            unit = _UNITS[sensor.kind]
+            si = factor(unit, _DIMENSIONS[unit]) if unit in _DIMENSIONS else 1.0
+            rate = HIGH if sensor.name in _FAST else MEDIUM
+            level = samples + trim_reading(sensor, condition)
+            channels.append(_channel(sensor.name, unit, Role.OUTPUT, rate, level / si))
+        return channels
+
+    def commands(self, names: Sequence[str], excitation: np.ndarray) -> list[FlownChannel]:
+        """Record the excitation as it was added to the commands: digital, without noise."""
+        return [
+            _channel(f"{name}_command", "rad", Role.COMMAND, MEDIUM, samples)
+            for name, samples in zip(names, excitation.T, strict=True)
+        ]
+
+    def _see(
+        self, true: np.ndarray, instruments: Sequence[str], noise_std: Sequence[float]
+    ) -> np.ndarray:
+        seen = pass_instruments(true, HIGH, [self._instruments[name] for name in instruments])
+        if self._noise is None:
+            return seen
+        white = self._noise.standard_normal(true.shape) * np.array(noise_std)
+        white *= np.sqrt(HIGH / MEDIUM)
+        return seen + pass_instruments(white, HIGH, [self._anti_alias] * len(instruments))
+
+
+def trim_reading(sensor: Sensor, condition: FlightCondition) -> float:
+    """What a sensor reads in steady level flight. [SI unit of the sensor]"""
+    gravity = factor("g", "acceleration")
+    if sensor.kind in (SensorKind.VANE, SensorKind.ATTITUDE):
+        return condition.alpha
+    if sensor.kind is SensorKind.ACCELEROMETER:
+        tilt = {"x": np.sin(condition.alpha), "y": 0.0, "z": -np.cos(condition.alpha)}
+        return gravity * float(tilt[sensor.axis])
+    return 0.0
+
+
+def condition_channels(
+    condition: FlightCondition,
+    fuel: float,
+    altitude: float,
+    duration_s: float,
+    noise_std: float,
+    noise: np.random.Generator | None,
+) -> list[FlownChannel]:
+    """Record the flight condition at the low rate.
+
+    Parameters
+    ----------
+    condition
+        What was flown; the recorded values vary a little around it.
+    fuel
+        Fuel fraction in the middle of the record; it burns down slowly. [1]
+    altitude
+        Pressure altitude. [m]
+    duration_s
+        Length of the record. [s]
+    noise_std
+        Noise of the airspeed. [m/s]
+    noise
+        None for constants.
+    """
+    time = np.arange(round(duration_s * LOW)) / LOW
+    level = np.ones_like(time)
+    airspeed, height = condition.airspeed * level, altitude * level
+    if noise is not None:
+        airspeed *= 1.0 + 0.002 * _wander(time, noise)
+        airspeed += noise_std * noise.standard_normal(time.size)
+        height += 3.0 * _wander(time, noise)
+    burn = 0.004 * (time / duration_s - 0.5) if noise is not None else 0.0 * time
+    values = (
+        ("airspeed", "m/s", airspeed),
+        ("altitude", "m", height),
+        ("density", "kg/m3", condition.density * level),
+        ("fuel_fraction", "1", fuel - burn),
+        ("alpha_trim", "rad", condition.alpha * level),
+        ("thrust", "N", condition.thrust * level),
+    )
+    return [_channel(name, unit, Role.CONDITION, LOW, samples) for name, unit, samples in values]
+
+
+def _wander(time: np.ndarray, noise: np.random.Generator) -> np.ndarray:
+    """Slow drift of about unit size and no mean."""
+    periods = time[-1] * np.array([0.5, 1.0, 2.5])
+    drift = np.sin(
+        2.0 * np.pi * time[:, None] / periods + noise.uniform(0.0, 2.0 * np.pi, 3)
+    ) @ np.array([0.3, 0.5, 0.6])
+    return drift - drift.mean()
+
+
+def _channel(name: str, unit: str, role: Role, rate: float, samples: np.ndarray) -> FlownChannel:
+    """Keep every n-th sample of a fast channel: it has been anti-alias filtered."""
+    step = round(HIGH / rate) if rate != LOW else 1
+    return FlownChannel(
+        name=name,
+        unit=unit,
+        role=role,
+        rate_hz=rate,
+        samples=np.ascontiguousarray(samples[::step], dtype=np.float32),
+    )

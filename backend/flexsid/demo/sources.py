@@ -1,0 +1,139 @@
+"""What is known of FLEX-28 before it flies: modal tables, predictions, model structures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from flexsid.demo.flex28 import INPUTS, Truth, load_nodes
+from flexsid.records.modal_table import ModalKind, ModalTable
+from flexsid.records.model_structure import ModelStructure, Structure
+from flexsid.records.prediction import Prediction
+from flexsid.sysid.model.derivatives import Derivative, derivative_names
+
+Keep = Callable[[np.ndarray], str]
+"""Keeps an array and answers with its name."""
+
+_NAMES = {7: "SW1B", 8: "AW1B", 9: "SW1T", 10: "AW1T", 11: "SFA", 12: "SWL"}
+
+_OUTPUTS = (
+    *("alpha", "q", "theta", "az_egi", "az_cf", "az_ca"),
+    *("az_mfs", "az_mas", "az_ofs", "az_oas", "ax_oas", "ay_wls"),
+    *("s_bend1s", "s_bend2s", "s_bend3s", "s_ros1s_m45"),
+    *("s_ros2s_m45", "s_ros2s_p45", "s_ros3s_m45", "s_ros3s_p45"),
+)
+
+# A panel code without viscosity: too much from the surfaces, too little damping.
+_PANEL_BIAS = {"alpha": 1.08, "q": 0.88, "eta": 1.10, "etadot": 0.90, "surface": 1.18}
+# A stiff half-span model on a splitter plate, at low Reynolds number.
+_TUNNEL_BIAS = {"alpha": 0.95, "surface": 0.86}
+
+
+def modal_tables(truth: Truth, aircraft_id: int, keep: Keep) -> tuple[ModalTable, ModalTable]:
+    """Write down the finite element model, which is exact here, and the ground vibration test."""
+    modes = truth.modes
+    places, shapes = load_nodes()
+    symmetric = tuple(kind == "S" for kind in truth.source["mode_class"])
+    names = tuple(
+        _NAMES.get(number, f"{kind}{number}")
+        for number, kind in zip(modes.numbers, truth.source["mode_class"], strict=True)
+    )
+    finite_elements = ModalTable(
+        aircraft_id=aircraft_id,
+        name="FEM",
+        kind=ModalKind.FEM,
+        fuel=_numbers(modes.fuel),
+        numbers=modes.numbers,
+        names=names,
+        symmetric=symmetric,
+        points=modes.points,
+        gauges=modes.gauges,
+        arrays={
+            "omega": keep(modes.omega),
+            "mass": keep(modes.mass),
+            "shape": keep(modes.shape),
+            "strain": keep(modes.strain),
+            "nodes": keep(places),
+            "node_shape": keep(shapes),
+        },
+        origin="beam finite element model of FLEX-28, 25 modes at 17 fuel weights",
+    )
+    # Frequencies of the test differ from the model's by what tuning leaves over.
+    left_over = 1.0 + 0.003 * np.random.default_rng(7).standard_normal((2, modes.omega.shape[1]))
+    ends = [0, -1]
+    ground_test = ModalTable(
+        aircraft_id=aircraft_id,
+        name="GVT",
+        kind=ModalKind.GVT,
+        fuel=_numbers(modes.fuel[ends]),
+        numbers=modes.numbers,
+        names=names,
+        symmetric=symmetric,
+        arrays={"omega": keep(modes.omega[ends] * left_over), "zeta": keep(modes.zeta[ends])},
+        origin="ground vibration test at empty and full fuel",
+    )
+    return finite_elements, ground_test
+
+
+def predictions(truth: Truth, aircraft_id: int, keep: Keep) -> tuple[Prediction, Prediction]:
+    """Write down two predictions that err as their kind does; both are the same every time."""
+    names = derivative_names(truth.symmetric, INPUTS)
+    true = truth.derivatives.reshape(truth.fuel.size, -1)
+    scatter = np.random.default_rng(28).standard_normal((2, len(names)))
+    panel_factor = np.array([_PANEL_BIAS[_group(name)] for name in names]) + 0.08 * scatter[0]
+    panel = Prediction(
+        aircraft_id=aircraft_id,
+        source="Panel code",
+        kind="panel code",
+        fuel=_numbers(truth.fuel),
+        names=names,
+        values=keep(true * panel_factor),
+        note="inviscid, eight symmetric modes; no error bounds are known",
+    )
+    measured = [
+        place
+        for place, name in enumerate(names)
+        if Derivative.parse(name).coefficient in ("CZ", "Cm") and _group(name) in _TUNNEL_BIAS
+    ]
+    own = tuple(names[place] for place in measured)
+    tunnel_factor = np.array([_TUNNEL_BIAS[_group(name)] for name in own])
+    values = true[:, measured] * (tunnel_factor + 0.03 * scatter[1, measured])
+    tunnel = Prediction(
+        aircraft_id=aircraft_id,
+        source="Wind tunnel, half-span model",
+        kind="wind tunnel",
+        fuel=_numbers(truth.fuel),
+        names=own,
+        values=keep(values),
+        std_errors=keep(0.03 * np.abs(values) + 0.002),
+        note="stiff model, moments transferred to the centre of gravity at each fuel weight",
+    )
+    return panel, tunnel
+
+
+def model_structures(aircraft_id: int) -> tuple[ModelStructure, ...]:
+    """Write down the structures that are tried first, from the short period upwards."""
+    steps = (
+        ("SP + SW1B", (7,), "for FTA 503, whose band ends below SW1T"),
+        ("SP + SW1B + SW1T", (7, 9), "for FTA 506; SFA and SWL remain as bias"),
+        ("SP + four modes", (7, 9, 11, 12), "for FTA 506: SW1B, SW1T, SFA, SWL"),
+    )
+    return tuple(
+        ModelStructure(
+            aircraft_id=aircraft_id,
+            name=name,
+            structure=Structure(modes=modes, inputs=INPUTS, outputs=_OUTPUTS, fixed={}),
+            note=note,
+        )
+        for name, modes, note in steps
+    )
+
+
+def _group(name: str) -> str:
+    variable = Derivative.parse(name).variable.rstrip("0123456789")
+    return variable if variable in _PANEL_BIAS else "surface"
+
+
+def _numbers(values: np.ndarray) -> tuple[float, ...]:
+    return tuple(map(float, values))

@@ -1,0 +1,126 @@
+"""The demonstration campaign: complete, the same every time, and careful with what is there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexsid.demo.campaign import PLAN, Card, add_aircraft, add_maneuver, fill
+from flexsid.demo.flex28 import INPUTS
+from flexsid.demo.flights import fly
+from flexsid.errors import FlexsidError
+from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Maneuver, Role
+from flexsid.storage.migrate import upgrade
+from flexsid.storage.store import Store
+
+
+def open_store(path: Path) -> Store:
+    url = f"sqlite:///{path}"
+    upgrade(url)
+    return Store.open(url)
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    opened = open_store(tmp_path / "flexsid.db")
+    yield opened
+    opened.close()
+
+
+def test_plan_covers_the_envelope():
+    cards = [card for sortie in PLAN for card in sortie.cards]
+    assert len(PLAN) >= 3
+    assert len(cards) >= 24
+    assert min(card.airspeed_ratio for card in cards) == 0.56
+    assert max(card.airspeed_ratio for card in cards) == 1.09
+    assert {card.fta for card in cards} == {503, 506}
+    assert len({card.fuel for card in cards}) > 10
+    assert Card(0.65, 0.50, 506) in cards
+    assert Card(1.09, 0.50, 506) in cards
+
+
+def test_fill_flies_the_plan_once_and_keeps_what_the_user_added(tmp_path: Path):
+    path = tmp_path / "flexsid.db"
+    store = open_store(path)
+    told: list[tuple[float, str]] = []
+    added = fill(store, lambda fraction, message: told.append((fraction, message)))
+    assert added == sum(len(sortie.cards) for sortie in PLAN) == len(store.maneuvers.find())
+    assert [fraction for fraction, _ in told] == sorted(fraction for fraction, _ in told)
+    assert told[-1][0] == 1.0
+    store.close()
+    assert path.stat().st_size < 250e6
+
+    store = Store.open(f"sqlite:///{path}")
+    aircraft = add_aircraft(store)
+    assert aircraft.id is not None
+    own = store.flights.add(Flight(aircraft_id=aircraft.id, number=77, description="mine"))
+    assert own.id is not None
+    add_maneuver(store, fly(fta=503, noise=False, label="mine"), own.id)
+    dropped = store.maneuvers.find(label="3-01 FTA 506")[0]
+    before = _first_samples(store, dropped)
+    assert dropped.id is not None
+    store.maneuvers.delete(dropped.id)
+
+    # A fill that was cut short goes on where it stopped, with the same noise.
+    assert fill(store) == 1
+    again = store.maneuvers.find(label="3-01 FTA 506")[0]
+    np.testing.assert_array_equal(_first_samples(store, again), before)
+    assert fill(store) == 0
+    assert len(store.aircraft.find()) == 1
+    assert len(store.modal_tables.find()) == 2
+    assert len(store.predictions.find()) == 2
+    assert [structure.name for structure in store.model_structures.find()] == [
+        "SP + SW1B",
+        "SP + SW1B + SW1T",
+        "SP + four modes",
+    ]
+    assert store.maneuvers.find(flight_id=own.id)[0].label == "mine"
+    store.close()
+
+
+def _first_samples(store: Store, maneuver: Maneuver) -> np.ndarray:
+    channel = store.channels.find(maneuver_id=maneuver.id, name="q")[0]
+    return store.arrays.get(channel.array)
+
+
+def test_kept_maneuver_has_condition_excitation_and_three_rates(store: Store):
+    aircraft = add_aircraft(store)
+    assert aircraft.id is not None
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=9))
+    assert flight.id is not None
+    flown = fly(fta=503, modes_in_truth=2, seed=4, start_s=600.0, label="three rates")
+    kept = add_maneuver(store, flown, flight.id)
+    assert kept == store.maneuvers.get(kept.id or 0)
+    assert kept.airspeed_ratio == pytest.approx(0.65, rel=2e-3)
+    assert kept.condition.fuel_fraction == pytest.approx(0.5, abs=1e-4)
+    assert kept.condition.alpha_rad == pytest.approx(0.06, abs=0.01)
+    assert kept.excitation is not None
+    assert kept.excitation.start_s == 602.0
+    assert {len(own) for own in kept.excitation.harmonics.values()} == {25}
+    assert kept.max_input_correlation is not None
+    assert kept.max_input_correlation < 0.1
+
+    channels = {channel.name: channel for channel in store.channels.find(maneuver_id=kept.id)}
+    assert len(channels) == 5 + 45 + 5 + 6
+    assert {channel.rate_hz for channel in channels.values()} == {1000.0, 200.0, 20.0}
+    for channel in channels.values():
+        assert channel.start_s == kept.start_s
+        assert channel.n_samples / channel.rate_hz == pytest.approx(kept.duration_s)
+        samples = store.arrays.get(channel.array)
+        assert samples.dtype == np.float32
+        assert samples.shape == (channel.n_samples,)
+        assert np.isfinite(samples).all()
+    assert {name for name, c in channels.items() if c.role is Role.INPUT} == set(INPUTS)
+    assert {name for name, c in channels.items() if c.role is Role.COMMAND} == {
+        f"{name}_command" for name in INPUTS
+    }
+
+
+def test_a_maneuver_of_no_flight_is_refused(store: Store):
+    with pytest.raises(FlexsidError):
+        add_maneuver(store, fly(fta=503, noise=False), 12345)
+    assert store.channels.find() == []

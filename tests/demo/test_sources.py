@@ -1,0 +1,75 @@
+"""What is known before flight: exact structure, predictions that err as their kind does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexsid.demo.aircraft import describe_aircraft
+from flexsid.demo.flex28 import INPUTS, load_truth
+from flexsid.demo.sources import modal_tables, model_structures, predictions
+from flexsid.records.modal_table import ModalKind
+from flexsid.sysid.model.derivatives import derivative_names
+
+
+class Shelf(dict[str, np.ndarray]):
+    """Arrays under made-up names."""
+
+    def keep(self, array: np.ndarray) -> str:
+        name = f"array {len(self)}"
+        self[name] = array
+        return name
+
+
+def test_modal_tables_fit_the_sensors():
+    truth, shelf = load_truth(), Shelf()
+    aircraft = describe_aircraft(truth)
+    model, test = modal_tables(truth, 1, shelf.keep)
+    assert (model.kind, test.kind) == (ModalKind.FEM, ModalKind.GVT)
+    assert (len(model.fuel), len(model.numbers), len(model.gauges)) == (17, 25, 24)
+    assert model.numbers[0] == 7
+    assert model.names[0] == "SW1B"
+    assert model.symmetric[:4] == (True, False, True, False)
+    assert shelf[model.arrays["shape"]].shape == (17, 25, len(model.points), 6)
+    assert shelf[model.arrays["node_shape"]].shape == (17, 25, 133, 6)
+    assert shelf[model.arrays["nodes"]].shape == (133, 3)
+    assert shelf[test.arrays["zeta"]].shape == shelf[test.arrays["omega"]].shape == (2, 25)
+    for sensor in aircraft.sensors:
+        assert sensor.point in (*model.points, *model.gauges)
+        assert sensor.instrument in aircraft.instruments
+    # In-vacuo frequencies of the design study, half fuel.
+    half = shelf[model.arrays["omega"]][8] / (2.0 * np.pi)
+    np.testing.assert_allclose(half[[0, 2, 4, 5]], [3.873, 10.804, 13.475, 15.008], atol=2e-3)
+
+
+def test_combinations_name_recorded_channels():
+    aircraft = describe_aircraft(load_truth())
+    recorded = {sensor.name for sensor in aircraft.sensors}
+    names = [combination.name for combination in aircraft.combinations]
+    assert names[:6] == ["az_mfs", "az_mas", "az_ofs", "az_oas", "ax_oas", "ay_wls"]
+    assert "s_ros1s_m45" in names
+    assert len(names) == 18
+    assert {name for entry in aircraft.combinations for name, _ in entry.terms} <= recorded
+    structures = model_structures(1)
+    for structure in structures:
+        assert set(structure.structure.outputs) <= recorded | set(names)
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_predictions_differ_from_truth_and_are_the_same_every_time(which: int):
+    truth, shelf = load_truth(), Shelf()
+    prediction = predictions(truth, 1, shelf.keep)[which]
+    again = Shelf()
+    values = shelf[prediction.values]
+    np.testing.assert_array_equal(values, again[predictions(truth, 1, again.keep)[which].values])
+    names = derivative_names(truth.symmetric, INPUTS)
+    true = truth.derivatives.reshape(17, -1)[:, [names.index(name) for name in prediction.names]]
+    difference = np.abs(values / true - 1.0)
+    assert 0.05 < np.median(difference) < 0.25
+    assert difference.max() < 0.5
+    if which == 1:
+        assert prediction.std_errors is not None
+        assert shelf[prediction.std_errors].min() > 0.0
+        assert len(prediction.names) == 12
+    else:
+        assert len(prediction.names) == 10 * 23
