@@ -1,0 +1,146 @@
+"""An upload that is not what it says: the error names the place, and nothing is stored."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from flexsid.errors import BadInput, FlexsidError
+from flexsid.records.aircraft import Aircraft
+from flexsid.storage.store import Store
+from flexsid.workflow.ingest import import_files
+
+MAPPING = """
+[aircraft]
+name = "X-1"
+[flight]
+number = 7
+[maneuver]
+label = "multisine"
+[maneuver.condition]
+airspeed = { value = 20.0, unit = "m/s" }
+density = { value = 1.2, unit = "kg/m3" }
+fuel_fraction = { value = 0.5 }
+[time]
+column = "t_s"
+[[channels]]
+column = "bf"
+name = "bfs"
+unit = "deg"
+role = "input"
+[[channels]]
+column = "q"
+unit = "deg/s"
+role = "output"
+"""
+
+HEADER = ["t_s", "bf", "q"]
+
+
+def table() -> list[list[str]]:
+    return [HEADER.copy()] + [[f"{k / 50:.2f}", f"{k % 3}", f"{-k % 5}"] for k in range(20)]
+
+
+def cell(row: int, column: int, text: str) -> Callable[[list[list[str]]], None]:
+    def put(rows: list[list[str]]) -> None:
+        rows[row - 1][column - 1] = text
+
+    return put
+
+
+def drop(row: int) -> Callable[[list[list[str]]], None]:
+    def shorten(rows: list[list[str]]) -> None:
+        rows[row - 1].pop()
+
+    return shorten
+
+
+def remove(row: int) -> Callable[[list[list[str]]], None]:
+    def gap(rows: list[list[str]]) -> None:
+        del rows[row - 1]
+
+    return gap
+
+
+def write(path: Path, rows: list[list[str]]) -> Path:
+    path.write_text("\n".join(",".join(row) for row in rows) + "\n")
+    return path
+
+
+def holds_nothing(store: Store) -> bool:
+    kinds = (store.flights, store.maneuvers, store.channels, store.modal_tables, store.predictions)
+    return not any(kind.find() for kind in kinds)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "code", "row", "column"),
+    [
+        pytest.param(cell(6, 3, "fast"), "not-numeric", 6, "q", id="text in a numeric column"),
+        pytest.param(cell(6, 3, ""), "not-numeric", 6, "q", id="an empty cell"),
+        pytest.param(cell(9, 2, "NaN"), "not-finite", 9, "bf", id="NaN"),
+        pytest.param(cell(9, 2, "-inf"), "not-finite", 9, "bf", id="infinity"),
+        pytest.param(drop(12), "unequal-lengths", 12, "q", id="unequal row lengths"),
+        pytest.param(drop(21), "unequal-lengths", 21, "q", id="a last row cut off"),
+        pytest.param(cell(1, 3, "bf"), "duplicate-channel", 1, "bf", id="duplicate channel"),
+        pytest.param(cell(8, 1, "0.02"), "time-backwards", 8, "t_s", id="time going backwards"),
+        pytest.param(cell(8, 1, "0.10"), "time-backwards", 8, "t_s", id="time standing still"),
+        pytest.param(remove(10), "time-not-uniform", 10, "t_s", id="a missing sample"),
+        pytest.param(cell(1, 2, "wf"), "missing-column", None, "bf", id="a missing column"),
+    ],
+)
+def test_the_place_is_named_and_nothing_is_stored(
+    store: Store,
+    aircraft: Aircraft,
+    tmp_path: Path,
+    spoil: Callable[[list[list[str]]], None],
+    code: str,
+    row: int | None,
+    column: str,
+) -> None:
+    rows = table()
+    spoil(rows)
+    with pytest.raises(FlexsidError) as caught:
+        import_files(store, [write(tmp_path / "flight.csv", rows)], MAPPING)
+    error = caught.value
+    assert error.code == code
+    assert error.context["column"] == column
+    assert f"'{column}'" in error.message
+    if row is not None:
+        assert error.context["row"] == row
+        assert f"row {row}" in error.message
+    assert holds_nothing(store)
+
+
+@pytest.mark.parametrize("content", ["", "\n\n", "t_s,bf,q\n"], ids=["0 bytes", "blank", "header"])
+def test_an_empty_file_is_refused(
+    store: Store, aircraft: Aircraft, tmp_path: Path, content: str
+) -> None:
+    file = tmp_path / "flight.csv"
+    file.write_text(content)
+    with pytest.raises(BadInput, match=r"flight\.csv.*row \d, column") as caught:
+        import_files(store, [file], MAPPING)
+    assert caught.value.context["row"] == (2 if content.startswith("t_s") else 1)
+    assert holds_nothing(store)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        ('unit = "deg/s"', 'unit = "degs"', "unknown-unit"),
+        ('name = "bfs"', 'name = "q"', "duplicate-channel"),
+        ('role = "input"', 'role = "output"', "bad-mapping"),
+        ("value = 20.0", "value = 0.0", "bad-condition"),
+        ('name = "X-1"', 'name = "X-2"', "unknown-record"),
+    ],
+)
+def test_a_wrong_mapping_stores_nothing(
+    store: Store, aircraft: Aircraft, tmp_path: Path, old: str, new: str, code: str
+) -> None:
+    assert old in MAPPING
+    file = write(tmp_path / "flight.csv", table())
+    with pytest.raises(FlexsidError) as caught:
+        import_files(store, [file], MAPPING.replace(old, new))
+    assert caught.value.code == code
+    assert holds_nothing(store)
