@@ -111,15 +111,20 @@ def test_lines_beyond_nyquist_are_not_numbers(store, add_maneuver):
     assert np.isnan(value.magnitude[1, 0])
 
 
-def test_wrong_requests_say_what_there_is(store, flown, add_maneuver):
+def test_wrong_requests_say_what_there_is(store, flown):
     with pytest.raises(BadInput, match="it has bfs, q, wf1s, wf4s, az_ofl, az_ofr, az_ofs"):
         views.time_history(store, flown.id, ("beta",))
     with pytest.raises(BadInput, match="start must come first"):
         views.time_history(store, flown.id, (), 5.0, 5.0)
     with pytest.raises(BadInput, match="choose 10 to"):
         views.time_history(store, flown.id, points=1)
-    with pytest.raises(BadInput, match="no multisine"):
-        views.spectrum(store, add_maneuver(excitation=None).id)
+
+
+def test_without_known_excitation_nobody_owns_the_lines(store, add_maneuver):
+    value = views.spectrum(store, add_maneuver(excitation=None).id)
+    assert set(value.owners) == {""}
+    assert value.frequency_hz[0] == pytest.approx(2.0)
+    assert value.frequency_hz[-1] <= 80.0
 
 
 def test_what_is_read_can_be_drawn(store, flown):

@@ -8,7 +8,7 @@ from flexsid.figures import quantities, style
 from flexsid.figures.spec import Spec, axis, column, empty, layout_key, rows, title
 from flexsid.records.views import Spectra
 
-_NOBODY = "not excited"
+_NOBODY = "no owner"
 
 
 def spectrum(value: Spectra) -> Spec:

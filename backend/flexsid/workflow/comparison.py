@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 from math import hypot
 
-import numpy as np
-
 from flexsid.errors import BadInput, Conflict
 from flexsid.nomenclature import describe
 from flexsid.records.comparison import Comparison, Row, Source, SourceValue
@@ -16,7 +14,7 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.prediction import Prediction
 from flexsid.records.run import EstimationRun, RunResult
 from flexsid.storage.store import Store
-from flexsid.sysid.modes.table import interpolate
+from flexsid.workflow.predictions import prediction_at
 
 CONSISTENT_SIGMA = 2.0
 """Two estimates agree when they differ by at most this many combined standard errors."""
@@ -125,21 +123,11 @@ def _of_run(run: EstimationRun, result: RunResult, maneuvers: dict[int, Maneuver
 
 def _of_prediction(store: Store, prediction: Prediction, fuel: float) -> _Column:
     key = f"prediction-{prediction.id}"
-    table_fuel = np.array(prediction.fuel)
-    values = interpolate(table_fuel, store.arrays.get(prediction.values), fuel)
-    errors = (
-        np.full(len(values), np.nan)
-        if prediction.std_errors is None
-        else interpolate(table_fuel, store.arrays.get(prediction.std_errors), fuel)
-    )
     return _Column(
         Source(key=key, label=prediction.source, kind="prediction", prediction_id=prediction.id),
         {
-            name: SourceValue(
-                key=key, value=float(value), std_error=float(error) if error > 0 else None
-            )
-            for name, value, error in zip(prediction.names, values, errors, strict=True)
-            if np.isfinite(value)
+            name: SourceValue(key=key, value=value, std_error=error)
+            for name, (value, error) in prediction_at(store, prediction, fuel).items()
         },
     )
 

@@ -2,6 +2,7 @@
 
 from flexsid.workflow.views.campaign import envelope
 from flexsid.workflow.views.maneuver import plot_matrix, spectrum, time_history
+from flexsid.workflow.views.response import bode
 from flexsid.workflow.views.run import (
     derivatives,
     fit,
@@ -12,6 +13,7 @@ from flexsid.workflow.views.run import (
 )
 
 __all__ = [
+    "bode",
     "derivatives",
     "envelope",
     "fit",

@@ -16,6 +16,7 @@ from flexsid.units import si_unit, to_si
 from flexsid.workflow.interval import samples_between
 
 Interval = tuple[float, float]
+_Parts = list[tuple[Channel, float]]
 
 
 def input_names(store: Store, maneuver: Maneuver) -> tuple[str, ...]:
@@ -35,19 +36,30 @@ def read_channels(
         If there is neither a channel nor a combination of this name, or the channels
         of a combination were not sampled together.
     """
+    parts = _find(store, maneuver, names)
+    needed = {channel.array for terms in parts.values() for channel, _ in terms}
+    samples = store.arrays.get_many(needed)
+    return tuple(_trace(name, terms, samples, interval_s) for name, terms in parts.items())
+
+
+def sampling(
+    store: Store, maneuver: Maneuver, names: Sequence[str]
+) -> dict[str, tuple[float, str]]:
+    """Sampling rate [Hz] and SI unit of channels and combinations, by name."""
+    parts = _find(store, maneuver, names)
+    return {
+        name: (channel.rate_hz, si_unit(channel.unit)) for name, ((channel, _), *_) in parts.items()
+    }
+
+
+def _find(store: Store, maneuver: Maneuver, names: Sequence[str]) -> dict[str, _Parts]:
     recorded = {channel.name: channel for channel in store.channels.find(maneuver_id=maneuver.id)}
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     combined = {combination.name: combination for combination in aircraft.combinations}
-    wanted = tuple(dict.fromkeys(names))
-    parts = {name: _parts(name, recorded, combined) for name in wanted}
-    needed = {channel.array for terms in parts.values() for channel, _ in terms}
-    samples = store.arrays.get_many(needed)
-    return tuple(_trace(name, parts[name], samples, interval_s) for name in wanted)
+    return {name: _parts(name, recorded, combined) for name in dict.fromkeys(names)}
 
 
-def _parts(
-    name: str, recorded: dict[str, Channel], combined: dict[str, Combination]
-) -> list[tuple[Channel, float]]:
+def _parts(name: str, recorded: dict[str, Channel], combined: dict[str, Combination]) -> _Parts:
     if name in recorded:
         return [(recorded[name], 1.0)]
     terms = combined[name].terms if name in combined else ()
@@ -74,7 +86,7 @@ def _parts(
 
 def _trace(
     name: str,
-    parts: list[tuple[Channel, float]],
+    parts: _Parts,
     samples: dict[str, np.ndarray],
     interval_s: Interval | None,
 ) -> ChannelTrace:

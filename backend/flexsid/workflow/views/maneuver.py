@@ -10,12 +10,14 @@ from flexsid.errors import BadInput
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.views import ChannelHistories, PlotMatrix, Spectra
 from flexsid.storage.store import Store
-from flexsid.sysid.spectra.fourier import finite_fourier_transform, unit_lines
 from flexsid.workflow.interval import excitation_interval
-from flexsid.workflow.views.channels import input_names, on_one_clock, read_channels
+from flexsid.workflow.transforms import Lines, maneuver_lines, spectra_of
+from flexsid.workflow.views.channels import input_names, on_one_clock, read_channels, sampling
 
 _POINTS = 1000  # about as many as a screen has columns
 _MOST_POINTS = 20_000
+_FIRST_LINE = 2.0  # cycles per record below which a line is mostly drift
+_CLEAR_OF_NYQUIST = 0.4  # of the sampling rate, clear of the anti-alias filter's skirt
 
 
 def time_history(
@@ -84,40 +86,36 @@ def correlation(samples: np.ndarray) -> np.ndarray:
 
 
 def spectrum(store: Store, maneuver_id: int, channels: Sequence[str] = ()) -> Spectra:
-    """Transform channels at the excited lines; the inputs by default."""
+    """Transform channels at the maneuver's lines; the inputs by default.
+
+    A slow channel says nothing above its Nyquist frequency and has no number there.
+    """
     maneuver = store.maneuvers.get(maneuver_id)
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
     inputs = input_names(store, maneuver)
-    omega, owners = _excited_lines(maneuver)
-    traces = read_channels(store, maneuver, channels or inputs)
-    magnitude = np.full((omega.size, len(traces)), np.nan)
-    for column, trace in enumerate(traces):
-        rate_hz = (trace.time_s.size - 1) / (trace.time_s[-1] - trace.time_s[0])
-        seen = omega <= np.pi * rate_hz  # a slow channel says nothing above its Nyquist frequency
-        moved = (trace.values - trace.values.mean())[:, None]
-        magnitude[seen, column] = np.abs(
-            finite_fourier_transform(moved, rate_hz, omega[seen])[:, 0]
-        )
+    rates = sampling(store, maneuver, channels or inputs)
+    lines = _lines(maneuver, min((rate_hz for rate_hz, _ in rates.values()), default=0.0))
+    magnitude = np.full((lines.omega.size, len(rates)), np.nan)
+    for column, (name, (rate_hz, _)) in enumerate(rates.items()):
+        seen = lines.omega <= np.pi * rate_hz
+        below = Lines(lines.omega[seen], lines.owner[seen], lines.inputs)
+        data = spectra_of(store, maneuver, aircraft, (name,), below)
+        magnitude[seen, column] = np.abs(data.values[:, 0])
     return Spectra(
         maneuver_id=maneuver_id,
         inputs=inputs,
-        frequency_hz=omega / (2.0 * np.pi),
-        owners=owners,
-        names=tuple(trace.name for trace in traces),
-        units=tuple(trace.unit for trace in traces),
+        frequency_hz=lines.omega / (2.0 * np.pi),
+        owners=tuple(lines.inputs[owner] if owner >= 0 else "" for owner in lines.owner),
+        names=tuple(rates),
+        units=tuple(unit for _, unit in rates.values()),
         magnitude=magnitude,
     )
 
 
-def _excited_lines(maneuver: Maneuver) -> tuple[np.ndarray, tuple[str, ...]]:
-    if maneuver.excitation is None:
-        raise BadInput(
-            f"maneuver {maneuver.id} has no multisine excitation, so no lines to transform at",
-            code="no-excitation",
-        )
-    lines = sorted(
-        (harmonic, name)
-        for name, harmonics in maneuver.excitation.harmonics.items()
-        for harmonic in harmonics
+def _lines(maneuver: Maneuver, rate_hz: float) -> Lines:
+    """The excited lines; without known excitation those that the record length gives."""
+    if maneuver.excitation is not None:
+        return maneuver_lines(maneuver)
+    return maneuver_lines(
+        maneuver, (_FIRST_LINE / maneuver.duration_s, _CLEAR_OF_NYQUIST * rate_hz)
     )
-    harmonics = np.array([harmonic for harmonic, _ in lines])
-    return unit_lines(harmonics, maneuver.excitation.period_s), tuple(name for _, name in lines)
