@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 import shutil
 import socket
@@ -20,7 +19,6 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 ROOT = Path(__file__).parents[2]
-SCREENSHOTS = Path(__file__).parent / "screenshots"
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 QUIET = [
     *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
@@ -109,12 +107,6 @@ def page(browser: Browser, server: str) -> Iterator[Page]:
     yield page
     context.close()
     assert not complaints, "\n".join(complaints)
-
-
-def api(server: str, path: str) -> dict[str, object]:
-    """What the REST interface answers."""
-    with urllib.request.urlopen(f"{server}/api/v1/{path}", timeout=20) as answer:
-        return json.load(answer)
 
 
 def _hash_of_makers() -> str:
