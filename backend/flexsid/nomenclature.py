@@ -92,9 +92,7 @@ GLOSSARY: tuple[Symbol, ...] = (
     _symbol("density", "kg/m3", "ρ", "ρ", "air density"),
     _symbol("flutter_speed", "m/s", "V_f", "V<sub>f</sub>", "predicted open-loop flutter speed"),
     _symbol("airspeed_ratio", "1", "V/V_f", "V/V<sub>f</sub>", "true airspeed over flutter speed"),
-    _symbol(
-        "fuel_fraction", "1", "w/w_ff", "w/w<sub>ff</sub>", "fuel over full-fuel weight"
-    ),
+    _symbol("fuel_fraction", "1", "w/w_ff", "w/w<sub>ff</sub>", "fuel over full-fuel weight"),
     _symbol("mass", "kg", "m", "m", "mass of the aircraft"),
     _symbol("pitch_inertia", "kg*m2", "I_yy", "I<sub>yy</sub>", "moment of inertia in pitch"),
     _symbol("thrust", "N", "X_T", "X<sub>T</sub>", "thrust along the body x axis"),
