@@ -14,6 +14,6 @@ RUN pip install --no-cache-dir --constraint /wheels/constraints.txt /wheels/*.wh
 USER flexsid
 VOLUME /data
 ENV FLEXSID_DATABASE=sqlite:////data/flexsid.db \
+    FLEXSID_PORT=8000 \
     OPENBLAS_NUM_THREADS=1
-EXPOSE 8000
-CMD ["flexsid", "serve", "--host", "0.0.0.0"]
+CMD ["flexsid", "serve"]

@@ -71,17 +71,3 @@ def test_locks_name_no_package_index():
 
 def test_the_installed_metadata_is_of_this_version():
     assert version("flexsid") == flexsid.__version__
-
-
-def test_the_compose_file_is_one():
-    check = subprocess.run(
-        [
-            *(sys.executable, "-m", "check_jsonschema"),
-            *("--builtin-schema", "vendor.compose-spec", "docker-compose.yml"),
-        ],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert check.returncode == 0, check.stdout + check.stderr
