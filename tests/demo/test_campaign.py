@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -14,21 +13,7 @@ from flexsid.demo.flights import fly
 from flexsid.errors import FlexsidError
 from flexsid.records.flight import Flight
 from flexsid.records.maneuver import Maneuver, Role
-from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
-
-
-def open_store(path: Path) -> Store:
-    url = f"sqlite:///{path}"
-    upgrade(url)
-    return Store.open(url)
-
-
-@pytest.fixture
-def store(tmp_path: Path) -> Iterator[Store]:
-    opened = open_store(tmp_path / "flexsid.db")
-    yield opened
-    opened.close()
 
 
 def test_plan_covers_the_envelope():
@@ -43,18 +28,14 @@ def test_plan_covers_the_envelope():
     assert Card(1.09, 0.50, 506) in cards
 
 
-def test_fill_flies_the_plan_once_and_keeps_what_the_user_added(tmp_path: Path):
-    path = tmp_path / "flexsid.db"
-    store = open_store(path)
+def test_fill_flies_the_plan_once_and_keeps_what_the_user_added(store: Store, database_url: str):
     told: list[tuple[float, str]] = []
     added = fill(store, lambda fraction, message: told.append((fraction, message)))
     assert added == sum(len(sortie.cards) for sortie in PLAN) == len(store.maneuvers.find())
     assert [fraction for fraction, _ in told] == sorted(fraction for fraction, _ in told)
     assert told[-1][0] == 1.0
-    store.close()
-    assert path.stat().st_size < 250e6
+    assert Path(database_url.removeprefix("sqlite:///")).stat().st_size < 250e6
 
-    store = Store.open(f"sqlite:///{path}")
     aircraft = add_aircraft(store)
     assert aircraft.id is not None
     own = store.flights.add(Flight(aircraft_id=aircraft.id, number=77, description="mine"))
@@ -79,7 +60,6 @@ def test_fill_flies_the_plan_once_and_keeps_what_the_user_added(tmp_path: Path):
         "SP + four modes",
     ]
     assert store.maneuvers.find(flight_id=own.id)[0].label == "mine"
-    store.close()
 
 
 def _first_samples(store: Store, maneuver: Maneuver) -> np.ndarray:

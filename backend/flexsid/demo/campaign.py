@@ -125,7 +125,10 @@ def fill(store: Store, report: Report | None = None, seed: int = SEED) -> int:
     tell = report or (lambda fraction, message: None)
     aircraft = add_aircraft(store)
     missing = _missing(store, aircraft, seed)
-    tell(0.0, f"flying {len(missing)} maneuvers" if missing else "the campaign is complete")
+    if missing:
+        tell(0.0, f"flying {len(missing)} maneuvers")
+    else:
+        tell(1.0, "the campaign is complete")
     flown = _fly_all([task.order for task in missing])
     for count, (task, maneuver) in enumerate(zip(missing, flown, strict=True), start=1):
         add_maneuver(store, maneuver, task.flight_id)

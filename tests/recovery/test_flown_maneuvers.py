@@ -1,0 +1,110 @@
+"""Fly the demonstration aircraft with as many modes as the fit has, and recover its derivatives.
+
+The same is asked of maneuvers that an independent simulation flew. Standard
+errors are somewhat small because the measured surfaces carry noise, too.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flex28 import load_truth
+from flexsid.demo.flights import fly
+from flexsid.records.flight import Flight
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage.store import Store
+from flexsid.workflow.computation import Computed
+from flexsid.workflow.estimation import compute, prepare
+from flexsid.workflow.ingest import import_maneuver
+
+PROJECT = Path(__file__).parents[2]
+RECORDS = PROJECT.parent / "shared" / "data" / "flex28" / "records"
+MODES = {2: (7, 9), 4: (7, 9, 11, 12)}
+
+Estimates = dict[Method, tuple[np.ndarray, np.ndarray]]
+"""Values and standard errors by method, in one order of the derivatives."""
+
+
+def run(store: Store, maneuver_id: int, method: Method, modes: tuple[int, ...]) -> Computed:
+    request = EstimationRun(
+        maneuver_id=maneuver_id,
+        method=method,
+        structure=Structure(modes=modes, fixed={}),
+        settings=RunSettings(),
+    )
+    return compute(prepare(store, request), lambda progress: None)
+
+
+def estimate_all(
+    store: Store, maneuver_id: int, modes: tuple[int, ...], names: list[str]
+) -> Estimates:
+    found: Estimates = {}
+    for method in Method:
+        estimate = run(store, maneuver_id, method, modes).estimate
+        order = [estimate.names.index(name) for name in names]
+        std = np.sqrt(np.diag(estimate.corrected_covariance))
+        found[method] = estimate.values[order], std[order]
+    return found
+
+
+def judge(found: Estimates, truth: np.ndarray) -> None:
+    values, std = found[Method.OE]
+    assert np.mean(np.abs(values - truth) < 3.0 * std) >= 0.90
+    for one, other in combinations(Method, 2):
+        (a, sigma_a), (b, sigma_b) = found[one], found[other]
+        sure = (sigma_a < 0.1 * np.abs(a)) & (sigma_b < 0.1 * np.abs(b))
+        assert sure.sum() > 0.3 * truth.size
+        apart = np.abs(a - b) / np.hypot(sigma_a, sigma_b)
+        assert apart[sure].max() < 3.0, (one, other)
+
+
+@pytest.mark.parametrize("count", [2, 4])
+def test_fta_506_at_low_speed_gives_the_truth_back(store: Store, count: int):
+    flight = _flight(store)
+    flown = fly(airspeed_ratio=0.65, fuel=0.5, fta=506, modes_in_truth=count, seed=5)
+    maneuver = add_maneuver(store, flown, flight)
+    assert maneuver.id is not None
+    truth = flown.truth.named()
+    found = estimate_all(store, maneuver.id, MODES[count], list(truth))
+    judge(found, np.array(list(truth.values())))
+
+
+@pytest.mark.skipif(
+    not RECORDS.is_dir(), reason="independent FLEX-28 records are not beside the project"
+)
+@pytest.mark.parametrize(("name", "count"), [("065Vf_n2_fta506", 2), ("065Vf_n4_fta506", 4)])
+def test_independent_record_gives_its_truth_back(store: Store, name: str, count: int):
+    add_aircraft(store)
+    mapping = PROJECT / "examples" / "flex28" / "record.toml"
+    maneuver = import_maneuver(store, [RECORDS / f"{name}.npz"], mapping)
+    assert maneuver.id is not None
+    truth = load_truth().derivatives_at(0.5, count).named()
+    found = estimate_all(store, maneuver.id, MODES[count], list(truth))
+    judge(found, np.array(list(truth.values())))
+
+
+def test_output_error_converges_beyond_flutter(store: Store):
+    """Eight modes fly, four are fitted: the fit converges and explains the pitch rate."""
+    flown = fly(airspeed_ratio=1.09, fuel=0.5, fta=506, peak_deg=1.2, seed=6)
+    maneuver = add_maneuver(store, flown, _flight(store))
+    assert maneuver.id is not None
+    estimate = run(store, maneuver.id, Method.OE, MODES[4]).estimate
+    assert estimate.outcome.value == "converged"
+    values = dict(zip(estimate.names, estimate.values, strict=True))
+    truth = flown.truth.named()
+    for name in ("CZ_alpha", "Cm_alpha", "CQ7_alpha", "CZ_wf3s", "Cm_wf4s"):
+        assert values[name] == pytest.approx(truth[name], rel=0.15), name
+
+
+def _flight(store: Store) -> int:
+    aircraft = add_aircraft(store)
+    assert aircraft.id is not None
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=50))
+    assert flight.id is not None
+    return flight.id
