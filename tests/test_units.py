@@ -97,7 +97,7 @@ def test_temperatures_have_an_offset_and_no_factor() -> None:
 
 
 def test_single_precision_is_converted_in_double() -> None:
-    assert units.to_si(np.float32([1.0]), "ft").dtype == np.float64
+    assert units.to_si(np.array([1.0], dtype=np.float32), "ft").dtype == np.float64
 
 
 @pytest.mark.parametrize("symbol", units.SYMBOLS)
