@@ -1,0 +1,296 @@
+"""Answers that are more, or other, than a record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from datetime import datetime
+from typing import Any, TypeVar
+
+from flexsid.nomenclature import describe
+from flexsid.records.aircraft import Aircraft
+from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Channel, Maneuver
+from flexsid.records.modal_table import ModalTable
+from flexsid.records.model_structure import ModelStructure, Structure
+from flexsid.records.prediction import Prediction
+from flexsid.records.run import (
+    EstimationRun,
+    Fit,
+    Method,
+    Pole,
+    Progress,
+    RunSettings,
+    RunState,
+)
+from flexsid.storage.maneuver_list import ManeuverItem
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Health:
+    """That the server works, and with which database."""
+
+    status: str
+    version: str
+    database: str
+    migration: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ManeuverDetail(Maneuver):
+    """A maneuver with what an analyst asks next."""
+
+    flight_number: int
+    aircraft_name: str
+    channels: list[Channel]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModalTableDetail(ModalTable):
+    """A modal table with its frequencies [rad/s] and damping ratios, one row per fuel."""
+
+    omega: list[list[float]] | None
+    zeta: list[list[float]] | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DerivativeValue:
+    """One predicted derivative."""
+
+    name: str
+    value: float
+    std_error: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PredictionDetail(Prediction):
+    """A prediction with its derivatives at one fuel fraction."""
+
+    at_fuel: float
+    derivatives: list[DerivativeValue]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunParameter:
+    """An estimate with its label."""
+
+    name: str
+    label: str
+    value: float
+    std_error: float | None
+    start: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunBlock:
+    """One set of lines that was fitted."""
+
+    name: str
+    outputs: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunError:
+    """Why a run failed."""
+
+    code: str
+    message: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Run:
+    """An estimation run; ``parameters``, ``fit`` and ``poles`` are there once it succeeded."""
+
+    id: int
+    maneuver_id: int
+    method: Method
+    state: RunState
+    structure: Structure
+    settings: RunSettings
+    modal_table_id: int | None
+    damping_table_id: int | None
+    prediction_id: int | None
+    structure_id: int | None
+    parameters: list[RunParameter]
+    fit: Fit | None
+    poles: tuple[Pole, ...]
+    blocks: list[RunBlock]
+    residualized_prediction: dict[str, float] | None
+    error: RunError | None
+    progress: Progress | None
+    versions: dict[str, str] | None
+    attempt: int
+    author: str
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Job:
+    """How far a run is; a job has the id of its run."""
+
+    id: int
+    run_id: int
+    state: RunState
+    attempt: int
+    progress: Progress | None
+    error: RunError | None
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GlossaryEntry:
+    """One quantity of the glossary."""
+
+    symbol: str
+    unit: str
+    label: str
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AircraftList:
+    """Aircraft."""
+
+    items: list[Aircraft]
+    next: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightList:
+    """Flights."""
+
+    items: list[Flight]
+    next: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ManeuverList:
+    """A page of the filtered list of maneuvers."""
+
+    items: list[ManeuverItem]
+    next: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModalTableList:
+    """Modal tables."""
+
+    items: list[ModalTable]
+    next: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PredictionList:
+    """Predictions."""
+
+    items: list[Prediction]
+    next: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelStructureList:
+    """Model structures."""
+
+    items: list[ModelStructure]
+    next: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunList:
+    """A page of runs, newest first."""
+
+    items: list[Run]
+    next: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JobList:
+    """A page of jobs, newest first."""
+
+    items: list[Job]
+    next: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Glossary:
+    """All quantities."""
+
+    items: list[GlossaryEntry]
+    next: str | None = None
+
+
+T = TypeVar("T")
+
+
+def extend(detail: type[T], record: Any, **more: Any) -> T:
+    """Make an answer of a record's fields and some more."""
+    return detail(**{f.name: getattr(record, f.name) for f in fields(record)}, **more)
+
+
+def run_answer(run: EstimationRun) -> Run:
+    """Lay the result of a run out as it is answered."""
+    assert run.id is not None
+    assert run.created_at is not None
+    result = run.result
+    return Run(
+        id=run.id,
+        maneuver_id=run.maneuver_id,
+        method=run.method,
+        state=run.state,
+        structure=run.structure,
+        settings=run.settings,
+        modal_table_id=run.modal_table_id,
+        damping_table_id=run.damping_table_id,
+        prediction_id=run.prediction_id,
+        structure_id=run.structure_id,
+        parameters=[]
+        if result is None
+        else [
+            RunParameter(
+                name=parameter.name,
+                label=describe(parameter.name).label,
+                value=parameter.value,
+                std_error=parameter.std_error,
+                start=parameter.start,
+            )
+            for parameter in result.parameters
+        ],
+        fit=None if result is None else result.fit,
+        poles=() if result is None else result.poles,
+        blocks=[]
+        if result is None
+        else [RunBlock(name=block.name, outputs=block.outputs) for block in result.blocks],
+        residualized_prediction=None if result is None else result.residualized_prediction,
+        error=_error(run),
+        progress=run.progress,
+        versions=run.versions,
+        attempt=run.attempt,
+        author=run.author,
+        created_at=run.created_at,
+        started_at=run.started_at,
+        finished_at=run.finished_at,
+    )
+
+
+def job_answer(run: EstimationRun) -> Job:
+    """Tell how far a run is."""
+    assert run.id is not None
+    assert run.created_at is not None
+    return Job(
+        id=run.id,
+        run_id=run.id,
+        state=run.state,
+        attempt=run.attempt,
+        progress=run.progress,
+        error=_error(run),
+        created_at=run.created_at,
+        started_at=run.started_at,
+        finished_at=run.finished_at,
+    )
+
+
+def _error(run: EstimationRun) -> RunError | None:
+    return None if run.error is None else RunError(**run.error)

@@ -1,0 +1,114 @@
+"""create_app: from settings to the whole service."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+
+import anyio.to_thread
+from fastapi import APIRouter, FastAPI
+from fastapi.routing import APIRoute
+
+import flexsid
+from flexsid.api.context import BringAlong, Context
+from flexsid.api.docs import add_docs
+from flexsid.api.errors import Problem, add_error_handlers
+from flexsid.api.guards import Guards
+from flexsid.api.page import add_page
+from flexsid.api.routes import (
+    aircraft,
+    comparisons,
+    figures,
+    flights,
+    health,
+    jobs,
+    maneuvers,
+    modal_tables,
+    model_structures,
+    nomenclature,
+    predictions,
+    runs,
+)
+from flexsid.jobs.dispatcher import Dispatcher
+from flexsid.jobs.steps import Steps, estimation_steps
+from flexsid.settings import Settings
+from flexsid.storage.migrate import upgrade
+from flexsid.storage.store import Store
+
+# The database and numpy hold the interpreter anyway; many threads only make them
+# wait for each other (forty on one list of a thousand rows came to a standstill).
+_THREADS = 4
+_LARGEST_BODY = 2 * 1024**2  # uploads have their own limit
+
+
+def create_app(
+    settings: Settings,
+    *,
+    load_steps: Callable[[], Steps] = estimation_steps,
+    bring_along: BringAlong | None = None,
+) -> FastAPI:
+    """Make the service: database brought up to date, dispatcher, routes and page.
+
+    Parameters
+    ----------
+    settings
+        Which database.
+    load_steps
+        Returns how runs are carried out.
+    bring_along
+        Adds an aircraft that comes with the software when an upload needs it.
+    """
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        anyio.to_thread.current_default_thread_limiter().total_tokens = _THREADS
+        migration = upgrade(settings.database)
+        store = Store.open(settings.database)
+        dispatcher = Dispatcher(store, load_steps())
+        dispatcher.start()
+        app.state.context = Context(
+            store=store, dispatcher=dispatcher, migration=migration, bring_along=bring_along
+        )
+        try:
+            yield
+        finally:
+            dispatcher.stop()
+            store.close()
+
+    app = FastAPI(
+        title="flexsid",
+        summary="A workbench to identify flexible aircraft from flight test",
+        version=flexsid.__version__,
+        lifespan=lifespan,
+        openapi_url="/api/v1/openapi.json",
+        docs_url=None,
+        redoc_url=None,
+        max_body_size=_LARGEST_BODY,
+        generate_unique_id_function=_operation_id,
+    )
+    api = APIRouter(prefix="/api/v1", responses={"4XX": {"model": Problem}})
+    for module in (
+        health,
+        aircraft,
+        flights,
+        maneuvers,
+        modal_tables,
+        predictions,
+        model_structures,
+        runs,
+        jobs,
+        comparisons,
+        figures,
+        nomenclature,
+    ):
+        api.include_router(module.router)
+    app.include_router(api)
+    add_docs(app)
+    add_page(app)
+    add_error_handlers(app)
+    app.add_middleware(Guards)
+    return app
+
+
+def _operation_id(route: APIRoute) -> str:
+    return route.name

@@ -1,0 +1,38 @@
+"""What a route is handed: the store, and who carries out runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated
+
+from fastapi import Depends, Request
+
+from flexsid.jobs.dispatcher import Dispatcher
+from flexsid.storage.store import Store
+
+BringAlong = Callable[[Store, str], None]
+"""Adds an aircraft that comes with the software to a store, by its name."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Context:
+    """What lives as long as the server."""
+
+    store: Store
+    dispatcher: Dispatcher
+    migration: str
+    bring_along: BringAlong | None
+
+
+# Asynchronous, so that no thread is spent on handing over a reference.
+async def _context(request: Request) -> Context:
+    return request.app.state.context
+
+
+async def _store(request: Request) -> Store:
+    return request.app.state.context.store
+
+
+TheContext = Annotated[Context, Depends(_context)]
+TheStore = Annotated[Store, Depends(_store)]

@@ -1,0 +1,119 @@
+"""What a client asks for: records without what only the server knows, strictly read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import ConfigDict, Field
+
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings, Start
+from flexsid.storage.repository import LARGEST_ID
+
+_STRICT: Any = ConfigDict(extra="forbid")
+
+# Strict, for a Boolean is no number here.
+Id = Annotated[int, Field(strict=True, ge=1, le=LARGEST_ID)]
+ModeNumber = Annotated[int, Field(strict=True, ge=1, le=9999)]
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Frequency = Annotated[float, Field(strict=True, ge=0.0, le=1e4)]
+Name = Annotated[str, Field(min_length=1, max_length=64)]
+Names = Annotated[tuple[Name, ...], Field(max_length=500)]
+Title = Annotated[str, Field(min_length=1, max_length=200)]
+Text = Annotated[str, Field(max_length=10_000)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StructureRequest:
+    """A model structure; see ``Structure``."""
+
+    modes: Annotated[tuple[ModeNumber, ...], Field(max_length=20)] = ()
+    inputs: Names = ()
+    outputs: Names = ()
+    free: Names | None = None
+    fixed: Annotated[dict[Name, Number] | None, Field(max_length=500)] = None
+    free_delays: Annotated[bool, Field(strict=True)] = False
+    axis: Literal["longitudinal"] = "longitudinal"
+
+    __pydantic_config__ = _STRICT
+
+    def record(self) -> Structure:
+        """Return what is kept."""
+        return Structure(
+            modes=self.modes,
+            inputs=self.inputs,
+            outputs=self.outputs,
+            free=self.free,
+            fixed=self.fixed or {},
+            free_delays=self.free_delays,
+            axis=self.axis,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SettingsRequest:
+    """Choices of the analyst that are not model structure."""
+
+    start: Start = Start.EQUATION_ERROR
+    band_hz: tuple[Frequency, Frequency] | None = None
+    max_iterations: Annotated[int, Field(strict=True, ge=1, le=1000)] = 50
+    noise: Literal["diagonal"] = "diagonal"
+
+    __pydantic_config__ = _STRICT
+
+    def record(self) -> RunSettings:
+        """Return what is kept."""
+        return RunSettings(
+            start=self.start,
+            band_hz=self.band_hz,
+            max_iterations=self.max_iterations,
+            noise=self.noise,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunRequest:
+    """Estimate a model of one maneuver by one method.
+
+    What is left out is chosen: the aircraft's latest tables and the prediction
+    that covers most of the derivatives.
+    """
+
+    maneuver_id: Id
+    method: Method
+    structure: StructureRequest
+    settings: SettingsRequest | None = None
+    modal_table_id: Id | None = None
+    damping_table_id: Id | None = None
+    prediction_id: Id | None = None
+    structure_id: Id | None = None
+    author: Annotated[str, Field(max_length=200)] = ""
+
+    __pydantic_config__ = _STRICT
+
+    def record(self) -> EstimationRun:
+        """Return the run that is queued."""
+        return EstimationRun(
+            maneuver_id=self.maneuver_id,
+            method=self.method,
+            structure=self.structure.record(),
+            settings=(self.settings or SettingsRequest()).record(),
+            modal_table_id=self.modal_table_id,
+            damping_table_id=self.damping_table_id,
+            prediction_id=self.prediction_id,
+            structure_id=self.structure_id,
+            author=self.author,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelStructureRequest:
+    """Keep a model structure under a name."""
+
+    aircraft_id: Id
+    name: Title
+    structure: StructureRequest
+    note: Text = ""
+
+    __pydantic_config__ = _STRICT

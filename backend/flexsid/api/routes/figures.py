@@ -1,0 +1,135 @@
+"""Figures as plotly specs: numbers from the workflow, drawn by figures, themed by the page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query
+
+from flexsid import figures
+from flexsid.api.context import TheStore
+from flexsid.api.routes.maneuvers import Filters
+from flexsid.api.wire import Json, split_ids, split_names
+from flexsid.storage.repository import LARGEST_ID
+from flexsid.workflow import views
+
+router = APIRouter(prefix="/figures", tags=["figures"])
+
+_Id = Annotated[int, Query(ge=1, le=LARGEST_ID)]
+_Ids = Annotated[str | None, Query(description="Ids separated by commas.")]
+_Names = Annotated[str | None, Query(description="Names separated by commas.")]
+_Seconds = Annotated[float | None, Query(allow_inf_nan=False)]
+_Block = Annotated[str | None, Query(description="Block of lines; the run's first by default.")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Figure:
+    """What plotly draws; colours of the page, fonts and height are left to the page."""
+
+    data: list[dict[str, Any]]
+    layout: dict[str, Any]
+
+
+@router.get("/envelope", response_model=Figure)
+def draw_envelope(store: TheStore, filters: Filters) -> Json:
+    """Draw where the maneuvers of a list were flown."""
+    return Json(figures.envelope(views.envelope(store, **filters)))
+
+
+@router.get("/time-history", response_model=Figure)
+def draw_time_history(
+    store: TheStore,
+    maneuver_id: _Id,
+    channels: _Names = None,
+    start_s: _Seconds = None,
+    stop_s: _Seconds = None,
+    points: int = views.POINTS,
+) -> Json:
+    """Draw channels against time, thinned to what a screen shows; inputs by default."""
+    chosen = split_names(channels) or ()
+    return Json(
+        figures.time_history(
+            views.time_history(store, maneuver_id, chosen, start_s, stop_s, points)
+        )
+    )
+
+
+@router.get("/spectrum", response_model=Figure)
+def draw_spectrum(store: TheStore, maneuver_id: _Id, channels: _Names = None) -> Json:
+    """Draw Fourier magnitudes at the excited lines, coloured by owner; inputs by default."""
+    chosen = split_names(channels) or ()
+    return Json(figures.spectrum(views.spectrum(store, maneuver_id, chosen)))
+
+
+@router.get("/plot-matrix", response_model=Figure)
+def draw_plot_matrix(store: TheStore, maneuver_id: _Id, channels: _Names = None) -> Json:
+    """Draw channels against each other with their correlation; inputs by default."""
+    chosen = split_names(channels) or ()
+    return Json(figures.plot_matrix(views.plot_matrix(store, maneuver_id, chosen)))
+
+
+@router.get("/bode", response_model=Figure)
+def draw_bode(
+    store: TheStore,
+    maneuver_id: _Id,
+    output: Annotated[str, Query(description="Outputs separated by commas.")],
+    inputs: _Names = None,
+    run_id: _Ids = None,
+) -> Json:
+    """Draw frequency responses, with the models of runs over them."""
+    value = views.bode(
+        store,
+        maneuver_id,
+        split_names(output) or (),
+        split_names(inputs) or (),
+        split_ids(run_id, "run_id"),
+    )
+    return Json(figures.bode(value))
+
+
+@router.get("/fit", response_model=Figure)
+def draw_fit(store: TheStore, run_id: _Id, output: _Names = None, block: _Block = None) -> Json:
+    """Draw fitted over measured lines."""
+    return Json(figures.fit(views.fit(store, run_id, split_names(output) or (), block)))
+
+
+@router.get("/residual", response_model=Figure)
+def draw_residual(store: TheStore, run_id: _Id, block: _Block = None) -> Json:
+    """Draw what the model left over, per output and frequency."""
+    return Json(figures.residual(views.residual(store, run_id, block)))
+
+
+@router.get("/parameter-correlation", response_model=Figure)
+def draw_parameter_correlation(store: TheStore, run_id: _Id) -> Json:
+    """Draw how the estimates depend on each other."""
+    return Json(figures.parameter_correlation(views.parameter_correlation(store, run_id)))
+
+
+@router.get("/poles", response_model=Figure)
+def draw_poles(store: TheStore, run_id: _Id) -> Json:
+    """Draw the poles of the identified model beside those of its modes in vacuo."""
+    return Json(figures.poles(views.poles(store, run_id)))
+
+
+@router.get("/iterations", response_model=Figure)
+def draw_iterations(store: TheStore, run_id: _Id) -> Json:
+    """Draw how the cost fell."""
+    return Json(figures.iterations(views.iterations(store, run_id)))
+
+
+@router.get("/derivatives", response_model=Figure)
+def draw_derivatives(
+    store: TheStore,
+    run_ids: Annotated[str, Query(description="Ids separated by commas.")],
+    prediction_ids: _Ids = None,
+    coefficient: Annotated[str | None, Query(description="CZ, Cm, CQ7 ...")] = None,
+) -> Json:
+    """Draw derivatives by method and prediction with ±2 standard errors."""
+    value = views.derivatives(
+        store,
+        split_ids(run_ids, "run_ids"),
+        split_ids(prediction_ids, "prediction_ids"),
+        coefficient,
+    )
+    return Json(figures.derivatives(value))

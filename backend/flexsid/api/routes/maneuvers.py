@@ -1,0 +1,175 @@
+"""Maneuvers: the filtered list, one in detail, and the door through which files come in."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, File, Form, Query, Response, UploadFile, status
+
+from flexsid.api.answers import ManeuverDetail, ManeuverList, extend
+from flexsid.api.context import Context, TheContext, TheStore
+from flexsid.api.wire import After, Identity, Json, Limit
+from flexsid.errors import BadInput, Conflict
+from flexsid.records.maneuver import Maneuver
+from flexsid.records.run import Method, RunState
+from flexsid.storage.maneuver_list import SORT_FIELDS, ManeuverFilters
+from flexsid.storage.repository import LARGEST_ID
+from flexsid.storage.store import Store
+from flexsid.workflow.ingest import keep_upload, read_upload
+
+router = APIRouter(prefix="/maneuvers", tags=["maneuvers"])
+
+_LARGEST_UPLOAD = 512 * 1024**2
+_LARGEST_MAPPING = 1024**2
+
+
+async def read_filters(
+    aircraft_id: Annotated[int | None, Query(ge=1, le=LARGEST_ID)] = None,
+    flight_id: Annotated[int | None, Query(ge=1, le=LARGEST_ID)] = None,
+    fta: Annotated[
+        int | None, Query(ge=0, le=10**9, description="Number of the flight-test aid.")
+    ] = None,
+    min_airspeed_ratio: Annotated[
+        float | None, Query(allow_inf_nan=False, description="Least V/V_f.")
+    ] = None,
+    max_airspeed_ratio: Annotated[
+        float | None, Query(allow_inf_nan=False, description="Largest V/V_f.")
+    ] = None,
+    min_fuel: Annotated[float | None, Query(allow_inf_nan=False)] = None,
+    max_fuel: Annotated[float | None, Query(allow_inf_nan=False)] = None,
+    search: Annotated[
+        str | None, Query(max_length=200, description="Part of label, note, file or aircraft.")
+    ] = None,
+    method: Annotated[
+        Method | None, Query(description="Only maneuvers with a run of this method.")
+    ] = None,
+    state: Annotated[
+        RunState | None, Query(description="State of the newest run, of `method` or of any.")
+    ] = None,
+) -> ManeuverFilters:
+    """Read what the list of maneuvers, and figures of it, are narrowed to."""
+    return {
+        "aircraft_id": aircraft_id,
+        "flight_id": flight_id,
+        "fta": fta,
+        "min_airspeed_ratio": min_airspeed_ratio,
+        "max_airspeed_ratio": max_airspeed_ratio,
+        "min_fuel": min_fuel,
+        "max_fuel": max_fuel,
+        "search": search,
+        "method": method,
+        "state": state,
+    }
+
+
+Filters = Annotated[ManeuverFilters, Depends(read_filters)]
+
+
+@router.get("", response_model=ManeuverList)
+def list_maneuvers(
+    store: TheStore,
+    filters: Filters,
+    sort: Annotated[
+        str,
+        Query(description=f"`-` for falling order, then one of {', '.join(SORT_FIELDS)}."),
+    ] = "id",
+    limit: Limit = 100,
+    after: After = None,
+) -> Json:
+    """List maneuvers with their condition and the newest run of each method."""
+    return Json(store.maneuver_page(sort=sort, limit=limit, after=after, **filters))
+
+
+@router.get("/{maneuver_id}", response_model=ManeuverDetail)
+def get_maneuver(store: TheStore, maneuver_id: Identity) -> Json:
+    """Return one maneuver with its channels."""
+    return Json(_detail(store, store.maneuvers.get(maneuver_id)))
+
+
+@dataclass(frozen=True, slots=True)
+class _Received:
+    files: list[Path]
+    names: list[str]
+    mapping: str | None
+
+
+@router.post(
+    "",
+    response_model=ManeuverDetail,
+    status_code=status.HTTP_201_CREATED,
+    max_body_size=_LARGEST_UPLOAD,
+)
+def upload_maneuver(
+    context: TheContext,
+    files: Annotated[list[UploadFile], File(description="Recorder files and tables.")],
+    mapping: Annotated[
+        UploadFile | None,
+        File(description="TOML that names channels, units and roles; not for known forms."),
+    ] = None,
+    aircraft_id: Annotated[
+        int | None, Form(ge=1, le=LARGEST_ID, description="Where the mapping names none.")
+    ] = None,
+) -> Json:
+    """Import a maneuver from files; all of it is kept, or nothing."""
+    with TemporaryDirectory(prefix="flexsid-") as folder:
+        received = _receive(Path(folder), files, mapping)
+        upload = read_upload(received.files, received.mapping, received.names)
+        if upload.mapping.maneuver is None:
+            raise BadInput("the mapping describes no maneuver", code="bad-mapping", key="maneuver")
+        if upload.builtin is not None:
+            _bring_along(context, upload.builtin)
+        kept = keep_upload(context.store, upload, aircraft_id).maneuver
+    assert kept is not None
+    location = {"Location": f"/api/v1/maneuvers/{kept.id}"}
+    return Json(_detail(context.store, kept), status.HTTP_201_CREATED, location)
+
+
+@router.delete("/{maneuver_id}", status_code=status.HTTP_204_NO_CONTENT)
+def delete_maneuver(store: TheStore, maneuver_id: Identity) -> Response:
+    """Forget a maneuver that has no runs."""
+    with store.transaction():
+        runs = store.runs.find(maneuver_id=maneuver_id)
+        if runs:
+            raise Conflict(
+                f"maneuver {maneuver_id} has {len(runs)} runs; delete those first", code="in-use"
+            )
+        store.maneuvers.delete(maneuver_id)
+    return Response(status_code=status.HTTP_204_NO_CONTENT)
+
+
+def _detail(store: Store, maneuver: Maneuver) -> ManeuverDetail:
+    more: dict[str, Any] = {
+        "flight_number": store.flights.get(maneuver.flight_id).number,
+        "aircraft_name": store.aircraft.get(maneuver.aircraft_id).name,
+        "channels": store.channels.find(maneuver_id=maneuver.id),
+    }
+    return extend(ManeuverDetail, maneuver, **more)
+
+
+def _receive(folder: Path, files: list[UploadFile], mapping: UploadFile | None) -> _Received:
+    """Write what was sent under names of our own; a client's name may point anywhere."""
+    names = [Path(file.filename or "file").name for file in files]
+    paths = [folder / f"{number}{Path(name).suffix}" for number, name in enumerate(names)]
+    for file, path in zip(files, paths, strict=True):
+        with path.open("wb") as target:
+            shutil.copyfileobj(file.file, target)
+    return _Received(paths, names, None if mapping is None else _text_of(mapping))
+
+
+def _text_of(mapping: UploadFile) -> str:
+    content = mapping.file.read(_LARGEST_MAPPING + 1)
+    try:
+        if len(content) <= _LARGEST_MAPPING:
+            return content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise BadInput("the mapping is not text; expected TOML", code="bad-mapping") from error
+    raise BadInput("the mapping is larger than 1 MB; expected a short TOML", code="bad-mapping")
+
+
+def _bring_along(context: Context, name: str) -> None:
+    if context.bring_along is not None and not context.store.aircraft.find(name=name):
+        context.bring_along(context.store, name)
