@@ -1,0 +1,52 @@
+/** What the API says when it cannot do what was asked (RFC 9457 problem details). */
+export class ApiProblem extends Error {
+  override readonly name = "ApiProblem";
+
+  constructor(
+    readonly title: string,
+    readonly detail: string,
+    readonly code: string,
+    readonly status: number,
+    /** Further members of the problem, such as the row and column of a bad file. */
+    readonly context: Record<string, string | number> = {},
+  ) {
+    super(detail || title);
+  }
+}
+
+const STANDARD = new Set(["type", "title", "status", "detail", "code", "instance"]);
+
+export function problemFrom(body: unknown, status: number): ApiProblem {
+  if (typeof body !== "object" || body === null || !("title" in body)) {
+    return new ApiProblem(
+      "The server answered with an error",
+      `Status ${status} without an explanation. Its log says more.`,
+      "unexplained",
+      status,
+    );
+  }
+  const members = body as Record<string, unknown>;
+  const text = (key: string) => (typeof members[key] === "string" ? members[key] : "");
+  const context: Record<string, string | number> = {};
+  for (const [key, value] of Object.entries(members)) {
+    if (STANDARD.has(key)) continue;
+    if (typeof value === "string" || typeof value === "number") context[key] = value;
+  }
+  return new ApiProblem(text("title"), text("detail"), text("code"), status, context);
+}
+
+export function unreachable(): ApiProblem {
+  return new ApiProblem(
+    "The server cannot be reached",
+    "No answer came from flexsid. It may be starting or stopped; the page tries again by itself.",
+    "unreachable",
+    0,
+  );
+}
+
+/** Any thrown value as a problem that can be shown. */
+export function asProblem(error: unknown): ApiProblem {
+  if (error instanceof ApiProblem) return error;
+  const detail = error instanceof Error ? error.message : String(error);
+  return new ApiProblem("Something went wrong on this page", detail, "page", 0);
+}

@@ -1,0 +1,148 @@
+/** What pages read: one query per resource. Pages and tests share these keys. */
+import { infiniteQueryOptions, keepPreviousData, queryOptions } from "@tanstack/react-query";
+import { address, api, body, json, type QueryValue } from "./client";
+import { isOver, type FigureSpec, type ManeuverFilters, type Method, type RunState } from "./types";
+
+const POLL_MS = 500;
+
+export const healthQuery = queryOptions({
+  queryKey: ["health"],
+  queryFn: ({ signal }) => body(api.GET("/api/v1/health", { signal })),
+  refetchInterval: 10_000,
+  retry: false,
+});
+
+export const maneuversQuery = (filters: ManeuverFilters, sort: string, limit = 50) =>
+  infiniteQueryOptions({
+    queryKey: ["maneuvers", filters, sort, limit],
+    queryFn: ({ pageParam, signal }) =>
+      body(
+        api.GET("/api/v1/maneuvers", {
+          params: { query: { ...filters, sort, limit, after: pageParam } },
+          signal,
+        }),
+      ),
+    initialPageParam: undefined as string | undefined,
+    getNextPageParam: (page) => page.next ?? undefined,
+    placeholderData: keepPreviousData,
+  });
+
+export const maneuverQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["maneuver", id],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/maneuvers/{id}", { params: { path: { id } }, signal })),
+  });
+
+export const flightsQuery = queryOptions({
+  queryKey: ["flights"],
+  queryFn: async ({ signal }) => (await body(api.GET("/api/v1/flights", { signal }))).items,
+});
+
+export const aircraftQuery = queryOptions({
+  queryKey: ["aircraft"],
+  queryFn: async ({ signal }) => (await body(api.GET("/api/v1/aircraft", { signal }))).items,
+});
+
+export const modalTablesQuery = (aircraftId: number) =>
+  queryOptions({
+    queryKey: ["modal-tables", aircraftId],
+    queryFn: async ({ signal }) =>
+      (
+        await body(
+          api.GET("/api/v1/modal-tables", {
+            params: { query: { aircraft_id: aircraftId } },
+            signal,
+          }),
+        )
+      ).items,
+  });
+
+export const modalTableQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["modal-table", id],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/modal-tables/{id}", { params: { path: { id } }, signal })),
+  });
+
+export const predictionsQuery = (aircraftId?: number) =>
+  queryOptions({
+    queryKey: ["predictions", aircraftId],
+    queryFn: async ({ signal }) =>
+      (
+        await body(
+          api.GET("/api/v1/predictions", {
+            params: { query: { aircraft_id: aircraftId } },
+            signal,
+          }),
+        )
+      ).items,
+  });
+
+export interface RunFilters {
+  maneuver_id?: number;
+  method?: Method;
+  state?: RunState;
+}
+
+export const runsQuery = (filters: RunFilters) =>
+  queryOptions({
+    queryKey: ["runs", filters],
+    queryFn: async ({ signal }) =>
+      (
+        await body(
+          api.GET("/api/v1/runs", { params: { query: { ...filters, limit: 200 } }, signal }),
+        )
+      ).items,
+    refetchInterval: (query) =>
+      query.state.data?.some((run) => !isOver(run.state)) === true ? 2 * POLL_MS : false,
+  });
+
+export const runQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["run", id],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/runs/{id}", { params: { path: { id } }, signal })),
+  });
+
+export const jobQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["job", id],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/jobs/{id}", { params: { path: { id } }, signal })),
+    refetchInterval: (query) =>
+      query.state.data !== undefined && isOver(query.state.data.state) ? false : POLL_MS,
+  });
+
+export const jobsQuery = (state?: RunState) =>
+  queryOptions({
+    queryKey: ["jobs", state],
+    queryFn: async ({ signal }) =>
+      (await body(api.GET("/api/v1/jobs", { params: { query: { state } }, signal }))).items,
+    refetchInterval: (query) =>
+      query.state.data?.some((job) => !isOver(job.state)) === true ? 2 * POLL_MS : 5000,
+    placeholderData: keepPreviousData,
+  });
+
+export const comparisonQuery = (runs: readonly number[], predictions: readonly number[]) =>
+  queryOptions({
+    queryKey: ["comparison", runs, predictions],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/comparisons", {
+          params: { query: { run_ids: runs.join(","), prediction_ids: predictions.join(",") } },
+          signal,
+        }),
+      ),
+    enabled: runs.length + predictions.length > 0,
+    placeholderData: keepPreviousData,
+  });
+
+export const figureQuery = (kind: string, params: Record<string, QueryValue>) =>
+  queryOptions({
+    queryKey: ["figure", kind, params],
+    queryFn: ({ signal }) =>
+      json(address(`figures/${kind}`, params), { signal }) as Promise<FigureSpec>,
+    placeholderData: keepPreviousData,
+    staleTime: 60_000,
+  });

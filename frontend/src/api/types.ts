@@ -1,0 +1,63 @@
+/** Short names for what the API sends. */
+import type { Readable } from "openapi-typescript-helpers";
+import type { components } from "./schema.gen";
+
+type Schemas = components["schemas"];
+type Received<Name extends keyof Schemas> = Readable<Schemas[Name]>;
+
+export type ManeuverItem = Received<"ManeuverItem">;
+export type Maneuver = Received<"ManeuverDetail">;
+export type Channel = Received<"Channel">;
+export type Flight = Received<"Flight">;
+export type Aircraft = Received<"Aircraft">;
+export type ModalTable = Received<"ModalTable">;
+export type ModalTableDetail = Received<"ModalTableDetail">;
+export type Prediction = Received<"Prediction">;
+export type Run = Received<"Run">;
+export type RunRequest = Schemas["RunRequest"];
+export type Parameter = Received<"Parameter">;
+export type Fit = Received<"Fit">;
+export type Pole = Received<"Pole">;
+export type Job = Received<"Job">;
+export type Comparison = Received<"Comparison">;
+export type ComparisonRow = Received<"ComparisonRow">;
+export type Source = Received<"Source">;
+
+export type Method = Run["method"];
+export type RunState = Run["state"];
+
+export const METHODS: readonly Method[] = ["OE", "FRE", "EE"];
+export const STATES: readonly RunState[] = [
+  "queued",
+  "running",
+  "succeeded",
+  "failed",
+  "cancelled",
+];
+
+export const METHOD_NAMES: Record<Method, string> = {
+  OE: "Output error",
+  FRE: "Frequency response error",
+  EE: "Equation error",
+};
+
+/** A run that will not change any more. */
+export const isOver = (state: RunState): boolean => state !== "queued" && state !== "running";
+
+/** A Plotly figure as the server sends it. */
+export interface FigureSpec {
+  data: Record<string, unknown>[];
+  layout: Record<string, unknown>;
+}
+
+export interface ManeuverFilters {
+  search?: string;
+  flight_id?: number;
+  fta?: number;
+  min_airspeed_ratio?: number;
+  max_airspeed_ratio?: number;
+  min_fuel?: number;
+  max_fuel?: number;
+  method?: Method;
+  state?: RunState;
+}

@@ -1,0 +1,111 @@
+import type { ReactNode } from "react";
+
+export interface Column<Row> {
+  key: string;
+  header: ReactNode;
+  unit?: string;
+  /** Numbers stand at the right so that their digits line up. */
+  numeric?: boolean;
+  /** Name by which this column is sorted; without one it is not sortable. */
+  sort?: string;
+  render: (row: Row) => ReactNode;
+}
+
+interface Props<Row> {
+  columns: Column<Row>[];
+  rows: Row[];
+  rowKey: (row: Row) => string | number;
+  label: string;
+  testId?: string;
+  rowTestId?: (row: Row) => string;
+  isSelected?: (row: Row) => boolean;
+  /** `name` ascending, `-name` descending. */
+  sort?: string;
+  onSort?: (sort: string) => void;
+  maxHeight?: number;
+}
+
+export function nextSort(current: string | undefined, column: string): string {
+  return current === column ? `-${column}` : column;
+}
+
+/** Rows and columns; headers sort, numbers line up. */
+export function DataTable<Row>(props: Props<Row>) {
+  const { columns, rows, rowKey, label, testId, rowTestId, isSelected, sort, onSort } = props;
+  return (
+    <div
+      className="table-scroll"
+      style={{ maxHeight: props.maxHeight }}
+      tabIndex={props.maxHeight === undefined ? undefined : 0}
+    >
+      <table className="data-table" aria-label={label} data-testid={testId}>
+        <thead>
+          <tr>
+            {columns.map((column) => (
+              <HeaderCell key={column.key} column={column} sort={sort} onSort={onSort} />
+            ))}
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map((row) => (
+            <tr
+              key={rowKey(row)}
+              data-testid={rowTestId?.(row)}
+              data-selected={isSelected?.(row) === true ? "true" : undefined}
+            >
+              {columns.map((column) => (
+                <td key={column.key} className={column.numeric === true ? "end" : undefined}>
+                  {column.render(row)}
+                </td>
+              ))}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+interface HeaderProps<Row> {
+  column: Column<Row>;
+  sort?: string;
+  onSort?: (sort: string) => void;
+}
+
+function HeaderCell<Row>({ column, sort, onSort }: HeaderProps<Row>) {
+  const name = column.sort;
+  const direction =
+    name === undefined
+      ? undefined
+      : sort === name
+        ? "ascending"
+        : sort === `-${name}`
+          ? "descending"
+          : undefined;
+  const arrow = direction === "ascending" ? "↑" : direction === "descending" ? "↓" : "";
+  const content = (
+    <>
+      {column.header}
+      {column.unit !== undefined && <span className="unit"> [{column.unit}]</span>}
+    </>
+  );
+  return (
+    <th scope="col" className={column.numeric === true ? "end" : undefined} aria-sort={direction}>
+      {name !== undefined && onSort !== undefined ? (
+        <button
+          type="button"
+          onClick={() => {
+            onSort(nextSort(sort, name));
+          }}
+        >
+          {content}
+          <span className="arrow" aria-hidden="true">
+            {arrow}
+          </span>
+        </button>
+      ) : (
+        content
+      )}
+    </th>
+  );
+}

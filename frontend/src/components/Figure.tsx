@@ -1,0 +1,116 @@
+import {
+  ActionIcon,
+  Group,
+  Loader,
+  Menu,
+  Skeleton,
+  Text,
+  Tooltip,
+  useComputedColorScheme,
+} from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { useState } from "react";
+import type { QueryValue } from "../api/client";
+import { figureQuery } from "../api/queries";
+import { figureHeight } from "../lib/figureLayout";
+import { FigureBoundary } from "./FigureBoundary";
+import type { FigureEvents, PlotlyHandle } from "./figureEvents";
+import { DownloadIcon } from "./icons";
+import { PlotlyCanvas } from "./PlotlyCanvas";
+import { ProblemAlert } from "./ProblemAlert";
+
+interface Props extends FigureEvents {
+  /** Figure of the API, /api/v1/figures/{kind}. */
+  kind: string;
+  params: Record<string, QueryValue>;
+  title?: string;
+  /** Fixed height where the spec's own rows should not decide. [px] */
+  height?: number;
+  /** Zoom is kept while this stays the same; by default while the figure is the same. */
+  revision?: string;
+}
+
+/** A figure that the server built: fetched, drawn in the page's colors, downloadable. */
+export function Figure({ kind, params, title, height, revision, ...events }: Props) {
+  const scheme = useComputedColorScheme("light");
+  const figure = useQuery(figureQuery(kind, params));
+  const [handle, setHandle] = useState<PlotlyHandle | null>(null);
+  const spec = figure.data;
+  const tall = height ?? (spec ? figureHeight(spec.layout) : 380);
+  const download = (format: "png" | "svg") => {
+    handle?.download(format, ["flexsid", kind, ...idsIn(params)].join("-"));
+  };
+
+  return (
+    <section
+      aria-label={title ?? kind}
+      data-testid={`figure-${kind}`}
+      data-drawn={handle !== null && spec !== undefined && !figure.isPlaceholderData}
+    >
+      <Group justify="space-between" mih={28} wrap="nowrap" gap="xs">
+        <Text size="sm" fw={600}>
+          {title}
+        </Text>
+        <Group gap={6} wrap="nowrap" className="no-print">
+          {figure.isFetching && spec !== undefined && <Loader size={12} aria-label="Refreshing" />}
+          {spec !== undefined && (
+            <Menu position="bottom-end">
+              <Menu.Target>
+                <Tooltip label="Download figure">
+                  <ActionIcon
+                    variant="subtle"
+                    color="gray"
+                    size="sm"
+                    aria-label={`Download ${title ?? kind}`}
+                  >
+                    <DownloadIcon size={14} />
+                  </ActionIcon>
+                </Tooltip>
+              </Menu.Target>
+              <Menu.Dropdown>
+                <Menu.Item
+                  onClick={() => {
+                    download("png");
+                  }}
+                >
+                  PNG
+                </Menu.Item>
+                <Menu.Item
+                  onClick={() => {
+                    download("svg");
+                  }}
+                >
+                  SVG
+                </Menu.Item>
+              </Menu.Dropdown>
+            </Menu>
+          )}
+        </Group>
+      </Group>
+      {figure.isError && (
+        <ProblemAlert error={figure.error} onRetry={() => void figure.refetch()} />
+      )}
+      {spec === undefined && !figure.isError && (
+        <Skeleton height={tall} radius="sm" aria-label="Loading figure" aria-busy="true" />
+      )}
+      {spec !== undefined && (
+        <FigureBoundary attempt={spec}>
+          <PlotlyCanvas
+            spec={spec}
+            scheme={scheme}
+            height={tall}
+            revision={revision ?? JSON.stringify(params)}
+            onReady={setHandle}
+            {...events}
+          />
+        </FigureBoundary>
+      )}
+    </section>
+  );
+}
+
+function idsIn(params: Record<string, QueryValue>): (string | number)[] {
+  return Object.entries(params).flatMap(([key, value]) =>
+    key.endsWith("_id") && (typeof value === "number" || typeof value === "string") ? [value] : [],
+  );
+}

@@ -1,0 +1,65 @@
+import { SegmentedControl, Stack } from "@mantine/core";
+import type { Run } from "../api/types";
+import type { RunView } from "../views";
+import { Empty } from "./Empty";
+import { Figure } from "./Figure";
+import { FitTable } from "./FitTable";
+
+export interface RunTabProps {
+  run: Run;
+  view: RunView;
+  onChange: (change: Partial<RunView>) => void;
+}
+
+/** Data and model over frequency, output by output. */
+export function FitTab({ run, view, onChange }: RunTabProps) {
+  const block = run.blocks.find((one) => one.name === view.block) ?? run.blocks[0];
+  if (block === undefined || run.fit === null) return <Empty title="This run kept no fit" />;
+  const output = block.outputs.find((one) => one === view.output) ?? block.outputs[0];
+  const values: Record<string, number> = run.fit.r_squared;
+  const own = Object.fromEntries(
+    block.outputs.map((name) => [
+      name,
+      values[name] ?? values[`${name}/${block.name}`] ?? values[`${block.name}/${name}`] ?? NaN,
+    ]),
+  );
+  return (
+    <div className="split" style={{ gridTemplateColumns: "330px minmax(0, 1fr)" }}>
+      <Stack gap="sm">
+        <BlockPicker run={run} view={view} onChange={onChange} />
+        <div className="panel">
+          <FitTable
+            values={own}
+            selected={output}
+            onSelect={(name) => {
+              onChange({ output: name });
+            }}
+          />
+        </div>
+      </Stack>
+      <div className="panel" style={{ padding: 12 }}>
+        <Figure
+          kind="fit"
+          title={`Fit of ${output ?? block.name}`}
+          params={{ run_id: run.id, block: block.name, output }}
+        />
+      </div>
+    </div>
+  );
+}
+
+/** Sets of lines fitted separately: FRE has one per input, EE one per coefficient. */
+export function BlockPicker({ run, view, onChange }: RunTabProps) {
+  if (run.blocks.length < 2) return null;
+  return (
+    <SegmentedControl
+      aria-label={run.method === "EE" ? "Coefficient" : "Input"}
+      data={run.blocks.map((block) => block.name)}
+      value={view.block ?? run.blocks[0]?.name}
+      style={{ alignSelf: "flex-start", maxWidth: "100%", overflowX: "auto" }}
+      onChange={(block) => {
+        onChange({ block });
+      }}
+    />
+  );
+}

@@ -1,0 +1,133 @@
+import { Checkbox, Group } from "@mantine/core";
+import { Link } from "@tanstack/react-router";
+import { METHODS, type ManeuverItem } from "../api/types";
+import { fixed, percent } from "../lib/format";
+import { DataTable, type Column } from "./DataTable";
+import { RunBadge } from "./RunBadge";
+
+interface Props {
+  maneuvers: ManeuverItem[];
+  selected: number[];
+  onSelect: (ids: number[]) => void;
+  sort: string;
+  onSort: (sort: string) => void;
+}
+
+/** Maneuvers with where they were flown and how far their estimation is. */
+export function ManeuverList({ maneuvers, selected, onSelect, sort, onSort }: Props) {
+  const every = maneuvers.length > 0 && maneuvers.every((one) => selected.includes(one.id));
+  const columns: Column<ManeuverItem>[] = [
+    {
+      key: "select",
+      header: (
+        <Checkbox
+          aria-label="Select all shown maneuvers"
+          checked={every}
+          indeterminate={!every && maneuvers.some((one) => selected.includes(one.id))}
+          onChange={() => {
+            onSelect(every ? [] : maneuvers.map((one) => one.id));
+          }}
+        />
+      ),
+      render: (one) => (
+        <Checkbox
+          aria-label={`Select ${one.label}`}
+          checked={selected.includes(one.id)}
+          onChange={(event) => {
+            onSelect(
+              event.currentTarget.checked
+                ? [...selected, one.id]
+                : selected.filter((id) => id !== one.id),
+            );
+          }}
+        />
+      ),
+    },
+    {
+      key: "label",
+      header: "Maneuver",
+      sort: "label",
+      render: (one) => (
+        <Link to="/maneuvers/$id" params={{ id: one.id }} className="link">
+          {one.label}
+        </Link>
+      ),
+    },
+    {
+      key: "flight",
+      header: "Flight",
+      sort: "flight_number",
+      numeric: true,
+      render: (one) => one.flight_number,
+    },
+    { key: "fta", header: "FTA", sort: "fta", numeric: true, render: (one) => one.fta ?? "–" },
+    {
+      key: "ratio",
+      header: (
+        <>
+          V/V<sub>f</sub>
+        </>
+      ),
+      sort: "airspeed_ratio",
+      numeric: true,
+      render: (one) => fixed(one.airspeed_ratio, 3),
+    },
+    {
+      key: "airspeed",
+      header: "V",
+      unit: "m/s",
+      sort: "airspeed_m_s",
+      numeric: true,
+      render: (one) => fixed(one.airspeed_m_s, 1),
+    },
+    {
+      key: "fuel",
+      header: "Fuel",
+      unit: "%",
+      sort: "fuel_fraction",
+      numeric: true,
+      render: (one) => percent(one.fuel_fraction),
+    },
+    {
+      key: "duration",
+      header: "Length",
+      unit: "s",
+      sort: "duration_s",
+      numeric: true,
+      render: (one) => fixed(one.duration_s, 1),
+    },
+    {
+      key: "correlation",
+      header: <span title="Largest pairwise correlation of the inputs">Input corr.</span>,
+      sort: "max_input_correlation",
+      numeric: true,
+      render: (one) => fixed(one.max_input_correlation, 2),
+    },
+    {
+      key: "runs",
+      header: "Runs",
+      render: (one) => (
+        <Group gap={4} wrap="nowrap">
+          {METHODS.map((method) => {
+            const run = one.runs[method];
+            return run ? <RunBadge key={method} method={method} run={run} /> : null;
+          })}
+          {one.n_runs === 0 && <span className="quiet">none</span>}
+        </Group>
+      ),
+    },
+  ];
+  return (
+    <DataTable
+      label="Maneuvers"
+      testId="campaign-table"
+      columns={columns}
+      rows={maneuvers}
+      rowKey={(one) => one.id}
+      rowTestId={(one) => `maneuver-row-${one.id}`}
+      isSelected={(one) => selected.includes(one.id)}
+      sort={sort}
+      onSort={onSort}
+    />
+  );
+}

@@ -1,0 +1,118 @@
+import { Checkbox, Group } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { Link } from "@tanstack/react-router";
+import { runsQuery } from "../api/queries";
+import type { Run } from "../api/types";
+import { dateTime, elapsed } from "../lib/format";
+import { ButtonLink } from "./ButtonLink";
+import { DataTable, type Column } from "./DataTable";
+import { Empty } from "./Empty";
+import { Loaded } from "./Loaded";
+import { StateBadge } from "./RunBadge";
+import type { ManeuverTabProps } from "./TimeHistoryTab";
+
+const columns: Column<Run>[] = [
+  {
+    key: "id",
+    header: "Run",
+    render: (run) => (
+      <Link to="/runs/$id" params={{ id: run.id }} className="link">
+        {run.method} run {run.id}
+      </Link>
+    ),
+  },
+  { key: "state", header: "State", render: (run) => <StateBadge state={run.state} /> },
+  { key: "modes", header: "Modes", render: (run) => run.structure.modes.join(", ") || "rigid" },
+  { key: "start", header: "Start", render: (run) => run.settings.start.replaceAll("-", " ") },
+  {
+    key: "outcome",
+    header: "Outcome",
+    render: (run) => run.fit?.outcome ?? run.error?.code ?? "",
+  },
+  {
+    key: "iterations",
+    header: "Iterations",
+    numeric: true,
+    render: (run) => (run.fit ? run.fit.iterations.length : ""),
+  },
+  {
+    key: "took",
+    header: "Took",
+    numeric: true,
+    render: (run) => elapsed(run.started_at, run.finished_at),
+  },
+  { key: "at", header: "Requested", numeric: true, render: (run) => dateTime(run.created_at) },
+];
+
+/** Runs of this maneuver; ticked ones can be compared. */
+export function ManeuverRuns({ maneuver, view, onChange }: ManeuverTabProps) {
+  const runs = useQuery(runsQuery({ maneuver_id: maneuver.id }));
+  const selected = view.selected ?? [];
+  const tick: Column<Run> = {
+    key: "select",
+    header: <span className="quiet">Compare</span>,
+    render: (run) => (
+      <Checkbox
+        aria-label={`Compare run ${run.id}`}
+        disabled={run.state !== "succeeded"}
+        checked={selected.includes(run.id)}
+        onChange={(event) => {
+          onChange({
+            selected: event.currentTarget.checked
+              ? [...selected, run.id]
+              : selected.filter((id) => id !== run.id),
+          });
+        }}
+      />
+    ),
+  };
+  return (
+    <Loaded query={runs}>
+      {(rows) =>
+        rows.length === 0 ? (
+          <Empty title="No runs yet">
+            <Link to="/maneuvers/$id/new-run" params={{ id: maneuver.id }} className="link">
+              Estimate derivatives from this maneuver
+            </Link>
+          </Empty>
+        ) : (
+          <>
+            <Group justify="flex-end" mb="xs">
+              <CompareLink
+                runs={
+                  selected.length > 0
+                    ? selected
+                    : rows.filter((run) => run.state === "succeeded").map((run) => run.id)
+                }
+                label={selected.length > 0 ? `Compare ${selected.length} selected` : "Compare all"}
+              />
+            </Group>
+            <div className="panel">
+              <DataTable
+                label="Runs"
+                testId="runs-table"
+                columns={[tick, ...columns]}
+                rows={rows}
+                rowKey={(run) => run.id}
+              />
+            </div>
+          </>
+        )
+      }
+    </Loaded>
+  );
+}
+
+export function CompareLink({ runs, label = "Compare" }: { runs: number[]; label?: string }) {
+  return (
+    <ButtonLink
+      to="/compare"
+      search={{ runs }}
+      variant="default"
+      disabled={runs.length === 0}
+      data-testid="compare-link"
+    >
+      {label}
+    </ButtonLink>
+  );
+}

@@ -1,0 +1,63 @@
+import { useQuery } from "@tanstack/react-query";
+import { modalTableQuery } from "../api/queries";
+import type { ModalTable, ModalTableDetail } from "../api/types";
+import { fixed, hertz, percent } from "../lib/format";
+import { DataTable, type Column } from "./DataTable";
+import { Loaded } from "./Loaded";
+import { Section } from "./Section";
+
+interface Row {
+  number: number;
+  name: string;
+  symmetric: boolean;
+  place: number;
+}
+
+/** Frequencies (and damping, where known) of a modal table, mode by mode over fuel. */
+export function ModalTableView({ table }: { table: ModalTable }) {
+  const detail = useQuery(modalTableQuery(table.id));
+  return (
+    <Section title={table.name} note={[table.kind, table.origin].filter(Boolean).join(", ")}>
+      <Loaded query={detail} rows={6}>
+        {(modal) => (
+          <DataTable
+            label={table.name}
+            columns={columnsOf(modal)}
+            rows={modal.numbers.map((number, place) => ({
+              number,
+              name: modal.names[place] ?? "",
+              symmetric: modal.symmetric[place] ?? true,
+              place,
+            }))}
+            rowKey={(row) => row.number}
+          />
+        )}
+      </Loaded>
+    </Section>
+  );
+}
+
+function columnsOf(modal: ModalTableDetail): Column<Row>[] {
+  const over = (
+    kind: string,
+    unit: string,
+    values: number[][] | null | undefined,
+    show: (value: number | undefined) => string,
+  ): Column<Row>[] =>
+    (values ?? []).map((row, place) => ({
+      key: `${kind}${place}`,
+      header: `${kind} at ${percent(modal.fuel[place])} %`,
+      unit,
+      numeric: true,
+      render: ({ place: mode }) => show(row[mode]),
+    }));
+  return [
+    { key: "number", header: "Mode", numeric: true, render: (row) => row.number },
+    { key: "name", header: "Shape", render: (row) => row.name },
+    { key: "symmetric", header: "Symmetry", render: (row) => (row.symmetric ? "S" : "A") },
+    ...over("f", "Hz", modal.omega, (value) =>
+      fixed(value === undefined ? undefined : hertz(value), 2),
+    ),
+    ...over("ζ", "%", modal.zeta, (value) => percent(value, 2)),
+  ];
+}

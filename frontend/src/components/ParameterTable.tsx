@@ -1,0 +1,113 @@
+import { Text, Tooltip } from "@mantine/core";
+import type { Parameter } from "../api/types";
+import { fixed, relativeError, significant, withError } from "../lib/format";
+import { DataTable, type Column } from "./DataTable";
+import { DerivativeName } from "./DerivativeName";
+
+/** Less than two standard errors away from zero: its sign is not known. */
+const isWeak = (parameter: Parameter): boolean =>
+  parameter.std_error == null || Math.abs(parameter.value) < 2 * parameter.std_error;
+
+const columns: Column<Parameter>[] = [
+  {
+    key: "name",
+    header: "Parameter",
+    sort: "name",
+    render: (one) => <DerivativeName name={one.name} />,
+  },
+  {
+    key: "value",
+    header: "Value",
+    numeric: true,
+    sort: "value",
+    render: (one) => withError(one.value, one.std_error).value,
+  },
+  {
+    key: "error",
+    header: "σ",
+    numeric: true,
+    sort: "std_error",
+    render: (one) => withError(one.value, one.std_error).error,
+  },
+  {
+    key: "relative",
+    header: "σ",
+    unit: "%",
+    numeric: true,
+    sort: "relative",
+    render: (one) => significant(relativeError(one.value, one.std_error), 2),
+  },
+  { key: "start", header: "Start", numeric: true, render: (one) => significant(one.start) },
+  {
+    key: "change",
+    header: "Change",
+    unit: "σ",
+    numeric: true,
+    render: (one) =>
+      one.start == null || one.std_error == null || one.std_error === 0
+        ? "–"
+        : fixed((one.value - one.start) / one.std_error, 1),
+  },
+  {
+    key: "flag",
+    header: "",
+    render: (one) =>
+      isWeak(one) && (
+        <Tooltip
+          label={
+            one.std_error == null
+              ? "Not identifiable from this record"
+              : "Not distinguishable from zero: |value| < 2σ"
+          }
+        >
+          <Text span size="xs" c="orange" tabIndex={0}>
+            {one.std_error == null ? "not identifiable" : "< 2σ"}
+          </Text>
+        </Tooltip>
+      ),
+  },
+];
+
+const KEYS: Record<string, (one: Parameter) => number | string> = {
+  name: (one) => one.name,
+  value: (one) => one.value,
+  std_error: (one) => one.std_error ?? Infinity,
+  relative: (one) => relativeError(one.value, one.std_error) ?? Infinity,
+};
+
+export function sortParameters(parameters: Parameter[], sort: string | undefined): Parameter[] {
+  const key = KEYS[sort?.replace(/^-/, "") ?? ""];
+  if (key === undefined) return parameters; // the model's own order
+  const sign = sort?.startsWith("-") === true ? -1 : 1;
+  return [...parameters].sort((a, b) => {
+    const [x, y] = [key(a), key(b)];
+    return sign * (x < y ? -1 : x > y ? 1 : 0);
+  });
+}
+
+interface Props {
+  parameters: Parameter[];
+  sort: string | undefined;
+  onSort: (sort: string) => void;
+}
+
+/** Estimates with their standard errors. */
+export function ParameterTable({ parameters, sort, onSort }: Props) {
+  const weak = parameters.filter(isWeak).length;
+  return (
+    <>
+      <DataTable
+        label="Parameters"
+        testId="parameter-table"
+        columns={columns}
+        rows={sortParameters(parameters, sort)}
+        rowKey={(one) => one.name}
+        sort={sort}
+        onSort={onSort}
+      />
+      <Text size="xs" className="quiet numbers" p="xs">
+        {parameters.length} parameters, {weak} of them within 2σ of zero
+      </Text>
+    </>
+  );
+}

@@ -1,0 +1,114 @@
+import { useEffect, useRef, useState } from "react";
+import type { FigureSpec } from "../api/types";
+import { themedLayout } from "../lib/figureLayout";
+import type { FigureEvents, PlotlyHandle } from "./figureEvents";
+
+interface Props extends FigureEvents {
+  spec: FigureSpec;
+  scheme: "light" | "dark";
+  height: number;
+  /** Zoom is kept while this stays the same. */
+  revision: string;
+  onReady: (handle: PlotlyHandle) => void;
+}
+
+const CONFIG = {
+  displaylogo: false,
+  responsive: false,
+  doubleClick: "reset",
+  modeBarButtonsToRemove: [
+    "select2d",
+    "lasso2d",
+    "autoScale2d",
+    "toImage",
+    "zoomIn2d",
+    "zoomOut2d",
+  ],
+};
+
+// Loaded once, with the first figure of the visit.
+const load = () => import("plotly.js-cartesian-dist-min").then((module) => module.default);
+
+/** Ids that the server put behind a point. */
+function firstId(customdata: unknown): number | null {
+  const first: unknown = Array.isArray(customdata) ? customdata[0] : customdata;
+  return typeof first === "number" ? first : null;
+}
+
+/** Draws one spec; a spec that cannot be drawn becomes an error of this figure alone. */
+export function PlotlyCanvas({ spec, scheme, height, revision, ...props }: Props) {
+  const element = useRef<HTMLDivElement>(null);
+  const events = useRef(props);
+  const [failure, setFailure] = useState<Error | null>(null);
+  useEffect(() => {
+    events.current = props;
+  });
+
+  useEffect(() => {
+    const target = element.current;
+    if (target === null) return;
+    let stale = false;
+    const draw = async () => {
+      const Plotly = await load();
+      if (stale) return;
+      // Plotly writes into what it is given; the fetched spec stays as it came.
+      const { data, layout } = structuredClone(spec);
+      const drawn = await Plotly.react(
+        target,
+        data,
+        themedLayout(layout, scheme, height, revision),
+        CONFIG,
+      );
+      drawn.removeAllListeners("plotly_click");
+      drawn.removeAllListeners("plotly_relayout");
+      drawn.removeAllListeners("plotly_doubleclick");
+      drawn.on("plotly_click", (click: { points: { customdata?: unknown }[] }) => {
+        const id = firstId(click.points[0]?.customdata);
+        if (id !== null) events.current.onPick?.(id);
+      });
+      drawn.on("plotly_relayout", (change: Record<string, unknown>) => {
+        const from = change["xaxis.range[0]"];
+        const to = change["xaxis.range[1]"];
+        if (typeof from === "number" && typeof to === "number")
+          events.current.onWindow?.([from, to]);
+      });
+      drawn.on("plotly_doubleclick", () => events.current.onWindow?.(null));
+      events.current.onReady({
+        download: (format, filename) =>
+          void Plotly.downloadImage(target, {
+            format,
+            filename,
+            width: target.clientWidth,
+            height,
+            scale: format === "png" ? 2 : 1,
+          }),
+      });
+    };
+    draw().catch((error: unknown) => {
+      if (!stale) setFailure(error instanceof Error ? error : new Error(String(error)));
+    });
+    return () => {
+      stale = true;
+    };
+  }, [spec, scheme, height, revision]);
+
+  useEffect(() => {
+    const target = element.current;
+    if (target === null) return;
+    const observer = new ResizeObserver(() => {
+      if (target.classList.contains("js-plotly-plot") && target.offsetParent !== null) {
+        void load().then((Plotly) => Plotly.Plots.resize(target));
+      }
+    });
+    observer.observe(target);
+    return () => {
+      observer.disconnect();
+      void load().then((Plotly) => {
+        Plotly.purge(target);
+      });
+    };
+  }, []);
+
+  if (failure !== null) throw failure;
+  return <div ref={element} style={{ width: "100%", minHeight: height }} />;
+}

@@ -1,0 +1,54 @@
+import { Stack } from "@mantine/core";
+import type { Run } from "../api/types";
+import { dateTime, elapsed } from "../lib/format";
+import { Facts } from "./ConditionFacts";
+import { Section } from "./Section";
+
+/** How this result came about: enough to get it again. */
+export function Provenance({ run }: { run: Run }) {
+  const { structure, settings } = run;
+  const listed = (names: readonly (string | number)[], none: string) =>
+    names.length > 0 ? names.join(", ") : none;
+  return (
+    <Stack gap="md">
+      <Section title="Model structure">
+        <Facts
+          facts={[
+            ["Modes", listed(structure.modes, "rigid body only")],
+            ["Inputs", listed(structure.inputs, "all of the maneuver")],
+            ["Outputs", listed(structure.outputs, "all suitable")],
+            ["Free derivatives", structure.free == null ? "all" : structure.free.length],
+            ["Time delays", structure.free_delays ? "estimated" : "held"],
+          ]}
+        />
+      </Section>
+      <Section title="Settings">
+        <Facts
+          facts={[
+            ["Start", settings.start.replaceAll("-", " ")],
+            ["Band", settings.band_hz?.join(" to ") ?? "as excited", settings.band_hz ? "Hz" : ""],
+            ["Iterations at most", settings.max_iterations],
+            ["Noise", settings.noise],
+            ["Modal table", run.modal_table_id ?? "default"],
+            ["Damping table", run.damping_table_id ?? "none"],
+            ["Prediction", run.prediction_id ?? "none"],
+          ]}
+        />
+      </Section>
+      <Section title="Times and versions">
+        <Facts
+          facts={[
+            ["Requested", dateTime(run.created_at)],
+            ["Started", dateTime(run.started_at)],
+            ["Finished", dateTime(run.finished_at)],
+            ["Took", elapsed(run.started_at, run.finished_at)],
+            ...(run.author ? [["Author", run.author] as [string, string]] : []),
+            ...Object.entries(run.versions ?? {}).map(
+              ([name, version]) => [name, version] as [string, string],
+            ),
+          ]}
+        />
+      </Section>
+    </Stack>
+  );
+}

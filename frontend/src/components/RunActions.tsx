@@ -1,0 +1,57 @@
+import { Button, Menu } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { runsQuery } from "../api/queries";
+import type { Run } from "../api/types";
+import { csv, saveText } from "../lib/csv";
+import { ButtonLink } from "./ButtonLink";
+import { CompareLink } from "./ManeuverRuns";
+
+/** What can be done with a run: compare, repeat, take away. */
+export function RunActions({ run }: { run: Run }) {
+  const others = useQuery(runsQuery({ maneuver_id: run.maneuver_id, state: "succeeded" }));
+  const ids = [run.id, ...(others.data ?? []).map((one) => one.id).filter((id) => id !== run.id)];
+  const done = run.state === "succeeded";
+  return (
+    <>
+      <ButtonLink
+        to="/maneuvers/$id/new-run"
+        params={{ id: run.maneuver_id }}
+        search={{ like: run.id }}
+        variant="default"
+        data-testid="run-again"
+      >
+        Run again with changes
+      </ButtonLink>
+      {done && (
+        <Menu position="bottom-end">
+          <Menu.Target>
+            <Button variant="default">Export</Button>
+          </Menu.Target>
+          <Menu.Dropdown>
+            <Menu.Item
+              component="a"
+              href={`/api/v1/runs/${run.id}/export`}
+              download={`flexsid-run-${run.id}.json`}
+            >
+              Everything as JSON
+            </Menu.Item>
+            <Menu.Item
+              onClick={() => {
+                saveText(
+                  csv([
+                    ["name", "value", "std_error", "start"],
+                    ...run.parameters.map((one) => [one.name, one.value, one.std_error, one.start]),
+                  ]),
+                  `flexsid-run-${run.id}-parameters.csv`,
+                );
+              }}
+            >
+              Parameters as CSV
+            </Menu.Item>
+          </Menu.Dropdown>
+        </Menu>
+      )}
+      {done && <CompareLink runs={ids} label={ids.length > 1 ? "Compare methods" : "Compare"} />}
+    </>
+  );
+}

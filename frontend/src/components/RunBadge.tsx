@@ -1,0 +1,49 @@
+import { Badge, Loader } from "@mantine/core";
+import { Link } from "@tanstack/react-router";
+import type { Method, RunState } from "../api/types";
+
+const COLORS: Record<RunState, string> = {
+  queued: "gray",
+  running: "blue",
+  succeeded: "teal",
+  failed: "red",
+  cancelled: "yellow",
+};
+
+/** A run's state as color and word. */
+export function StateBadge({ state }: { state: RunState }) {
+  return (
+    <Badge
+      color={COLORS[state]}
+      tt="none"
+      leftSection={state === "running" ? <Loader size={9} color={COLORS[state]} /> : undefined}
+      data-testid="run-state"
+      data-state={state}
+    >
+      {state}
+    </Badge>
+  );
+}
+
+/** The latest run of one method, leading to it. */
+export function RunBadge({
+  method,
+  run,
+}: {
+  method: Method;
+  run: { id: number; state: RunState };
+}) {
+  return (
+    <Link
+      to="/runs/$id"
+      params={{ id: run.id }}
+      aria-label={`${method} run ${run.id}, ${run.state}`}
+      title={`${method} run ${run.id}: ${run.state}`}
+      style={{ textDecoration: "none" }}
+    >
+      <Badge color={COLORS[run.state]} style={{ cursor: "pointer" }}>
+        {method}
+      </Badge>
+    </Link>
+  );
+}

@@ -1,0 +1,249 @@
+import {
+  Button,
+  Group,
+  MultiSelect,
+  NumberInput,
+  Select,
+  Stack,
+  Switch,
+  Text,
+  TextInput,
+} from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import type { ReactNode } from "react";
+import { modalTableQuery } from "../api/queries";
+import type { Maneuver, ModalTable, Prediction } from "../api/types";
+import { excitedInputs, named } from "../lib/channels";
+import {
+  bandOf,
+  draftFault,
+  freeDerivatives,
+  holdAllBut,
+  STARTS,
+  type RunDraft,
+  type Start,
+} from "../lib/runDraft";
+import { integer } from "../lib/urlState";
+import { DerivativeGrid } from "./DerivativeGrid";
+import { Loaded } from "./Loaded";
+import { MethodPicker } from "./MethodPicker";
+import { ModeChecklist } from "./ModeChecklist";
+import { Section } from "./Section";
+
+const START_NAMES: Record<Start, string> = {
+  "equation-error": "Equation error estimate",
+  prediction: "Prediction",
+  "residualized-prediction": "Residualized prediction",
+};
+
+interface Props {
+  maneuver: Maneuver;
+  outputs: string[];
+  tables: ModalTable[];
+  predictions: Prediction[];
+  draft: RunDraft;
+  onChange: (draft: RunDraft) => void;
+  /** What stands below: count of runs, problems. */
+  footer: ReactNode;
+  submitting: boolean;
+  onSubmit: () => void;
+}
+
+/** Every choice of a run on one page, with defaults that can be sent as they are. */
+export function RunForm({ maneuver, tables, predictions, draft, onChange, ...props }: Props) {
+  const set = (part: Partial<RunDraft>) => {
+    onChange({ ...draft, ...part });
+  };
+  const table = useQuery({
+    ...modalTableQuery(draft.modalTable ?? 0),
+    enabled: draft.modalTable !== null,
+  });
+  const inputs = draft.inputs.length > 0 ? draft.inputs : excitedInputs(maneuver);
+  const band = bandOf(draft);
+  const fault = draftFault(draft);
+  const tablesOf = (kind: ModalTable["kind"]) =>
+    tables
+      .filter((one) => one.kind === kind)
+      .map((one) => ({ value: String(one.id), label: one.name }));
+
+  return (
+    <form
+      onSubmit={(event) => {
+        event.preventDefault();
+        if (fault === null) props.onSubmit();
+      }}
+    >
+      <Stack gap="md">
+        <Section title="Method" note="Each ticked method becomes a run of its own.">
+          <MethodPicker
+            value={draft.methods}
+            onChange={(methods) => {
+              set({ methods });
+            }}
+          />
+        </Section>
+        <div className="halves">
+          <Section title="Modes" note="In-vacuo frequencies at the fuel of this maneuver.">
+            {draft.modalTable === null ? (
+              <Text size="sm" className="quiet">
+                This aircraft has no modal table yet; the model is rigid.
+              </Text>
+            ) : (
+              <Loaded query={table} rows={6}>
+                {(modal) => (
+                  <ModeChecklist
+                    table={modal}
+                    fuel={maneuver.condition.fuel_fraction}
+                    value={draft.modes}
+                    onChange={(modes) => {
+                      set({ modes });
+                    }}
+                  />
+                )}
+              </Loaded>
+            )}
+            <Group grow mt="sm">
+              <Select
+                label="Frequencies and shapes"
+                data={tablesOf("FEM")}
+                value={draft.modalTable === null ? null : String(draft.modalTable)}
+                onChange={(id) => {
+                  set({ modalTable: integer(id) ?? null });
+                }}
+              />
+              <Select
+                label="Damping"
+                placeholder="as in the FEM"
+                clearable
+                data={tablesOf("GVT")}
+                value={draft.dampingTable === null ? null : String(draft.dampingTable)}
+                onChange={(id) => {
+                  set({ dampingTable: integer(id) ?? null });
+                }}
+              />
+            </Group>
+          </Section>
+          <Section title="Data" note="Nothing picked stands for all that the maneuver has.">
+            <Stack gap="sm">
+              <MultiSelect
+                label="Inputs"
+                placeholder={draft.inputs.length === 0 ? inputs.join(", ") : undefined}
+                searchable
+                clearable
+                data-testid="run-inputs"
+                data={[
+                  ...new Set([...excitedInputs(maneuver), ...named(maneuver.channels, "input")]),
+                ]}
+                value={draft.inputs}
+                onChange={(chosen) => {
+                  set({ inputs: chosen });
+                }}
+              />
+              <MultiSelect
+                label="Outputs"
+                placeholder={draft.outputs.length === 0 ? "all suitable" : undefined}
+                searchable
+                clearable
+                data-testid="run-outputs"
+                data={props.outputs}
+                value={draft.outputs}
+                onChange={(chosen) => {
+                  set({ outputs: chosen });
+                }}
+              />
+              <Group grow align="flex-start">
+                {(["from", "to"] as const).map((end, place) => (
+                  <TextInput
+                    key={end}
+                    label={`Band ${end} [Hz]`}
+                    placeholder="excited band"
+                    inputMode="decimal"
+                    error={"fault" in band}
+                    value={draft.band[place]}
+                    onChange={(event) => {
+                      const next: [string, string] = [...draft.band];
+                      next[place] = event.currentTarget.value;
+                      set({ band: next });
+                    }}
+                  />
+                ))}
+              </Group>
+              <Group grow align="flex-start">
+                <Select
+                  label="Start"
+                  allowDeselect={false}
+                  data-testid="run-start"
+                  data={STARTS.map((start) => ({ value: start, label: START_NAMES[start] }))}
+                  value={draft.start}
+                  onChange={(start) => {
+                    set({ start: STARTS.find((one) => one === start) ?? "equation-error" });
+                  }}
+                />
+                <Select
+                  label="Prediction"
+                  placeholder="none"
+                  clearable
+                  data={predictions.map((one) => ({ value: String(one.id), label: one.source }))}
+                  value={draft.prediction === null ? null : String(draft.prediction)}
+                  onChange={(id) => {
+                    set({ prediction: integer(id) ?? null });
+                  }}
+                />
+              </Group>
+              <Group grow align="flex-end">
+                <NumberInput
+                  label="Iterations at most"
+                  min={1}
+                  max={500}
+                  allowDecimal={false}
+                  value={draft.maxIterations}
+                  onChange={(count) => {
+                    set({ maxIterations: integer(count) ?? 50 });
+                  }}
+                />
+                <Switch
+                  label="Estimate time delays too"
+                  mb={6}
+                  checked={draft.freeDelays}
+                  onChange={(event) => {
+                    set({ freeDelays: event.currentTarget.checked });
+                  }}
+                />
+              </Group>
+            </Stack>
+          </Section>
+        </div>
+        <Section
+          title="Free derivatives"
+          note="What is not free is held at its starting value. Arrow keys move, Space toggles, a name toggles its row or column."
+        >
+          <DerivativeGrid
+            modes={draft.modes}
+            inputs={inputs}
+            free={freeDerivatives(draft, inputs)}
+            onChange={(free) => {
+              onChange(holdAllBut(draft, inputs, free));
+            }}
+          />
+        </Section>
+        {props.footer}
+        <Group gap="md">
+          <Button
+            type="submit"
+            size="sm"
+            disabled={fault !== null}
+            loading={props.submitting}
+            data-testid="submit-run"
+          >
+            {draft.methods.length > 1 ? `Submit ${draft.methods.length} methods` : "Submit run"}
+          </Button>
+          {fault !== null && (
+            <Text size="sm" c="red">
+              {fault}
+            </Text>
+          )}
+        </Group>
+      </Stack>
+    </form>
+  );
+}

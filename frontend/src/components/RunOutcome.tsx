@@ -1,0 +1,40 @@
+import { Alert, List, Text } from "@mantine/core";
+import type { Fit, Run } from "../api/types";
+import { fixed, significant } from "../lib/format";
+import { Facts } from "./ConditionFacts";
+
+/** How the estimation ended, in a sentence, with its key figures. */
+export function RunOutcome({ run, fit }: { run: Run; fit: Fit }) {
+  const values = Object.values(fit.r_squared).filter((value) => Number.isFinite(value));
+  const sorted = [...values].sort((a, b) => a - b);
+  const median = sorted[Math.floor(sorted.length / 2)];
+  return (
+    <>
+      <Text size="sm" mb="sm" data-testid="run-outcome">
+        <b>{fit.outcome.charAt(0).toUpperCase() + fit.outcome.slice(1)}.</b> {fit.message}
+      </Text>
+      <Facts
+        facts={[
+          ["Median R²", fixed(median, 3)],
+          ["Lowest R²", fixed(sorted[0], 3)],
+          ["Cost", significant(fit.cost, 6)],
+          ["Iterations", fit.iterations.length],
+          ["Parameters", fit.n_parameters],
+          ["Frequency lines", fit.n_lines],
+          ["Modes", run.structure.modes.join(", ") || "rigid"],
+          ["Start", fit.start.replaceAll("-", " ")],
+          ["Computing time", fixed(fit.seconds, 2), "s"],
+        ]}
+      />
+      {fit.warnings.length > 0 && (
+        <Alert color="yellow" variant="light" mt="sm" p="xs">
+          <List size="sm" spacing={2}>
+            {fit.warnings.map((warning) => (
+              <List.Item key={warning}>{warning}</List.Item>
+            ))}
+          </List>
+        </Alert>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,29 @@
+import { Text, Title } from "@mantine/core";
+import type { ReactNode } from "react";
+
+interface Props {
+  title: string;
+  note?: ReactNode;
+  actions?: ReactNode;
+  children: ReactNode;
+}
+
+/** A titled sheet. */
+export function Section({ title, note, actions, children }: Props) {
+  return (
+    <section className="panel" style={{ padding: "12px 16px 16px" }} aria-label={title}>
+      <div style={{ display: "flex", justifyContent: "space-between", gap: 12, marginBottom: 10 }}>
+        <div>
+          <Title order={2}>{title}</Title>
+          {note !== undefined && (
+            <Text size="xs" className="quiet">
+              {note}
+            </Text>
+          )}
+        </div>
+        {actions}
+      </div>
+      {children}
+    </section>
+  );
+}

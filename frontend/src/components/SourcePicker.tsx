@@ -1,0 +1,149 @@
+import { Checkbox, CloseButton, Group, Select, Stack, Text } from "@mantine/core";
+import { useDebouncedValue } from "@mantine/hooks";
+import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
+import { useState } from "react";
+import { maneuversQuery, predictionsQuery, runsQuery } from "../api/queries";
+import type { Source } from "../api/types";
+import { integer } from "../lib/urlState";
+import type { CompareView } from "../views";
+
+interface Props {
+  view: CompareView;
+  sources: Source[];
+  maneuverIds: number[];
+  onChange: (change: Partial<CompareView>) => void;
+}
+
+const without = (ids: number[] | undefined, id: number) => (ids ?? []).filter((one) => one !== id);
+
+/** What is compared: predictions, and runs of any maneuver. */
+export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
+  const predictions = useQuery(predictionsQuery());
+  const maneuver = view.maneuver ?? maneuverIds[0];
+  const toggle = (key: "runs" | "predictions", id: number, on: boolean) => {
+    onChange({ [key]: on ? [...(view[key] ?? []), id] : without(view[key], id) });
+  };
+  return (
+    <Stack gap="md" data-testid="source-picker">
+      <div>
+        <Text size="sm" fw={600} mb={4}>
+          Compared
+        </Text>
+        {sources.length === 0 && (
+          <Text size="xs" className="quiet">
+            Nothing yet
+          </Text>
+        )}
+        {sources.map((source) => (
+          <Group key={source.key} justify="space-between" wrap="nowrap" gap={4}>
+            <Text size="sm">{source.label}</Text>
+            <CloseButton
+              size="sm"
+              aria-label={`Take out ${source.label}`}
+              onClick={() => {
+                if (source.run_id != null) toggle("runs", source.run_id, false);
+                if (source.prediction_id != null)
+                  toggle("predictions", source.prediction_id, false);
+              }}
+            />
+          </Group>
+        ))}
+      </div>
+      <Stack gap={6} role="group" aria-label="Predictions">
+        <Text size="sm" fw={600}>
+          Predictions
+        </Text>
+        {predictions.data?.length === 0 && (
+          <Text size="xs" className="quiet">
+            None stored
+          </Text>
+        )}
+        {predictions.data?.map((one) => (
+          <Checkbox
+            key={one.id}
+            label={one.source}
+            checked={view.predictions?.includes(one.id) ?? false}
+            data-testid={`prediction-${one.id}`}
+            onChange={(event) => {
+              toggle("predictions", one.id, event.currentTarget.checked);
+            }}
+          />
+        ))}
+      </Stack>
+      <Stack gap={6} role="group" aria-label="Runs">
+        <ManeuverSelect
+          value={maneuver}
+          onChange={(id) => {
+            onChange({ maneuver: id });
+          }}
+        />
+        {maneuver !== undefined && (
+          <RunsOf maneuver={maneuver} picked={view.runs ?? []} onToggle={toggle} />
+        )}
+      </Stack>
+    </Stack>
+  );
+}
+
+interface RunsProps {
+  maneuver: number;
+  picked: number[];
+  onToggle: (key: "runs", id: number, on: boolean) => void;
+}
+
+function RunsOf({ maneuver, picked, onToggle }: RunsProps) {
+  const runs = useQuery(runsQuery({ maneuver_id: maneuver, state: "succeeded" }));
+  if (runs.data?.length === 0) {
+    return (
+      <Text size="xs" className="quiet">
+        No succeeded run of this maneuver
+      </Text>
+    );
+  }
+  return runs.data?.map((run) => (
+    <Checkbox
+      key={run.id}
+      label={`${run.method} run ${run.id}, modes ${run.structure.modes.join(" ") || "none"}`}
+      checked={picked.includes(run.id)}
+      data-testid={`source-run-${run.id}`}
+      onChange={(event) => {
+        onToggle("runs", run.id, event.currentTarget.checked);
+      }}
+    />
+  ));
+}
+
+interface SelectProps {
+  value: number | undefined;
+  onChange: (id: number | undefined) => void;
+}
+
+/** Maneuvers are searched on the server: a campaign has more than a list can hold. */
+function ManeuverSelect({ value, onChange }: SelectProps) {
+  const [typed, setTyped] = useState("");
+  const [search] = useDebouncedValue(typed, 300);
+  const found = useInfiniteQuery(maneuversQuery({ search: search || undefined }, "label", 30));
+  const options = (found.data?.pages ?? []).flatMap((page) =>
+    page.items.map((one) => ({ value: String(one.id), label: one.label })),
+  );
+  const chosen = value === undefined ? null : String(value);
+  if (chosen !== null && !options.some((option) => option.value === chosen)) {
+    options.push({ value: chosen, label: `Maneuver ${chosen}` });
+  }
+  return (
+    <Select
+      label="Runs of"
+      placeholder="Choose a maneuver"
+      searchable
+      data={options}
+      value={chosen}
+      onSearchChange={(text) => {
+        // Mantine reports the chosen label too; that is not a search.
+        setTyped(options.some((option) => option.label === text) ? "" : text);
+      }}
+      onChange={(id) => {
+        onChange(integer(id));
+      }}
+    />
+  );
+}

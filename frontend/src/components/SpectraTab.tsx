@@ -1,0 +1,39 @@
+import { byRole, excitedInputs } from "../lib/channels";
+import { ChannelPicker } from "./ChannelPicker";
+import { Empty } from "./Empty";
+import { Figure } from "./Figure";
+import type { ManeuverTabProps } from "./TimeHistoryTab";
+
+/** Fourier magnitudes, each line colored by the input that owns its frequency. */
+export function SpectraTab({ maneuver, view, onChange }: ManeuverTabProps) {
+  const inputs = excitedInputs(maneuver).slice(0, 1);
+  const channels =
+    view.channels ??
+    [...inputs, "q", "az_egi"].filter((name) =>
+      maneuver.channels.some((channel) => channel.name === name),
+    );
+  return (
+    <div className="split">
+      <ChannelPicker
+        label="Channels"
+        groups={byRole(maneuver.channels)}
+        value={channels}
+        onChange={(names) => {
+          onChange({ channels: names });
+        }}
+      />
+      <div className="panel" style={{ padding: 12 }}>
+        {channels.length === 0 ? (
+          <Empty title="No channel picked">Tick one or more on the left.</Empty>
+        ) : (
+          <Figure
+            kind="spectrum"
+            title="Fourier magnitudes by excited input"
+            params={{ maneuver_id: maneuver.id, channels }}
+            revision={channels.join()}
+          />
+        )}
+      </div>
+    </div>
+  );
+}

@@ -1,0 +1,45 @@
+/** Which channels a page offers, in which order, and what it shows first. */
+
+interface ChannelLike {
+  name: string;
+  unit: string;
+  role: "input" | "output" | "command" | "condition";
+}
+
+const ROLE_NAMES: [ChannelLike["role"], string][] = [
+  ["input", "Inputs"],
+  ["output", "Outputs"],
+  ["command", "Commands"],
+  ["condition", "Flight condition"],
+];
+
+export function byRole(channels: readonly ChannelLike[], roles = ROLE_NAMES.map(([role]) => role)) {
+  return ROLE_NAMES.filter(([role]) => roles.includes(role))
+    .map(([role, label]) => ({
+      label,
+      items: channels
+        .filter((channel) => channel.role === role)
+        .map((channel) => ({ name: channel.name, note: channel.unit })),
+    }))
+    .filter((group) => group.items.length > 0);
+}
+
+export const named = (channels: readonly ChannelLike[], role: ChannelLike["role"]): string[] =>
+  channels.filter((channel) => channel.role === role).map((channel) => channel.name);
+
+/** Inputs that carry an excitation of their own come first; without one, all that were measured. */
+export function excitedInputs(maneuver: {
+  channels: readonly ChannelLike[];
+  excitation: { harmonics: Record<string, number[]> } | null;
+}): string[] {
+  const excited = Object.keys(maneuver.excitation?.harmonics ?? {});
+  return excited.length > 0 ? excited : named(maneuver.channels, "input");
+}
+
+/** A first look: two inputs, then rigid-body motion, then whatever outputs follow. */
+export function firstLook(channels: readonly ChannelLike[]): string[] {
+  const outputs = named(channels, "output");
+  const rigid = ["alpha", "q", "az_egi"].filter((name) => outputs.includes(name));
+  const rest = outputs.filter((name) => !rigid.includes(name));
+  return [...named(channels, "input").slice(0, 2), ...[...rigid, ...rest].slice(0, 4)];
+}

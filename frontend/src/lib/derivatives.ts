@@ -1,0 +1,49 @@
+/**
+ * Derivative names, e.g. `Cm_q`, `CQ7_etadot9`: coefficient before the underscore,
+ * variable after it. Rows and columns come in the order of the model.
+ */
+export interface Derivative {
+  coefficient: string;
+  variable: string;
+}
+
+export function parseDerivative(name: string): Derivative | null {
+  const cut = name.indexOf("_");
+  if (cut < 1 || !name.startsWith("C")) return null;
+  return { coefficient: name.slice(0, cut), variable: name.slice(cut + 1) };
+}
+
+export const coefficients = (modes: readonly number[]): string[] => [
+  "CZ",
+  "Cm",
+  ...modes.map((mode) => `CQ${mode}`),
+];
+
+export const variables = (modes: readonly number[], inputs: readonly string[]): string[] => [
+  "alpha",
+  "q",
+  ...modes.map((mode) => `eta${mode}`),
+  ...modes.map((mode) => `etadot${mode}`),
+  ...inputs,
+];
+
+export function derivativeNames(modes: readonly number[], inputs: readonly string[]): string[] {
+  const columns = variables(modes, inputs);
+  return coefficients(modes).flatMap((row) => columns.map((column) => `${row}_${column}`));
+}
+
+/** Coefficients that occur in a list of derivative names, in order of first appearance. */
+export function coefficientsIn(names: readonly string[]): string[] {
+  return [...new Set(names.flatMap((name) => parseDerivative(name)?.coefficient ?? []))];
+}
+
+const SYMBOLS: Record<string, string> = { alpha: "α", q: "q" };
+
+/** A variable as written in the field: α, q, η₇, η̇₉, wf4s. */
+export function variableParts(variable: string): { symbol: string; index: string } {
+  const elastic = /^(eta|etadot)(\d+)$/.exec(variable);
+  if (elastic) {
+    return { symbol: elastic[1] === "eta" ? "η" : "η̇", index: elastic[2] ?? "" };
+  }
+  return { symbol: SYMBOLS[variable] ?? variable, index: "" };
+}

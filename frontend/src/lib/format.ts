@@ -1,0 +1,69 @@
+/** Numbers as an engineer reads them. */
+
+const MINUS = "\u2212";
+const NONE = "\u2013";
+
+type Maybe = number | null | undefined;
+
+const signed = (text: string) => text.replace("-", MINUS);
+
+/** Fixed decimals; a dash where there is no number. */
+export function fixed(value: Maybe, decimals: number): string {
+  if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
+  return signed(value.toFixed(decimals));
+}
+
+/** Significant digits; powers of ten only where plain digits would mislead. */
+export function significant(value: Maybe, digits = 4): string {
+  if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
+  if (value === 0) return "0";
+  const exponent = Math.floor(Math.log10(Math.abs(value)));
+  if (exponent < -4 || exponent >= 6) {
+    const [mantissa = "", power = "0"] = value.toExponential(digits - 1).split("e");
+    return signed(`${mantissa}e${Number(power)}`);
+  }
+  return signed(value.toFixed(Math.max(0, digits - 1 - exponent)));
+}
+
+/** A value with as many decimals as two digits of its standard error carry. */
+export function withError(value: number, stdError: Maybe): { value: string; error: string } {
+  if (stdError === null || stdError === undefined || !(stdError > 0)) {
+    return { value: significant(value), error: NONE };
+  }
+  const decimals = 1 - Math.floor(Math.log10(stdError));
+  if (decimals < 0 || decimals > 6 || Math.abs(value) >= 1e6) {
+    return { value: significant(value), error: significant(stdError, 2) };
+  }
+  return { value: fixed(value, decimals), error: fixed(stdError, decimals) };
+}
+
+/** Standard error in percent of the value. */
+export function relativeError(value: number, stdError: Maybe): number | null {
+  if (stdError === null || stdError === undefined || value === 0) return null;
+  return (100 * stdError) / Math.abs(value);
+}
+
+export function percent(fraction: Maybe, decimals = 0): string {
+  return fraction === null || fraction === undefined ? NONE : fixed(100 * fraction, decimals);
+}
+
+export const degrees = (radians: number): number => (radians * 180) / Math.PI;
+export const hertz = (omega: number): number => omega / (2 * Math.PI);
+
+/** Local date and time to the second, in the order that sorts. */
+export function dateTime(iso: string | null | undefined): string {
+  if (iso === null || iso === undefined) return NONE;
+  const at = new Date(iso);
+  if (Number.isNaN(at.getTime())) return NONE;
+  const two = (part: number) => String(part).padStart(2, "0");
+  const day = `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())}`;
+  return `${day} ${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
+}
+
+/** Time between two moments, e.g. `0.41 s`, `2 min 05 s`. */
+export function elapsed(from: string | null | undefined, to: string | null | undefined): string {
+  if (!from || !to) return NONE;
+  const seconds = (new Date(to).getTime() - new Date(from).getTime()) / 1000;
+  if (seconds < 60) return `${fixed(Math.max(0, seconds), seconds < 10 ? 2 : 1)} s`;
+  return `${Math.floor(seconds / 60)} min ${String(Math.floor(seconds % 60)).padStart(2, "0")} s`;
+}

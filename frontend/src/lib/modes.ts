@@ -1,0 +1,19 @@
+/** Value of each mode at a fuel fraction, linear between the table's fuels. */
+export function atFuel(
+  fuels: readonly number[],
+  table: readonly (readonly number[])[],
+  fuel: number,
+): number[] {
+  const first = table[0] ?? [];
+  const last = table.at(-1) ?? first;
+  const above = fuels.findIndex((one) => one >= fuel);
+  if (above === 0) return [...first];
+  if (above === -1) return [...last];
+  const low = fuels[above - 1] ?? 0;
+  const high = fuels[above] ?? 1;
+  const share = (fuel - low) / (high - low);
+  const below = table[above - 1] ?? first;
+  return (table[above] ?? last).map(
+    (value, mode) => (1 - share) * (below[mode] ?? value) + share * value,
+  );
+}

@@ -1,0 +1,82 @@
+/** What an analyst has chosen for a new run, before it is sent. */
+import { derivativeNames } from "./derivatives";
+
+export const STARTS = ["equation-error", "prediction", "residualized-prediction"] as const;
+export type Start = (typeof STARTS)[number];
+
+export interface RunDraft {
+  methods: ("OE" | "FRE" | "EE")[];
+  modes: number[];
+  /** Empty: all that the maneuver has. */
+  inputs: string[];
+  outputs: string[];
+  /**
+   * Derivatives that are not estimated. Kept instead of the free ones, so that a
+   * mode or input added later comes with all its derivatives free.
+   */
+  held: string[];
+  start: Start;
+  /** Limits in Hz as they are typed; empty: the whole excited band. */
+  band: [string, string];
+  freeDelays: boolean;
+  maxIterations: number;
+  modalTable: number | null;
+  dampingTable: number | null;
+  prediction: number | null;
+}
+
+export const EMPTY_DRAFT: RunDraft = {
+  methods: ["OE"],
+  modes: [],
+  inputs: [],
+  outputs: [],
+  held: [],
+  start: "equation-error",
+  band: ["", ""],
+  freeDelays: false,
+  maxIterations: 50,
+  modalTable: null,
+  dampingTable: null,
+  prediction: null,
+};
+
+/** Free derivatives of the chosen modes and inputs; null when all of them are. */
+export function freeDerivatives(draft: RunDraft, inputs: readonly string[]): string[] | null {
+  const all = derivativeNames(draft.modes, inputs);
+  const free = all.filter((name) => !draft.held.includes(name));
+  return free.length === all.length ? null : free;
+}
+
+export function holdAllBut(
+  draft: RunDraft,
+  inputs: readonly string[],
+  free: readonly string[] | null,
+): RunDraft {
+  if (free === null) return { ...draft, held: [] };
+  const all = derivativeNames(draft.modes, inputs);
+  return { ...draft, held: all.filter((name) => !free.includes(name)) };
+}
+
+/** The band in Hz, null for the whole band, or the reason why it cannot be used. */
+export function bandOf(draft: RunDraft): { band: [number, number] | null } | { fault: string } {
+  const [low, high] = draft.band.map((text) => text.trim().replace(",", "."));
+  if (!low && !high) return { band: null };
+  const from = Number(low);
+  const to = Number(high);
+  if (!low || !high || !Number.isFinite(from) || !Number.isFinite(to)) {
+    return { fault: "Give both limits as numbers, or leave both empty." };
+  }
+  if (from < 0 || to <= from) return { fault: "The upper limit must lie above the lower one." };
+  return { band: [from, to] };
+}
+
+/** Why the draft cannot be sent yet; null when it can. */
+export function draftFault(draft: RunDraft): string | null {
+  if (draft.methods.length === 0) return "Choose at least one method.";
+  const band = bandOf(draft);
+  if ("fault" in band) return band.fault;
+  if (draft.start !== "equation-error" && draft.prediction === null) {
+    return "Choose the prediction to start from.";
+  }
+  return null;
+}

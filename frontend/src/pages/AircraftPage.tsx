@@ -1,0 +1,176 @@
+import { Stack, Tabs, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { Link } from "@tanstack/react-router";
+import { aircraftQuery, modalTablesQuery, predictionsQuery } from "../api/queries";
+import type { Aircraft } from "../api/types";
+import { Facts } from "../components/ConditionFacts";
+import { DataTable } from "../components/DataTable";
+import { Empty } from "../components/Empty";
+import { Loaded } from "../components/Loaded";
+import { ModalTableView } from "../components/ModalTableView";
+import { PageHead } from "../components/PageHead";
+import { Section } from "../components/Section";
+import { fixed, percent } from "../lib/format";
+
+/** What is known about the airframe before any maneuver: mass, sensors, modes, predictions. */
+export function AircraftPage() {
+  const aircraft = useQuery(aircraftQuery);
+  return (
+    <>
+      <PageHead
+        title="Aircraft"
+        trail={[
+          <Link to="/" className="link" key="campaign">
+            Campaign
+          </Link>,
+        ]}
+      />
+      <Loaded query={aircraft}>
+        {(all) => {
+          const [first] = all;
+          if (first === undefined) {
+            return (
+              <Empty title="No aircraft yet">
+                The first import, or <code>flexsid demo</code>, brings one.
+              </Empty>
+            );
+          }
+          return all.length === 1 ? (
+            <OneAircraft aircraft={first} />
+          ) : (
+            <Tabs defaultValue={String(first.id)}>
+              <Tabs.List mb="md">
+                {all.map((one) => (
+                  <Tabs.Tab key={one.id} value={String(one.id)}>
+                    {one.name}
+                  </Tabs.Tab>
+                ))}
+              </Tabs.List>
+              {all.map((one) => (
+                <Tabs.Panel key={one.id} value={String(one.id)}>
+                  <OneAircraft aircraft={one} />
+                </Tabs.Panel>
+              ))}
+            </Tabs>
+          );
+        }}
+      </Loaded>
+    </>
+  );
+}
+
+function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
+  const tables = useQuery(modalTablesQuery(aircraft.id));
+  const predictions = useQuery(predictionsQuery(aircraft.id));
+  const { geometry, mass, flutter } = aircraft;
+  return (
+    <Stack gap="md">
+      <Section title={aircraft.name} note={aircraft.description}>
+        <Facts
+          facts={[
+            ["Wing area", fixed(geometry.area_m2, 3), "m²"],
+            ["Mean chord", fixed(geometry.chord_m, 3), "m"],
+            ["Span", fixed(geometry.span_m, 2), "m"],
+            ["Surfaces", aircraft.surfaces.length],
+            ["Sensors", aircraft.sensors.length],
+          ]}
+        />
+        <div style={{ maxWidth: 640, marginTop: 12 }}>
+          <DataTable
+            label="Mass properties"
+            columns={[
+              {
+                key: "fuel",
+                header: "Fuel",
+                unit: "%",
+                numeric: true,
+                render: (row: number) => percent(mass.fuel[row]),
+              },
+              {
+                key: "mass",
+                header: "Mass",
+                unit: "kg",
+                numeric: true,
+                render: (row) => fixed(mass.mass_kg[row], 2),
+              },
+              {
+                key: "inertia",
+                header: "Pitch inertia",
+                unit: "kg m²",
+                numeric: true,
+                render: (row) => fixed(mass.pitch_inertia_kg_m2[row], 2),
+              },
+              {
+                key: "cg",
+                header: "x c.g.",
+                unit: "m",
+                numeric: true,
+                render: (row) => fixed(mass.x_cg_m[row], 4),
+              },
+              ...(flutter
+                ? [
+                    {
+                      key: "flutter",
+                      header: "Flutter speed",
+                      unit: "m/s",
+                      numeric: true,
+                      render: (row: number) => {
+                        const place = flutter.fuel.indexOf(mass.fuel[row] ?? NaN);
+                        return fixed(flutter.speed_m_s[place], 1);
+                      },
+                    },
+                  ]
+                : []),
+            ]}
+            rows={mass.fuel.map((_, row) => row)}
+            rowKey={(row) => row}
+          />
+        </div>
+      </Section>
+      <Loaded query={tables}>
+        {(all) =>
+          all.length === 0 ? (
+            <Empty title="No modal table stored" />
+          ) : (
+            all.map((table) => <ModalTableView key={table.id} table={table} />)
+          )
+        }
+      </Loaded>
+      <Section title="Predictions" note="Derivatives from sources other than flight.">
+        <Loaded query={predictions}>
+          {(all) =>
+            all.length === 0 ? (
+              <Text size="sm" className="quiet">
+                None stored
+              </Text>
+            ) : (
+              <DataTable
+                label="Predictions"
+                columns={[
+                  { key: "source", header: "Source", render: (one) => one.source },
+                  { key: "kind", header: "Kind", render: (one) => one.kind },
+                  {
+                    key: "n",
+                    header: "Derivatives",
+                    numeric: true,
+                    render: (one) => one.names.length,
+                  },
+                  {
+                    key: "fuel",
+                    header: "Fuel",
+                    unit: "%",
+                    numeric: true,
+                    render: (one) => one.fuel.map((fuel) => percent(fuel)).join(", "),
+                  },
+                  { key: "note", header: "Note", render: (one) => one.note },
+                ]}
+                rows={all}
+                rowKey={(one) => one.id}
+              />
+            )
+          }
+        </Loaded>
+      </Section>
+    </Stack>
+  );
+}

@@ -1,0 +1,109 @@
+import { Tabs, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { getRouteApi, Link } from "@tanstack/react-router";
+import { maneuverQuery } from "../api/queries";
+import type { Maneuver } from "../api/types";
+import { ButtonLink } from "../components/ButtonLink";
+import { ConditionFacts } from "../components/ConditionFacts";
+import { Figure } from "../components/Figure";
+import { Loaded } from "../components/Loaded";
+import { BodeTab } from "../components/BodeTab";
+import { ManeuverRuns } from "../components/ManeuverRuns";
+import { PageHead } from "../components/PageHead";
+import { SpectraTab } from "../components/SpectraTab";
+import { TimeHistoryTab } from "../components/TimeHistoryTab";
+import { MANEUVER_TABS, type ManeuverView } from "../views";
+
+const route = getRouteApi("/maneuvers/$id");
+
+const TAB_NAMES: Record<(typeof MANEUVER_TABS)[number], string> = {
+  time: "Time histories",
+  spectra: "Spectra",
+  inputs: "Inputs",
+  bode: "Bode",
+  runs: "Runs",
+};
+
+/** One maneuver: what was flown, what was measured, what was estimated from it. */
+export function ManeuverPage() {
+  const { id } = route.useParams();
+  const maneuver = useQuery(maneuverQuery(id));
+  return <Loaded query={maneuver}>{(data) => <OneManeuver maneuver={data} />}</Loaded>;
+}
+
+function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
+  const view = route.useSearch();
+  const navigate = route.useNavigate();
+  const tab = view.tab ?? "time";
+  const change = (part: Partial<ManeuverView>) =>
+    void navigate({ search: (previous) => ({ ...previous, ...part }) });
+
+  return (
+    <>
+      <PageHead
+        title={maneuver.label}
+        trail={[
+          <Link to="/" className="link" key="campaign">
+            Campaign
+          </Link>,
+          <Link to="/" search={{ flight: maneuver.flight_id }} className="link" key="flight">
+            Flight {maneuver.flight_number}
+          </Link>,
+        ]}
+        aside={
+          <Text size="sm" className="quiet">
+            {maneuver.aircraft_name}
+            {maneuver.fta !== null && `, FTA ${maneuver.fta}`}, {maneuver.axis}
+          </Text>
+        }
+        actions={
+          <ButtonLink
+            to="/maneuvers/$id/new-run"
+            params={{ id: maneuver.id }}
+            data-testid="new-run"
+          >
+            New run
+          </ButtonLink>
+        }
+      />
+      <ConditionFacts maneuver={maneuver} />
+      <Tabs
+        mt="lg"
+        value={tab}
+        onChange={(next) => {
+          change({ tab: MANEUVER_TABS.find((one) => one === next) });
+        }}
+      >
+        <Tabs.List aria-label="Maneuver">
+          {MANEUVER_TABS.map((name) => (
+            <Tabs.Tab key={name} value={name} data-testid={`tab-${name}`}>
+              {TAB_NAMES[name]}
+            </Tabs.Tab>
+          ))}
+        </Tabs.List>
+        <Tabs.Panel value="time" pt="md">
+          <TimeHistoryTab maneuver={maneuver} view={view} onChange={change} />
+        </Tabs.Panel>
+        <Tabs.Panel value="spectra" pt="md">
+          <SpectraTab maneuver={maneuver} view={view} onChange={change} />
+        </Tabs.Panel>
+        <Tabs.Panel value="inputs" pt="md">
+          <div className="panel" style={{ padding: 12 }}>
+            <Figure
+              kind="plot-matrix"
+              title="Inputs against each other, with their correlation"
+              params={{ maneuver_id: maneuver.id }}
+              height={760}
+            />
+          </div>
+        </Tabs.Panel>
+        <Tabs.Panel value="bode" pt="md">
+          <BodeTab maneuver={maneuver} view={view} onChange={change} />
+        </Tabs.Panel>
+        <Tabs.Panel value="runs" pt="md">
+          <ManeuverRuns maneuver={maneuver} view={view} onChange={change} />
+        </Tabs.Panel>
+      </Tabs>
+    </>
+  );
+}

@@ -1,0 +1,159 @@
+import { Alert, Tabs } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { getRouteApi, Link } from "@tanstack/react-router";
+import { maneuverQuery, runQuery } from "../api/queries";
+import { isOver, METHOD_NAMES, type Run } from "../api/types";
+import { Figure } from "../components/Figure";
+import { BlockPicker, FitTab } from "../components/FitTab";
+import { JobProgress } from "../components/JobProgress";
+import { Loaded } from "../components/Loaded";
+import { PageHead } from "../components/PageHead";
+import { ParameterTable } from "../components/ParameterTable";
+import { PoleTable } from "../components/PoleTable";
+import { Provenance } from "../components/Provenance";
+import { StateBadge } from "../components/RunBadge";
+import { RunActions } from "../components/RunActions";
+import { RunOutcome } from "../components/RunOutcome";
+import { RUN_TABS, type RunView } from "../views";
+
+const route = getRouteApi("/runs/$id");
+
+const TAB_NAMES: Record<(typeof RUN_TABS)[number], string> = {
+  parameters: "Parameters",
+  fit: "Fit",
+  residuals: "Residuals",
+  correlation: "Correlation",
+  poles: "Poles",
+  iterations: "Iterations",
+  provenance: "Provenance",
+};
+
+/** One estimation run, from waiting to result. */
+export function RunPage() {
+  const { id } = route.useParams();
+  const run = useQuery(runQuery(id));
+  return <Loaded query={run}>{(data) => <OneRun run={data} />}</Loaded>;
+}
+
+function OneRun({ run }: { run: Run }) {
+  const maneuver = useQuery(maneuverQuery(run.maneuver_id));
+  const label = maneuver.data?.label ?? `Maneuver ${run.maneuver_id}`;
+  return (
+    <>
+      <PageHead
+        title={`${METHOD_NAMES[run.method]}, run ${run.id}`}
+        trail={[
+          <Link to="/" className="link" key="campaign">
+            Campaign
+          </Link>,
+          <Link
+            to="/maneuvers/$id"
+            params={{ id: run.maneuver_id }}
+            search={{ tab: "runs" }}
+            className="link"
+            key="maneuver"
+          >
+            {label}
+          </Link>,
+        ]}
+        aside={<StateBadge state={run.state} />}
+        actions={isOver(run.state) && <RunActions run={run} />}
+      />
+      {!isOver(run.state) && (
+        <div className="panel" style={{ padding: 16 }}>
+          <JobProgress id={run.id} />
+        </div>
+      )}
+      {run.state === "cancelled" && (
+        <Alert color="yellow" variant="light">
+          This run was cancelled before it ended; it has no result.
+        </Alert>
+      )}
+      {run.state === "failed" && (
+        <Alert color="red" variant="light" title="The estimation failed" mb="md">
+          {run.error?.message ?? "The worker gave no reason."}
+        </Alert>
+      )}
+      {run.fit !== null && <RunOutcome run={run} fit={run.fit} />}
+      {isOver(run.state) && <Results run={run} />}
+    </>
+  );
+}
+
+function Results({ run }: { run: Run }) {
+  const view = route.useSearch();
+  const navigate = route.useNavigate();
+  const change = (part: Partial<RunView>) =>
+    void navigate({ search: (previous) => ({ ...previous, ...part }) });
+  if (run.fit === null) {
+    return (
+      <div style={{ marginTop: 16 }}>
+        <Provenance run={run} />
+      </div>
+    );
+  }
+  const tab = view.tab ?? "parameters";
+  const block = view.block ?? run.blocks[0]?.name;
+  const panel = (kind: string, title: string, height?: number) => (
+    <div className="panel" style={{ padding: 12 }}>
+      <Figure
+        kind={kind}
+        title={title}
+        params={{ run_id: run.id, ...(kind === "residual" ? { block } : {}) }}
+        height={height}
+      />
+    </div>
+  );
+  return (
+    <Tabs
+      mt="lg"
+      value={tab}
+      onChange={(next) => {
+        change({ tab: RUN_TABS.find((one) => one === next) });
+      }}
+    >
+      <Tabs.List aria-label="Run">
+        {RUN_TABS.map((name) => (
+          <Tabs.Tab key={name} value={name} data-testid={`tab-${name}`}>
+            {TAB_NAMES[name]}
+          </Tabs.Tab>
+        ))}
+      </Tabs.List>
+      <Tabs.Panel value="parameters" pt="md">
+        <div className="panel">
+          <ParameterTable
+            parameters={run.parameters}
+            sort={view.sort}
+            onSort={(sort) => {
+              change({ sort });
+            }}
+          />
+        </div>
+      </Tabs.Panel>
+      <Tabs.Panel value="fit" pt="md">
+        <FitTab run={run} view={view} onChange={change} />
+      </Tabs.Panel>
+      <Tabs.Panel value="residuals" pt="md">
+        <BlockPicker run={run} view={view} onChange={change} />
+        {panel("residual", "Residuals over frequency")}
+      </Tabs.Panel>
+      <Tabs.Panel value="correlation" pt="md">
+        {panel("parameter-correlation", "Correlation of the estimates", 760)}
+      </Tabs.Panel>
+      <Tabs.Panel value="poles" pt="md">
+        <div className="halves">
+          <div className="panel">
+            <PoleTable poles={run.poles} />
+          </div>
+          {panel("poles", "Poles of the identified model", 440)}
+        </div>
+      </Tabs.Panel>
+      <Tabs.Panel value="iterations" pt="md">
+        {panel("iterations", "Cost by iteration")}
+      </Tabs.Panel>
+      <Tabs.Panel value="provenance" pt="md">
+        <Provenance run={run} />
+      </Tabs.Panel>
+    </Tabs>
+  );
+}

@@ -1,0 +1,19 @@
+/** The part of plotly.js that we call; its specs come from the server as they are. */
+declare module "plotly.js-cartesian-dist-min" {
+  interface PlotlyElement extends HTMLElement {
+    on(event: string, listener: (payload: never) => void): void;
+    removeAllListeners(event: string): void;
+  }
+  const Plotly: {
+    react(
+      element: HTMLElement,
+      data: object[],
+      layout: object,
+      config?: object,
+    ): Promise<PlotlyElement>;
+    purge(element: HTMLElement): void;
+    downloadImage(element: HTMLElement, options: object): Promise<string>;
+    Plots: { resize(element: HTMLElement): Promise<void> };
+  };
+  export default Plotly;
+}

@@ -1,0 +1,89 @@
+/** Addresses and the pages behind them; each page is loaded when first opened. */
+import {
+  createRootRoute,
+  createRoute,
+  createRouter,
+  lazyRouteComponent,
+} from "@tanstack/react-router";
+import { PageError } from "./components/PageError";
+import { AppFrame } from "./components/AppFrame";
+import { parseSearch, stringifySearch } from "./lib/urlState";
+import { NotFoundPage } from "./pages/NotFoundPage";
+import { campaignView, compareView, jobsView, maneuverView, newRunView, runView } from "./views";
+
+const root = createRootRoute({
+  component: AppFrame,
+  notFoundComponent: NotFoundPage,
+  errorComponent: PageError,
+});
+
+const byId = {
+  parse: ({ id }: { id: string }) => ({ id: /^\d{1,15}$/.test(id) ? Number(id) : 0 }),
+  stringify: ({ id }: { id: number }) => ({ id: String(id) }),
+};
+
+const campaign = createRoute({
+  getParentRoute: () => root,
+  path: "/",
+  validateSearch: campaignView,
+  component: lazyRouteComponent(() => import("./pages/CampaignPage"), "CampaignPage"),
+});
+
+const maneuver = createRoute({
+  getParentRoute: () => root,
+  path: "/maneuvers/$id",
+  params: byId,
+  validateSearch: maneuverView,
+  component: lazyRouteComponent(() => import("./pages/ManeuverPage"), "ManeuverPage"),
+});
+
+const newRun = createRoute({
+  getParentRoute: () => root,
+  path: "/maneuvers/$id/new-run",
+  params: byId,
+  validateSearch: newRunView,
+  component: lazyRouteComponent(() => import("./pages/NewRunPage"), "NewRunPage"),
+});
+
+const run = createRoute({
+  getParentRoute: () => root,
+  path: "/runs/$id",
+  params: byId,
+  validateSearch: runView,
+  component: lazyRouteComponent(() => import("./pages/RunPage"), "RunPage"),
+});
+
+const compare = createRoute({
+  getParentRoute: () => root,
+  path: "/compare",
+  validateSearch: compareView,
+  component: lazyRouteComponent(() => import("./pages/ComparePage"), "ComparePage"),
+});
+
+const jobs = createRoute({
+  getParentRoute: () => root,
+  path: "/jobs",
+  validateSearch: jobsView,
+  component: lazyRouteComponent(() => import("./pages/JobsPage"), "JobsPage"),
+});
+
+const aircraft = createRoute({
+  getParentRoute: () => root,
+  path: "/aircraft",
+  component: lazyRouteComponent(() => import("./pages/AircraftPage"), "AircraftPage"),
+});
+
+export const router = createRouter({
+  routeTree: root.addChildren([campaign, maneuver, newRun, run, compare, jobs, aircraft]),
+  parseSearch,
+  stringifySearch,
+  defaultPreload: "intent",
+  defaultErrorComponent: PageError,
+  scrollRestoration: true,
+});
+
+declare module "@tanstack/react-router" {
+  interface Register {
+    router: typeof router;
+  }
+}

@@ -1,0 +1,76 @@
+/** What each page keeps in its address. */
+import { METHODS, STATES, type Method, type RunState } from "./api/types";
+import { flag, integer, integers, number, oneOf, text, words, type Search } from "./lib/urlState";
+
+/** In an address nothing is required. */
+function view<T extends object>(read: (search: Search) => T): (search: Search) => Partial<T> {
+  return read;
+}
+
+export const campaignView = view((search) => ({
+  search: text(search.search),
+  flight: integer(search.flight),
+  fta: integer(search.fta),
+  min_ratio: number(search.min_ratio),
+  max_ratio: number(search.max_ratio),
+  /** Fuel limits in percent, as they are typed. */
+  min_fuel: number(search.min_fuel),
+  max_fuel: number(search.max_fuel),
+  method: oneOf<Method>(search.method, METHODS),
+  state: oneOf<RunState>(search.state, STATES),
+  sort: text(search.sort),
+  selected: integers(search.selected),
+}));
+export type CampaignView = ReturnType<typeof campaignView>;
+
+export const MANEUVER_TABS = ["time", "spectra", "inputs", "bode", "runs"] as const;
+
+export const maneuverView = view((search) => ({
+  tab: oneOf(search.tab, MANEUVER_TABS),
+  channels: words(search.channels),
+  /** Window of the time histories [s]. */
+  from: number(search.from),
+  to: number(search.to),
+  outputs: words(search.outputs),
+  inputs: words(search.inputs),
+  models: integers(search.models),
+  selected: integers(search.selected),
+}));
+export type ManeuverView = ReturnType<typeof maneuverView>;
+
+export const newRunView = view((search) => ({
+  methods: words(search.methods)?.flatMap((word) => oneOf<Method>(word, METHODS) ?? []),
+  /** Run whose choices are the starting point. */
+  like: integer(search.like),
+  /** Further maneuvers that get the same run. */
+  also: integers(search.also),
+}));
+
+export const RUN_TABS = [
+  "parameters",
+  "fit",
+  "residuals",
+  "correlation",
+  "poles",
+  "iterations",
+  "provenance",
+] as const;
+
+export const runView = view((search) => ({
+  tab: oneOf(search.tab, RUN_TABS),
+  block: text(search.block),
+  output: text(search.output),
+  sort: text(search.sort),
+}));
+export type RunView = ReturnType<typeof runView>;
+
+export const compareView = view((search) => ({
+  runs: integers(search.runs),
+  predictions: integers(search.predictions),
+  coefficient: text(search.coefficient),
+  differences: flag(search.differences),
+  maneuver: integer(search.maneuver),
+}));
+export type CompareView = ReturnType<typeof compareView>;
+
+export const jobsView = view((search) => ({ state: oneOf<RunState>(search.state, STATES) }));
