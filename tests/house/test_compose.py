@@ -44,17 +44,21 @@ def test_the_service_answers_its_own_health_check(tmp_path):
             service["command"], env=environment, cwd=tmp_path, stdout=log, stderr=log
         )
         try:
-            healthy = _becomes_healthy(service["healthcheck"]["test"], environment)
+            healthy = _becomes_healthy(service["healthcheck"]["test"], environment, server)
         finally:
             server.terminate()
             server.wait(timeout=20)
     assert healthy, (tmp_path / "log").read_text()
 
 
-def _becomes_healthy(test: list[str], environment: dict[str, str]) -> bool:
+def _becomes_healthy(
+    test: list[str], environment: dict[str, str], server: subprocess.Popen[bytes]
+) -> bool:
     kind, *command = test
     assert kind == "CMD"
-    for _ in range(60):
+    for _ in range(120):
+        if server.poll() is not None:
+            return False
         done = subprocess.run(command, env=environment, capture_output=True, check=False)
         if done.returncode == 0:
             return True
