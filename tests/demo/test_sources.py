@@ -50,9 +50,13 @@ def test_combinations_name_recorded_channels():
     assert "s_ros1s_m45" in names
     assert len(names) == 18
     assert {name for entry in aircraft.combinations for name, _ in entry.terms} <= recorded
-    structures = model_structures(1)
-    for structure in structures:
-        assert set(structure.structure.outputs) <= recorded | set(names)
+
+
+def test_structures_name_modes_of_the_table():
+    truth = load_truth()
+    modes = [structure.structure.modes for structure in model_structures(1)]
+    assert modes == [(7,), (7, 9), (7, 9, 11, 12)]
+    assert set(modes[-1]) <= set(truth.modes.numbers)
 
 
 @pytest.mark.parametrize("which", [0, 1])

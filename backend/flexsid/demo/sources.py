@@ -17,13 +17,6 @@ Keep = Callable[[np.ndarray], str]
 
 _NAMES = {7: "SW1B", 8: "AW1B", 9: "SW1T", 10: "AW1T", 11: "SFA", 12: "SWL"}
 
-_OUTPUTS = (
-    *("alpha", "q", "theta", "az_egi", "az_cf", "az_ca"),
-    *("az_mfs", "az_mas", "az_ofs", "az_oas", "ax_oas", "ay_wls"),
-    *("s_bend1s", "s_bend2s", "s_bend3s", "s_ros1s_m45"),
-    *("s_ros2s_m45", "s_ros2s_p45", "s_ros3s_m45", "s_ros3s_p45"),
-)
-
 # A panel code without viscosity: too much from the surfaces, too little damping.
 _PANEL_BIAS = {"alpha": 1.08, "q": 0.88, "eta": 1.10, "etadot": 0.90, "surface": 1.18}
 # A stiff half-span model on a splitter plate, at low Reynolds number.
@@ -113,7 +106,7 @@ def predictions(truth: Truth, aircraft_id: int, keep: Keep) -> tuple[Prediction,
 
 
 def model_structures(aircraft_id: int) -> tuple[ModelStructure, ...]:
-    """Write down the structures that are tried first, from the short period upwards."""
+    """Write down the structures that are tried first, on all surfaces and usable sensors."""
     steps = (
         ("SP + SW1B", (7,), "for FTA 503, whose band ends below SW1T"),
         ("SP + SW1B + SW1T", (7, 9), "for FTA 506; SFA and SWL remain as bias"),
@@ -123,7 +116,7 @@ def model_structures(aircraft_id: int) -> tuple[ModelStructure, ...]:
         ModelStructure(
             aircraft_id=aircraft_id,
             name=name,
-            structure=Structure(modes=modes, inputs=INPUTS, outputs=_OUTPUTS, fixed={}),
+            structure=Structure(modes=modes, fixed={}),
             note=note,
         )
         for name, modes, note in steps
