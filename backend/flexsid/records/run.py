@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
 
@@ -28,8 +28,9 @@ class RunState(StrEnum):
 
 
 class Start(StrEnum):
-    """Where the iteration starts."""
+    """Where the iteration starts; ``best`` takes whichever candidate is likeliest."""
 
+    BEST = "best"
     PREDICTION = "prediction"
     RESIDUALIZED_PREDICTION = "residualized-prediction"
     EQUATION_ERROR = "equation-error"
@@ -39,9 +40,9 @@ class Start(StrEnum):
 class RunSettings:
     """Choices of the analyst that are not model structure."""
 
-    start: Start = Start.EQUATION_ERROR
+    start: Start = Start.BEST
     band_hz: tuple[float, float] | None = None
-    max_iterations: int = 50
+    max_iterations: int = 100
     noise: str = "diagonal"
 
 
@@ -115,7 +116,10 @@ class Fit:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunResult:
-    """What a finished run keeps; ``covariance`` is a hash, ordered as ``parameters``."""
+    """What a finished run keeps; ``covariance`` is a hash, ordered as ``parameters``.
+
+    ``held`` are the derivatives that were not free, at the values they were held at.
+    """
 
     parameters: tuple[ParameterEstimate, ...]
     covariance: str
@@ -123,6 +127,7 @@ class RunResult:
     poles: tuple[Pole, ...]
     blocks: tuple[FitBlock, ...]
     residualized_prediction: dict[str, float] | None = None
+    held: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,0 +1,1 @@
+"""Estimators: output error, frequency response error, equation error."""

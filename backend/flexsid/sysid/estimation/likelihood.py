@@ -325,12 +325,3 @@ def _scaled_inverse(
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:
     return 0.5 * (matrix + matrix.T)
-
-
-def starting_cost(experiments: Sequence[Experiment], parameters: Parameters) -> float:
-    """Negative log likelihood at the start; infinite where the model has no response."""
-    problem = _Problem(experiments, parameters, FitSettings())
-    state = problem.at(parameters.start)
-    if not all(np.isfinite(nu).all() for nu in state.residuals):
-        return float("inf")
-    return problem.cost(state, problem.densities(state))

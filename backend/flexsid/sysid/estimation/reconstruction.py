@@ -19,6 +19,7 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import FrequencyData
 
 _WORST_CONDITION = 1e8
+_BEST_SENSOR = 1e-3  # of its signal: keeps a few sensors from being fitted exactly
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +30,12 @@ class Motion:
     values: Complex[np.ndarray, "n_omega n_r"]
     covariance: Complex[np.ndarray, "n_omega n_r n_r"]
     noise: Float[np.ndarray, " n_y"]
+
+    def first(self, n_modes: int) -> Motion:
+        """The rigid motion and the first modes only."""
+        n_r = 2 + n_modes
+        covariance = self.covariance[:, :n_r, :n_r]
+        return Motion(self.omega, self.values[:, :n_r], covariance, self.noise)
 
 
 def reconstruct_motion(
@@ -130,8 +137,7 @@ def _noise_from_redundancy(
     explained = np.einsum("kyi,kij,kyj->y", P, covariance, P.conj()).real / sigma**2
     freedom = np.maximum(z.shape[0] - explained, 0.05 * z.shape[0])
     level = np.sqrt(np.sum(np.abs(residual) ** 2, axis=0) / freedom)
-    floor = 1e-9 * np.sqrt(np.mean(np.abs(z) ** 2, axis=0))
-    return np.maximum(level, np.maximum(floor, 0.1 * sigma))
+    return np.maximum(level, _BEST_SENSOR * np.sqrt(np.mean(np.abs(z) ** 2, axis=0)))
 
 
 def _motion_names(model: AeroelasticModel) -> tuple[str, ...]:

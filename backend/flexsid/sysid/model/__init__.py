@@ -1,0 +1,1 @@
+"""The aeroelastic model: condition, derivatives, sensors, instruments."""

@@ -57,6 +57,12 @@ class AeroelasticModel:
         """Names of the outputs."""
         return self.sensors.names
 
+    def with_modes(self, count: int) -> AeroelasticModel:
+        """The same model with its first modes only."""
+        rows = SensorRows(self.sensors.names, self.sensors.polynomial[:, :, : 2 + count])
+        modes = self.modes.select(self.modes.numbers[:count])
+        return AeroelasticModel(self.condition, modes, self.inputs, rows)
+
     def row_factors(self) -> Float[np.ndarray, " n_rows"]:
         """Dimensional factors of the coefficient rows (Eq. 12)."""
         return self.condition.row_factors(self.modes.mass)

@@ -1,0 +1,1 @@
+"""Poles of identified models and what becomes of them with airspeed."""

@@ -1,0 +1,143 @@
+"""Poles of the identified model, named by what moves in them, with standard errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+from scipy.optimize import linear_sum_assignment
+
+from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+
+SHORT_PERIOD = "SP"
+
+
+@dataclass(frozen=True, slots=True)
+class NamedPole:
+    """One pole (of a pair, the one above the real axis). [rad/s]"""
+
+    name: str
+    value: complex
+    real_std: float
+    imag_std: float
+
+
+def named_poles(
+    model: AeroelasticModel,
+    parameters: Parameters,
+    theta: Float[np.ndarray, " n_theta"],
+    covariance: Float[np.ndarray, "n_theta n_theta"],
+    mode_names: tuple[str, ...],
+) -> tuple[NamedPole, ...]:
+    """Eigenvalues of A with first-order standard errors.
+
+    Parameters
+    ----------
+    model, parameters
+        As fitted.
+    theta, covariance
+        Estimate.
+    mode_names
+        What to call the pole that each structural mode dominates.
+
+    Returns
+    -------
+    tuple
+        Rigid-body pole first, then by mode; the integrator of theta is left out.
+
+    Notes
+    -----
+    A pole belongs to the motion with the largest participation (left times right
+    eigenvector), each motion taken once. Standard errors by the delta method from
+    the derivative of a simple eigenvalue, d lambda = w^H dA v / w^H v.
+    """
+    table = parameters.table(theta)
+    A = model.state_space(table).A
+    dynamic = np.r_[0, 1, 3 : A.shape[0]]  # theta only integrates q unless the path is inclined
+    if np.any(A[:, 2]):
+        dynamic = np.arange(A.shape[0])
+    A = A[np.ix_(dynamic, dynamic)]
+    values, right = np.linalg.eig(A.astype(complex))
+    left = np.linalg.inv(right).conj().T  # scaled so that left^H right = 1
+    keep = np.flatnonzero(np.imag(values) >= 0)
+    names = _assign_names(left, right, keep, dynamic, mode_names)
+    gradient = _gradients(model, parameters, left[:, keep], right[:, keep], dynamic)
+    by_real, by_imag = np.real(gradient), np.imag(gradient)
+    real = np.sqrt(np.einsum("pi,ij,pj->p", by_real, covariance, by_real))
+    imag = np.sqrt(np.einsum("pi,ij,pj->p", by_imag, covariance, by_imag))
+    order = {name: rank for rank, name in enumerate((SHORT_PERIOD, *mode_names))}
+    poles = [
+        NamedPole(name, complex(values[k]), float(sr), float(si))
+        for name, k, sr, si in zip(names, keep, real, imag, strict=True)
+    ]
+    return tuple(sorted(poles, key=lambda p: (order.get(p.name, len(order)), abs(p.value))))
+
+
+def _assign_names(
+    left: Complex[np.ndarray, "n_x n_x"],
+    right: Complex[np.ndarray, "n_x n_x"],
+    keep: np.ndarray,
+    dynamic: np.ndarray,
+    mode_names: tuple[str, ...],
+) -> list[str]:
+    n = len(mode_names)
+    participation = np.abs(left * right)[:, keep]
+    participation = participation / participation.sum(axis=0)
+    groups = [np.isin(dynamic, (0, 1, 2))]
+    groups += [np.isin(dynamic, (3 + i, 3 + n + i)) for i in range(n)]
+    share = np.stack([participation[group].sum(axis=0) for group in groups])
+    rows, columns = linear_sum_assignment(-share)
+    names = [""] * keep.size
+    for row, column in zip(rows, columns, strict=True):
+        names[column] = (SHORT_PERIOD, *mode_names)[row]
+    for column, name in enumerate(names):
+        if not name:
+            names[column] = (SHORT_PERIOD, *mode_names)[int(np.argmax(share[:, column]))]
+    return names
+
+
+def _gradients(
+    model: AeroelasticModel,
+    parameters: Parameters,
+    left: Complex[np.ndarray, "n_x n_p"],
+    right: Complex[np.ndarray, "n_x n_p"],
+    dynamic: np.ndarray,
+) -> Complex[np.ndarray, "n_p n_theta"]:
+    n = len(model.modes.numbers)
+    scale = model.row_factors()[parameters.rows] * model.column_factors()[parameters.columns]
+    place = {int(state): index for index, state in enumerate(dynamic)}
+    force_states = np.r_[0, 1, 3 + n : 3 + 2 * n]
+    variable_states = np.r_[0, 1, 3 : 3 + 2 * n]
+    gradient = np.zeros((left.shape[1], parameters.start.size), dtype=complex)
+    for index, (row, column) in enumerate(zip(parameters.rows, parameters.columns, strict=True)):
+        if column < variable_states.size:
+            force = place[int(force_states[row])]
+            variable = place[int(variable_states[column])]
+            gradient[:, index] = left[force].conj() * right[variable] * scale[index]
+    _add_structural(gradient, model, parameters, left, right, place)
+    return gradient
+
+
+def _add_structural(
+    gradient: Complex[np.ndarray, "n_p n_theta"],
+    model: AeroelasticModel,
+    parameters: Parameters,
+    left: Complex[np.ndarray, "n_x n_p"],
+    right: Complex[np.ndarray, "n_x n_p"],
+    place: dict[int, int],
+) -> None:
+    """Frequency and damping factors enter the structural rows."""
+    n = len(model.modes.numbers)
+    w, z = model.modes.omega, model.modes.zeta
+    for offset, extra in enumerate(parameters.extras):
+        if extra.kind not in ("omega", "zeta"):
+            continue
+        i = extra.mode
+        force = left[place[3 + n + i]].conj()
+        eta, etadot = right[place[3 + i]], right[place[3 + n + i]]
+        index = parameters.rows.size + offset
+        gradient[:, index] = -force * 2.0 * z[i] * w[i] * etadot
+        if extra.kind == "omega":
+            gradient[:, index] -= force * 2.0 * w[i] ** 2 * eta

@@ -1,0 +1,1 @@
+"""The analyst's steps: load, compute, keep."""

@@ -1,0 +1,199 @@
+"""Transforms: recorded channels of a maneuver to spectra at its lines."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.records.aircraft import Aircraft, SensorKind
+from flexsid.records.maneuver import Channel, Maneuver
+from flexsid.storage.store import Store
+from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.spectra.fourier import finite_fourier_transform, unit_lines
+from flexsid.units import to_si
+
+_TRIM_S = 0.25  # shortest stretch before the excitation that counts as trim
+
+
+@dataclass(frozen=True, slots=True)
+class Lines:
+    """Frequencies of an analysis and, for each, the index of the input that owns it.
+
+    ``owner`` is -1 where no input's excitation has the line.
+    """
+
+    omega: np.ndarray
+    owner: np.ndarray
+    inputs: tuple[str, ...]
+
+    def within(self, band_hz: tuple[float, float] | None) -> Lines:
+        """The lines inside a band."""
+        if band_hz is None:
+            return self
+        hz = self.omega / (2.0 * np.pi)
+        keep = (hz >= band_hz[0] - 1e-9) & (hz <= band_hz[1] + 1e-9)
+        if not keep.any():
+            raise BadInput(
+                f"no line of the maneuver lies between {band_hz[0]:g} and {band_hz[1]:g} Hz; "
+                f"its lines span {hz.min():.3g} to {hz.max():.3g} Hz",
+                code="empty-band",
+                band_hz=list(band_hz),
+            )
+        return Lines(self.omega[keep], self.owner[keep], self.inputs)
+
+
+def maneuver_lines(maneuver: Maneuver, band_hz: tuple[float, float] | None = None) -> Lines:
+    """The excited harmonics, or all multiples of 1/duration where none are known.
+
+    Raises
+    ------
+    BadInput
+        If the band holds no line, or a maneuver without known harmonics is
+        analysed without a band.
+    """
+    excitation = maneuver.excitation
+    if excitation is None:
+        if band_hz is None:
+            raise BadInput(
+                "the excitation of this maneuver is not known; give the band to analyse (band_hz)",
+                code="band-needed",
+            )
+        first = max(1, int(np.ceil(band_hz[0] * maneuver.duration_s - 1e-9)))
+        last = int(np.floor(band_hz[1] * maneuver.duration_s + 1e-9))
+        omega = unit_lines(np.arange(first, last + 1), maneuver.duration_s)
+        lines = Lines(omega, np.full(omega.size, -1), ())
+        return lines.within(band_hz)
+    inputs = tuple(excitation.harmonics)
+    pairs = sorted(
+        (harmonic, index)
+        for index, name in enumerate(inputs)
+        for harmonic in excitation.harmonics[name]
+    )
+    harmonics = np.array([h for h, _ in pairs])
+    owner = np.array([i for _, i in pairs])
+    return Lines(unit_lines(harmonics, excitation.period_s), owner, inputs).within(band_hz)
+
+
+def load_channels(
+    store: Store, maneuver_id: int, names: Sequence[str] | None = None
+) -> list[tuple[Channel, np.ndarray]]:
+    """Channels with their samples in SI.
+
+    Raises
+    ------
+    BadInput
+        If the maneuver has no channel of a name.
+    """
+    recorded = {channel.name: channel for channel in store.channels.find(maneuver_id=maneuver_id)}
+    wanted = list(recorded) if names is None else list(names)
+    missing = [name for name in wanted if name not in recorded]
+    if missing:
+        raise BadInput(
+            f"the maneuver has no channel '{missing[0]}'; it has {', '.join(recorded)}",
+            code="unknown-channel",
+            channel=missing[0],
+        )
+    arrays = store.arrays.get_many([recorded[name].array for name in wanted])
+    return [
+        (recorded[name], to_si(arrays[recorded[name].array], recorded[name].unit))
+        for name in wanted
+    ]
+
+
+def maneuver_spectra(
+    store: Store,
+    maneuver_id: int,
+    names: Sequence[str] | None = None,
+    band_hz: tuple[float, float] | None = None,
+) -> FrequencyData:
+    """Spectra of channels and symmetric combinations as recorded, at the maneuver's lines."""
+    maneuver = store.maneuvers.get(maneuver_id)
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    lines = maneuver_lines(maneuver, band_hz)
+    if names is None:
+        names = [c.name for c in store.channels.find(maneuver_id=maneuver_id)]
+    return spectra_of(store, maneuver, aircraft, tuple(names), lines)
+
+
+def spectra_of(
+    store: Store,
+    maneuver: Maneuver,
+    aircraft: Aircraft,
+    names: tuple[str, ...],
+    lines: Lines,
+) -> FrequencyData:
+    """Transform channels and combinations of a loaded maneuver."""
+    assert maneuver.id is not None
+    combinations = {c.name: c.terms for c in aircraft.combinations}
+    recorded = {c.name for c in store.channels.find(maneuver_id=maneuver.id)}
+    parts = {
+        name: ((name, 1.0),) if name in recorded else combinations.get(name, ((name, 1.0),))
+        for name in names
+    }
+    needed = list(dict.fromkeys(part for terms in parts.values() for part, _ in terms))
+    attitudes = {s.name for s in aircraft.sensors if s.kind is SensorKind.ATTITUDE}
+    spectra: dict[str, np.ndarray] = {}
+    by_clock: dict[tuple[float, float, int], list[tuple[Channel, np.ndarray]]] = {}
+    for channel, samples in load_channels(store, maneuver.id, needed):
+        clock = (channel.rate_hz, channel.start_s, channel.n_samples)
+        by_clock.setdefault(clock, []).append((channel, samples))
+    for (rate_hz, start_s, _), group in by_clock.items():
+        samples = np.stack([values for _, values in group], axis=1)
+        settles = np.array([channel.name in attitudes for channel, _ in group])
+        transform = _transform(samples, rate_hz, start_s, maneuver, lines, settles)
+        spectra.update({c.name: transform[:, k] for k, (c, _) in enumerate(group)})
+    columns = [sum(w * spectra[part] for part, w in parts[name]) for name in names]
+    return FrequencyData(lines.omega, np.stack(columns, axis=1), names)
+
+
+def _transform(
+    samples: np.ndarray,
+    rate_hz: float,
+    start_s: float,
+    maneuver: Maneuver,
+    lines: Lines,
+    settles: np.ndarray,
+) -> np.ndarray:
+    """Whole record of one period, or the whole periods after the first of several."""
+    nyquist = np.pi * rate_hz
+    if lines.omega[-1] > nyquist:
+        raise BadInput(
+            f"lines reach {lines.omega[-1] / 2 / np.pi:.4g} Hz but a channel was sampled at "
+            f"{rate_hz:g} Hz; choose a band below {rate_hz / 2:g} Hz",
+            code="beyond-nyquist",
+        )
+    excitation = maneuver.excitation
+    begin = maneuver.start_s if excitation is None else excitation.start_s
+    trim = round((begin - start_s) * rate_hz)
+    if trim >= _TRIM_S * rate_hz:
+        samples = samples - samples[:trim].mean(axis=0)
+    else:
+        samples = samples - samples.mean(axis=0)
+    if excitation is not None and excitation.n_periods > 1:
+        period = excitation.period_s
+        first = round((begin + period - start_s) * rate_hz)
+        last = first + round((excitation.n_periods - 1) * period * rate_hz)
+        if last <= samples.shape[0] + 1:
+            window = samples[first:last]
+            return finite_fourier_transform(window, rate_hz, lines.omega, start_s + first / rate_hz)
+    transform = finite_fourier_transform(samples, rate_hz, lines.omega, start_s)
+    if settles.any():
+        transform[:, settles] += _held_level(samples[:, settles], rate_hz, lines.omega, start_s)
+    return transform
+
+
+def _held_level(
+    samples: np.ndarray, rate_hz: float, omega: np.ndarray, start_s: float
+) -> np.ndarray:
+    """What an attitude that ends away from trim adds after the record, held there.
+
+    Attitude integrates pitch rate and need not return; cut off, it would look as if
+    it had jumped back to trim.
+    """
+    level = samples[-max(1, round(0.5 * rate_hz)) :].mean(axis=0)
+    end_s = start_s + samples.shape[0] / rate_hz
+    step = np.exp(-1j * omega * end_s) / (1j * omega)
+    return step[:, None] * level
