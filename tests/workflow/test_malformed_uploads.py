@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from flexsid.errors import BadInput, FlexsidError
@@ -67,6 +68,32 @@ def remove(row: int) -> Callable[[list[list[str]]], None]:
 def write(path: Path, rows: list[list[str]]) -> Path:
     path.write_text("\n".join(",".join(row) for row in rows) + "\n")
     return path
+
+
+MATRIX_MAPPING = (
+    MAPPING.split("[[channels]]")[0]
+    + """
+[[channels]]
+array = "inputs"
+labels = "input_names"
+unit = "deg"
+role = "input"
+[[channels]]
+array = "outputs"
+labels = ["q", "theta"]
+unit = { q = "deg/s", theta = "deg" }
+role = "output"
+"""
+)
+
+
+def matrices() -> dict[str, np.ndarray]:
+    return {
+        "t_s": np.arange(20) / 50.0,
+        "inputs": np.ones((20, 1)),
+        "input_names": np.array(["bfs"]),
+        "outputs": np.zeros((20, 2), dtype=np.float32),
+    }
 
 
 def holds_nothing(store: Store) -> bool:
@@ -143,4 +170,47 @@ def test_a_wrong_mapping_stores_nothing(
     with pytest.raises(FlexsidError) as caught:
         import_files(store, [file], MAPPING.replace(old, new))
     assert caught.value.code == code
+    assert holds_nothing(store)
+
+
+@pytest.mark.parametrize(
+    ("name", "array", "code", "row", "column"),
+    [
+        pytest.param(
+            "outputs",
+            np.where(np.arange(40).reshape(20, 2) == 25, np.nan, 0.0),
+            "not-finite",
+            13,
+            "theta",
+            id="NaN",
+        ),
+        pytest.param("outputs", np.zeros((18, 2)), "unequal-lengths", 19, "q", id="lengths"),
+        pytest.param("t_s", np.arange(19) / 50.0, "unequal-lengths", 20, "t_s", id="short time"),
+        pytest.param("t_s", -np.arange(20.0), "time-backwards", 2, "t_s", id="backwards"),
+        pytest.param("inputs", np.ones((20, 2)), "unequal-lengths", None, "inputs", id="labels"),
+        pytest.param("inputs", np.array(["x"]), "not-numeric", None, "inputs", id="text"),
+        pytest.param("input_names", np.array(["q"]), "duplicate-channel", None, "q", id="names"),
+    ],
+)
+def test_matrices_are_checked_like_columns(
+    store: Store,
+    aircraft: Aircraft,
+    tmp_path: Path,
+    name: str,
+    array: np.ndarray,
+    code: str,
+    row: int | None,
+    column: str,
+) -> None:
+    file = tmp_path / "flight.npz"
+    np.savez(file, allow_pickle=False, **matrices())
+    assert import_files(store, [file], MATRIX_MAPPING).maneuver is not None
+    store.maneuvers.delete(1)
+    store.flights.delete(1)
+    np.savez(file, allow_pickle=False, **{**matrices(), name: array})
+    with pytest.raises(FlexsidError) as caught:
+        import_files(store, [file], MATRIX_MAPPING)
+    assert caught.value.code == code
+    assert caught.value.context["column"] == column
+    assert caught.value.context.get("row") == row
     assert holds_nothing(store)
