@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -61,6 +61,14 @@ class Estimate:
     steps: tuple[Step, ...]
     outcome: Outcome
     message: str
+
+    def widened(self, factor: float) -> Estimate:
+        """The same estimate with variances multiplied, as for lines closer than 1/T."""
+        return replace(
+            self,
+            covariance=factor * self.covariance,
+            corrected_covariance=factor * self.corrected_covariance,
+        )
 
     @property
     def std_errors(self) -> Float[np.ndarray, " n_theta"]:

@@ -98,8 +98,7 @@ class AeroelasticModel:
         n, n_u = len(self.modes.numbers), len(self.inputs)
         angle, attitude = self._kinematic_terms()
         forces = self.row_factors()[:, None] * derivatives.values * self.column_factors()
-        state_columns = np.r_[0, 1, 3 : 3 + 2 * n]  # theta exerts no aerodynamic force
-        force_rows = np.r_[0, 1, 3 + n : 3 + 2 * n]
+        force_rows, state_columns = self._force_places()
         A = np.zeros((3 + 2 * n, 3 + 2 * n))
         B = np.zeros((3 + 2 * n, n_u))
         A[np.ix_(force_rows, state_columns)] = forces[:, : 2 + 2 * n]
@@ -115,6 +114,34 @@ class AeroelasticModel:
         C, D = self._outputs(A, B)
         states = ("alpha", "q", "theta", *variables(self.modes.numbers, ())[2:])
         return StateSpace(A, B, C, D, states, self.inputs, self.outputs)
+
+    def read_derivatives(
+        self, A: Float[np.ndarray, "n_x n_x"], B: Float[np.ndarray, "n_x n_u"]
+    ) -> DerivativeTable:
+        """Nondimensional derivatives of a state-space model in these states.
+
+        The inverse of ``state_space``: known kinematics and structure are taken out,
+        then the factors of Eq. 12.
+
+        Parameters
+        ----------
+        A, B
+            States alpha, q, theta, eta..., etadot...; e.g. of a ``control.StateSpace``.
+        """
+        n, n_u = len(self.modes.numbers), len(self.inputs)
+        empty = DerivativeTable(self.modes.numbers, self.inputs, np.zeros((2 + n, 2 + 2 * n + n_u)))
+        known = self.state_space(empty).A
+        force_rows, state_columns = self._force_places()
+        forces = np.concatenate(
+            [(A - known)[np.ix_(force_rows, state_columns)], B[force_rows]], axis=1
+        )
+        values = forces / self.row_factors()[:, None] / self.column_factors()
+        return DerivativeTable(self.modes.numbers, self.inputs, values)
+
+    def _force_places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of x-dot that forces drive, columns of x that exert them (theta does not)."""
+        n = len(self.modes.numbers)
+        return np.r_[0, 1, 3 + n : 3 + 2 * n], np.r_[0, 1, 3 : 3 + 2 * n]
 
     def _kinematic_terms(self) -> tuple[float, float]:
         """Known terms of alpha-dot in alpha and theta (second matrix of Eq. 14a)."""

@@ -16,12 +16,27 @@ SHORT_PERIOD = "SP"
 
 @dataclass(frozen=True, slots=True)
 class NamedPole:
-    """One pole (of a pair, the one above the real axis). [rad/s]"""
+    """One pole (of a pair, the one above the real axis). [rad/s]
+
+    ``frequency`` [rad/s] is its modulus, ``damping`` its damping ratio.
+    """
 
     name: str
     value: complex
     real_std: float
     imag_std: float
+    frequency_std: float
+    damping_std: float
+
+    @property
+    def frequency(self) -> float:
+        """Undamped natural frequency. [rad/s]"""
+        return abs(self.value)
+
+    @property
+    def damping(self) -> float:
+        """Damping ratio; negative where unstable."""
+        return -self.value.real / abs(self.value)
 
 
 def named_poles(
@@ -64,15 +79,34 @@ def named_poles(
     keep = np.flatnonzero(np.imag(values) >= 0)
     names = _assign_names(left, right, keep, dynamic, mode_names)
     gradient = _gradients(model, parameters, left[:, keep], right[:, keep], dynamic)
-    by_real, by_imag = np.real(gradient), np.imag(gradient)
-    real = np.sqrt(np.einsum("pi,ij,pj->p", by_real, covariance, by_real))
-    imag = np.sqrt(np.einsum("pi,ij,pj->p", by_imag, covariance, by_imag))
-    order = {name: rank for rank, name in enumerate((SHORT_PERIOD, *mode_names))}
     poles = [
-        NamedPole(name, complex(values[k]), float(sr), float(si))
-        for name, k, sr, si in zip(names, keep, real, imag, strict=True)
+        _pole(name, complex(values[k]), row, covariance)
+        for name, k, row in zip(names, keep, gradient, strict=True)
     ]
+    order = {name: rank for rank, name in enumerate((SHORT_PERIOD, *mode_names))}
     return tuple(sorted(poles, key=lambda p: (order.get(p.name, len(order)), abs(p.value))))
+
+
+def _pole(
+    name: str,
+    value: complex,
+    gradient: Complex[np.ndarray, " n_theta"],
+    covariance: Float[np.ndarray, "n_theta n_theta"],
+) -> NamedPole:
+    """Delta method for real and imaginary part, modulus and damping ratio."""
+    size = abs(value)
+    by_real, by_imag = np.real(gradient), np.imag(gradient)
+    change = np.real(np.conj(value) * gradient) / size  # of the modulus
+    rows = np.stack(
+        [
+            by_real,
+            by_imag,
+            change,
+            -by_real / size + value.real * change / size**2,
+        ]
+    )
+    variance = np.einsum("ri,ij,rj->r", rows, covariance, rows)
+    return NamedPole(name, value, *map(float, np.sqrt(np.maximum(variance, 0.0))))
 
 
 def _assign_names(

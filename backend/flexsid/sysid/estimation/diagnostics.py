@@ -1,0 +1,94 @@
+"""Diagnostics of an estimate: what an analyst asks before believing it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy import stats
+
+from flexsid.sysid.estimation.estimate import Estimate, FittedLines
+
+
+@dataclass(frozen=True, slots=True)
+class OutputQuality:
+    """Fit of one output.
+
+    ``theil`` is Theil's inequality coefficient (0 perfect, 1 none); ``whiteness``
+    the probability that white residuals would be as much alike from line to line.
+    """
+
+    output: str
+    r_squared: float
+    theil: float
+    whiteness: float
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterQuality:
+    """How well one parameter is held by the data.
+
+    ``cramer_rao`` is the bound for white independent residuals; ``insensitivity``
+    the standard error if all other parameters were known. Both in the
+    parameter's unit.
+    """
+
+    name: str
+    std_error: float
+    cramer_rao: float
+    insensitivity: float
+
+
+def output_quality(lines: FittedLines) -> tuple[OutputQuality, ...]:
+    """Judge every output of a block of lines."""
+    residuals = lines.measured - lines.fitted
+    error = np.sqrt(np.mean(np.abs(residuals) ** 2, axis=0))
+    size = np.sqrt(np.mean(np.abs(lines.measured) ** 2, axis=0)) + np.sqrt(
+        np.mean(np.abs(lines.fitted) ** 2, axis=0)
+    )
+    return tuple(
+        OutputQuality(
+            output=name,
+            r_squared=float(r2),
+            theil=float(e / s) if s > 0 else 0.0,
+            whiteness=_whiteness(residuals[:, column]),
+        )
+        for column, (name, r2, e, s) in enumerate(
+            zip(lines.outputs, lines.r_squared(), error, size, strict=True)
+        )
+    )
+
+
+def parameter_quality(estimate: Estimate) -> tuple[ParameterQuality, ...]:
+    """Standard error, Cramer-Rao bound and insensitivity of every parameter."""
+    bound = np.sqrt(np.diag(estimate.covariance))
+    scale = np.where(bound > 0, bound, 1.0)
+    scaled = estimate.covariance / np.outer(scale, scale)
+    information = np.linalg.pinv(scaled, hermitian=True)
+    alone = scale / np.sqrt(np.maximum(np.diag(information), 1.0))
+    return tuple(
+        ParameterQuality(name, float(error), float(b), float(a))
+        for name, error, b, a in zip(estimate.names, estimate.std_errors, bound, alone, strict=True)
+    )
+
+
+def _whiteness(residual: np.ndarray, lags: int = 10) -> float:
+    """Ljung-Box test over lines; circular residuals have unit-variance complex correlations.
+
+    Notes
+    -----
+    For white circular residuals M |r_l|^2 of lag l is exponential with mean one, so
+    that twice their sum is chi-square with 2 degrees of freedom per lag.
+    """
+    n = residual.size
+    lags = min(lags, n // 4)
+    power = float(np.sum(np.abs(residual) ** 2))
+    if lags < 1 or power == 0:
+        return 1.0
+    nu: Float[np.ndarray, " n_omega"] = residual
+    statistic = 0.0
+    for lag in range(1, lags + 1):
+        r = np.vdot(nu[:-lag], nu[lag:]) / power
+        statistic += 2.0 * n * (n + 2) / (n - lag) * float(np.abs(r) ** 2)
+    return float(stats.chi2.sf(statistic, 2 * lags))

@@ -1,0 +1,56 @@
+"""What noise on the measured inputs does to an estimate that takes them as exact."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+
+from flexsid.sysid.estimation import noise
+from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.experiment import Experiment, LineModel
+from flexsid.sysid.estimation.parameters import Parameters
+
+
+def input_noise_errors(
+    experiment: Experiment,
+    parameters: Parameters,
+    estimate: Estimate,
+    input_noise: Float[np.ndarray, "n_omega n_u"],
+) -> Float[np.ndarray, " n_theta"]:
+    """Standard errors that input noise alone causes in an output-error estimate.
+
+    Parameters
+    ----------
+    experiment, parameters, estimate
+        A finished fit.
+    input_noise
+        Variance of each true deflection's spectrum at each line. [(rad s)^2]
+
+    Notes
+    -----
+    Noise n on the inputs reaches the residuals as -H n, alike on all outputs. The
+    corrected covariance holds it already, because it is in the residuals; this says
+    how much of it.
+    """
+    model = LineModel(experiment, parameters)
+    response = model.respond(estimate.values)
+    sensitivity = model.sensitivity(estimate.values, response)
+    residuals = experiment.measured - response.outputs
+    density = noise.residual_density(
+        residuals, experiment.measured, experiment.group, len(experiment.group_names), "diagonal"
+    )
+    W = noise.line_weights(density, experiment.group)
+    information, _ = model.normal_equations(sensitivity, residuals, W)
+    n_u = experiment.inputs.shape[1]
+    table = parameters.table(estimate.values).values
+    load = (model.rows[:, None] * table * model.columns)[:, -n_u:]
+    H = sensitivity.forces @ load
+    spread = (H * input_noise[:, None, :]) @ H.conj().transpose(0, 2, 1)
+    middle, _ = model.normal_equations(
+        sensitivity, residuals, W[:, :, None] * spread * W[:, None, :]
+    )
+    scale = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
+    scaled = information / np.outer(scale, scale)
+    half = np.linalg.lstsq(scaled, middle / np.outer(scale, scale), rcond=1e-13)[0]
+    covariance = np.linalg.lstsq(scaled, half.T, rcond=1e-13)[0] / np.outer(scale, scale)
+    return np.sqrt(np.maximum(0.5 * np.diag(covariance), 0.0))
