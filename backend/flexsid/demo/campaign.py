@@ -8,6 +8,8 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from datetime import date
 
+from threadpoolctl import threadpool_limits
+
 from flexsid.demo.aircraft import NAME, describe_aircraft
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import FlownManeuver, fly
@@ -239,7 +241,10 @@ def _fly_all(orders: Sequence[_Order]) -> Iterator[FlownManeuver]:
         yield from map(_fly_card, orders)
         return
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(max_workers=2, mp_context=context) as pool:
+    # One thread each: the matrices are small, and two processes share two cores.
+    with ProcessPoolExecutor(
+        max_workers=2, mp_context=context, initializer=threadpool_limits, initargs=(1,)
+    ) as pool:
         try:
             yield from pool.map(_fly_card, orders)
         finally:
