@@ -17,6 +17,7 @@ _STRICT: Any = ConfigDict(extra="forbid")
 Id = Annotated[int, Field(strict=True, ge=1, le=LARGEST_ID)]
 ModeNumber = Annotated[int, Field(strict=True, ge=1, le=9999)]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Prior = tuple[Number, Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]]
 Frequency = Annotated[float, Field(strict=True, ge=0.0, le=1e4)]
 Name = Annotated[str, Field(min_length=1, max_length=64)]
 Names = Annotated[tuple[Name, ...], Field(max_length=500)]
@@ -34,6 +35,7 @@ class StructureRequest:
     free: Names | None = None
     fixed: Annotated[dict[Name, Number] | None, Field(max_length=500)] = None
     free_delays: Annotated[bool, Field(strict=True)] = False
+    also_free: Names = ()
     axis: Literal["longitudinal"] = "longitudinal"
 
     __pydantic_config__ = _STRICT
@@ -47,6 +49,7 @@ class StructureRequest:
             free=self.free,
             fixed=self.fixed or {},
             free_delays=self.free_delays,
+            also_free=self.also_free,
             axis=self.axis,
         )
 
@@ -55,10 +58,13 @@ class StructureRequest:
 class SettingsRequest:
     """Choices of the analyst that are not model structure."""
 
-    start: Start = Start.EQUATION_ERROR
+    start: Start = Start.BEST
     band_hz: tuple[Frequency, Frequency] | None = None
-    max_iterations: Annotated[int, Field(strict=True, ge=1, le=1000)] = 50
-    noise: Literal["diagonal"] = "diagonal"
+    max_iterations: Annotated[int, Field(strict=True, ge=1, le=1000)] = 100
+    noise: Literal["diagonal", "full"] = "diagonal"
+    priors: Annotated[dict[Name, Prior] | None, Field(max_length=500)] = None
+    start_run_id: Id | None = None
+    together_with: Annotated[tuple[Id, ...], Field(max_length=100)] = ()
 
     __pydantic_config__ = _STRICT
 
@@ -69,6 +75,9 @@ class SettingsRequest:
             band_hz=self.band_hz,
             max_iterations=self.max_iterations,
             noise=self.noise,
+            priors=self.priors or {},
+            start_run_id=self.start_run_id,
+            together_with=self.together_with,
         )
 
 

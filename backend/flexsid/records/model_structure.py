@@ -21,6 +21,7 @@ class Structure:
     free: tuple[str, ...] | None = None
     fixed: dict[str, float]
     free_delays: bool = False
+    also_free: tuple[str, ...] = ()
     axis: str = "longitudinal"
 
 

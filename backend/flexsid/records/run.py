@@ -34,16 +34,25 @@ class Start(StrEnum):
     PREDICTION = "prediction"
     RESIDUALIZED_PREDICTION = "residualized-prediction"
     EQUATION_ERROR = "equation-error"
+    RUN = "run"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunSettings:
-    """Choices of the analyst that are not model structure."""
+    """Choices of the analyst that are not model structure.
+
+    ``noise`` is ``diagonal`` or ``full``; ``priors`` gives value and standard
+    deviation by parameter; ``start_run_id`` goes with the start ``run``;
+    ``together_with`` names further maneuvers fitted with the same derivatives.
+    """
 
     start: Start = Start.BEST
     band_hz: tuple[float, float] | None = None
     max_iterations: int = 100
     noise: str = "diagonal"
+    priors: dict[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    start_run_id: int | None = None
+    together_with: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,6 +73,8 @@ class ParameterEstimate:
     value: float
     std_error: float | None
     start: float | None = None
+    cramer_rao: float | None = None  # bound for white residuals
+    insensitivity: float | None = None  # standard error were all others known
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,6 +86,10 @@ class Pole:
     name: str = ""
     real_std: float | None = None
     imag_std: float | None = None
+    frequency: float | None = None  # [rad/s]
+    frequency_std: float | None = None
+    damping: float | None = None  # ratio
+    damping_std: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,6 +114,17 @@ class Iteration:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class OutputQuality:
+    """Fit of one output of one block: R2, Theil's inequality, probability of white residuals."""
+
+    block: str
+    output: str
+    r_squared: float
+    theil: float
+    whiteness: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Fit:
     """How the maximisation ended and how well the model fits."""
 
@@ -112,6 +138,7 @@ class Fit:
     seconds: float
     start: str
     warnings: tuple[str, ...] = ()
+    quality: tuple[OutputQuality, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,7 +154,7 @@ class RunResult:
     poles: tuple[Pole, ...]
     blocks: tuple[FitBlock, ...]
     residualized_prediction: dict[str, float] | None = None
-    held: dict[str, float] = field(default_factory=dict)
+    held: dict[str, float] = field(default_factory=dict[str, float])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,63 +4,84 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import Method, Progress, RunSettings, Start
+from flexsid.records.run import Method, Progress, RunSettings
+from flexsid.sysid.estimation.delays import find_delays
 from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
+from flexsid.sysid.estimation.fusion import fuse
+from flexsid.sysid.estimation.input_noise import input_noise_errors
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.estimation.reconstruction import Motion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.signals import FrequencyData, FrequencyResponse
-from flexsid.sysid.spectra.response import bare_airframe_responses
 from flexsid.sysid.stability.poles import NamedPole, named_poles
 from flexsid.workflow.judgement import warnings_of
+from flexsid.workflow.measured import MeasuredLines
 
 Report = Callable[[Progress], None]
-RESIDUALIZED = "residualized"  # marks a starting table that other modes were folded into
+EQUATION_ERROR = "equation error"
 _SAME_COST = 1e-3  # ends closer than this are the same optimum
+
+
+@dataclass(frozen=True, slots=True)
+class ManeuverData:
+    """What one maneuver brings to a fit.
+
+    ``companions`` is the model with further modes that the sensors also see;
+    equation error reconstructs them too, so that their static response does not
+    pass for motion of the modes it estimates.
+    """
+
+    label: str
+    model: AeroelasticModel
+    companions: AeroelasticModel
+    measured: MeasuredLines
 
 
 @dataclass(frozen=True, slots=True)
 class Task:
     """All that a worker needs: numbers and choices, no database.
 
-    ``companions`` is the model with further modes that the sensors also see;
-    equation error reconstructs them too, so that their static response does not
-    pass for motion of the modes it estimates. ``inputs`` are true deflections;
-    ``outputs`` are as recorded, ``instruments`` (n_omega, n_y) lies between.
-    ``owner`` is the input that owns each line, -1 for none. ``predictions`` are
-    starting values by what they are called.
+    Maneuvers share the nondimensional derivatives. ``starts`` are starting tables
+    by what they are called; ``try_equation_error`` adds one of the data's own.
     """
 
     method: Method
     settings: RunSettings
     structure: Structure
-    model: AeroelasticModel
-    companions: AeroelasticModel
+    maneuvers: tuple[ManeuverData, ...]
     mode_names: tuple[str, ...]
-    instruments: np.ndarray
-    owner: np.ndarray
-    inputs: FrequencyData
-    outputs: FrequencyData
-    commands: FrequencyData | None
-    predictions: dict[str, DerivativeTable]
+    starts: dict[str, DerivativeTable]
+    try_equation_error: bool
+    residualized: dict[str, float] | None
     warnings: tuple[str, ...]
+
+    @property
+    def model(self) -> AeroelasticModel:
+        """Model of the first maneuver, whose poles are told."""
+        return self.maneuvers[0].model
+
+    @property
+    def extras(self) -> tuple[str, ...]:
+        """Names of what is free beyond the derivatives."""
+        delays = self.model.outputs if self.structure.free_delays else ()
+        named = (*(f"delay_{name}" for name in delays), *self.structure.also_free)
+        return tuple(dict.fromkeys(named))
 
 
 @dataclass(frozen=True, slots=True)
 class Computed:
-    """What a worker sends back."""
+    """What a worker sends back; ``held`` are the derivatives that were not free."""
 
     estimate: Estimate
     poles: tuple[NamedPole, ...]
@@ -82,66 +103,58 @@ def compute(task: Task, report: Report) -> Computed:
         Told of every iteration; what it raises (``Cancelled``) ends the run.
     """
     began = time.perf_counter()
+    warnings = list(task.warnings)
     if task.method is Method.EE:
         report(Progress(message="Reconstructing motion from the sensors"))
-        parameters = _parameters(task, _any_prediction(task), extras=())
+        parameters = _parameters(task, _any_start(task), task.extras)
         estimate, companions = _equation_error(task, parameters)
         start = "none needed"
         if companions:
             start += f"; modes {', '.join(map(str, companions))} reconstructed besides"
     else:
-        parameters, start, estimate = _likeliest(task, report)
+        experiments = _experiments(task)
+        parameters, start, estimate = _likeliest(task, experiments, report)
+        if task.method is Method.OE:
+            warnings += _input_noise_share(task, experiments, parameters, estimate)
+    estimate = estimate.widened(max(m.measured.crowding for m in task.maneuvers))
     poles = named_poles(
-        task.model,
-        parameters,
-        estimate.values,
-        estimate.corrected_covariance,
-        task.mode_names,
+        task.model, parameters, estimate.values, estimate.corrected_covariance, task.mode_names
     )
-    warnings = (*task.warnings, *warnings_of(estimate, parameters))
-    reduced = [table.named() for name, table in task.predictions.items() if RESIDUALIZED in name]
-    values = parameters.table(estimate.values).named()
-    held = {name: value for name, value in values.items() if name not in estimate.names}
-    seconds = time.perf_counter() - began
-    residualized = reduced[0] if reduced else None
-    return Computed(estimate, poles, start, warnings, residualized, held, seconds)
+    table = parameters.table(estimate.values).named()
+    return Computed(
+        estimate=estimate,
+        poles=poles,
+        start=start,
+        warnings=(*warnings, *warnings_of(estimate)),
+        residualized=task.residualized,
+        held={name: value for name, value in table.items() if name not in estimate.names},
+        seconds=time.perf_counter() - began,
+    )
 
 
-def true_outputs(task: Task) -> FrequencyData:
-    """Output spectra with the instruments taken out."""
-    values = task.outputs.values / task.instruments
-    return FrequencyData(task.outputs.omega, values, task.outputs.names)
+def _experiments(task: Task) -> list[Experiment]:
+    several = len(task.maneuvers) > 1
+    result = []
+    for data in task.maneuvers:
+        name = data.label if several else task.method.value
+        lines = data.measured
+        if task.method is Method.OE:
+            result.append(
+                output_error(data.model, lines.inputs, lines.outputs, lines.instruments, name)
+            )
+        else:
+            experiment = frequency_response_error(data.model, lines.responses(), name)
+            if several:
+                groups = tuple(f"{name} {group}" for group in experiment.group_names)
+                experiment = replace(experiment, group_names=groups)
+            result.append(experiment)
+    return result
 
 
-def measured_responses(task: Task) -> dict[str, FrequencyResponse]:
-    """Bare-airframe responses of every input at its own lines.
-
-    Raises
-    ------
-    BadInput
-        If it is not known which input owns which line.
-    """
-    if (task.owner < 0).any():
-        raise BadInput(
-            "frequency responses need to know which harmonics each input was given; add an "
-            "[excitation] section to the import, or use OE or EE",
-            code="no-harmonics",
-        )
-    commands = task.inputs if task.commands is None else task.commands
-    return bare_airframe_responses(task.inputs, true_outputs(task), commands, task.owner)
-
-
-def _experiment(task: Task) -> Experiment:
-    if task.method is Method.OE:
-        return output_error(task.model, task.inputs, task.outputs, task.instruments)
-    return frequency_response_error(task.model, measured_responses(task))
-
-
-def _any_prediction(task: Task) -> DerivativeTable:
-    if task.predictions:
-        return next(iter(task.predictions.values()))
-    modes, inputs = task.model.modes.numbers, task.model.inputs
-    return DerivativeTable.from_names(modes, inputs, {})
+def _any_start(task: Task) -> DerivativeTable:
+    if task.starts:
+        return next(iter(task.starts.values()))
+    return DerivativeTable.from_names(task.model.modes.numbers, task.model.inputs, {})
 
 
 def _parameters(task: Task, start: DerivativeTable, extras: tuple[str, ...]) -> Parameters:
@@ -151,30 +164,37 @@ def _parameters(task: Task, start: DerivativeTable, extras: tuple[str, ...]) -> 
 
 
 def _equation_error(task: Task, parameters: Parameters) -> tuple[Estimate, tuple[int, ...]]:
-    """Estimate, and the companion modes that the sensors allowed."""
-    motion, companions = _motion(task)
-    return equation_error(task.model, motion, task.inputs, parameters), companions
+    """Estimate of all maneuvers together, and the companion modes that sensors allowed."""
+    estimates, companions = [], ()
+    for data in task.maneuvers:
+        motion, companions = _motion(data)
+        estimates.append(equation_error(data.model, motion, data.measured.inputs, parameters))
+    return fuse(estimates, [data.label for data in task.maneuvers]), companions
 
 
-def _motion(task: Task) -> tuple[Motion, tuple[int, ...]]:
+def _motion(data: ManeuverData) -> tuple[Motion, tuple[int, ...]]:
     """Motion of the model's modes, with as many companions as the sensors can tell apart."""
-    own = len(task.model.modes.numbers)
-    for count in range(len(task.companions.modes.numbers), own, -1):
+    own = len(data.model.modes.numbers)
+    lines = data.measured
+    for count in range(len(data.companions.modes.numbers), own, -1):
         try:
-            model = task.companions.with_modes(count)
-            motion = reconstruct_motion(model, task.outputs, task.instruments)
+            model = data.companions.with_modes(count)
+            motion = reconstruct_motion(model, lines.outputs, lines.instruments)
         except NotIdentifiable:
             continue
         return motion.first(own), model.modes.numbers[own:]
-    return reconstruct_motion(task.model, task.outputs, task.instruments), ()
+    return reconstruct_motion(data.model, lines.outputs, lines.instruments), ()
 
 
-def _likeliest(task: Task, report: Report) -> tuple[Parameters, str, Estimate]:
+def _likeliest(
+    task: Task, experiments: list[Experiment], report: Report
+) -> tuple[Parameters, str, Estimate]:
     """Maximise from every starting point and keep the best end."""
-    experiment = _experiment(task)
     candidates = _starting_points(task, report)
     limit = task.settings.max_iterations
-    settings = FitSettings(max_iterations=limit, noise=task.settings.noise)
+    settings = FitSettings(
+        max_iterations=limit, noise=task.settings.noise, priors=task.settings.priors
+    )
     best: tuple[Parameters, str, Estimate] | None = None
     for number, (name, parameters) in enumerate(candidates.items()):
 
@@ -188,7 +208,7 @@ def _likeliest(task: Task, report: Report) -> tuple[Parameters, str, Estimate]:
                 )
             )
 
-        estimate = maximize([experiment], parameters, settings, tell)
+        estimate = maximize(experiments, parameters, settings, tell)
         if best is None or estimate.steps[-1].cost < best[2].steps[-1].cost - _SAME_COST:
             best = parameters, name, estimate
     assert best is not None
@@ -196,40 +216,68 @@ def _likeliest(task: Task, report: Report) -> tuple[Parameters, str, Estimate]:
 
 
 def _starting_points(task: Task, report: Report) -> dict[str, Parameters]:
-    """Candidates of the kind asked for, likeliest first.
+    """Candidates by name.
 
     Raises
     ------
     BadInput
         If there is none.
     """
-    extras = (
-        tuple(f"delay_{name}" for name in task.model.outputs) if task.structure.free_delays else ()
-    )
-    wanted = task.settings.start
-    candidates: dict[str, Parameters] = {}
-    if wanted in (Start.BEST, Start.EQUATION_ERROR):
+    tables = dict(task.starts)
+    if task.try_equation_error:
         report(Progress(message="Finding starting values by equation error"))
-        held = _parameters(task, _any_prediction(task), ())
+        held = _parameters(task, _any_start(task), ())
         try:
             values = _equation_error(task, held)[0].values
-            candidates["equation error"] = _parameters(task, held.table(values), extras)
+            tables = {EQUATION_ERROR: held.table(values), **tables}
         except NotIdentifiable:
-            if wanted is Start.EQUATION_ERROR:
+            if not tables:
                 raise
-    for name, table in task.predictions.items():
-        residualized = RESIDUALIZED in name
-        if wanted is Start.BEST:
-            if residualized or len(task.predictions) == 1:
-                candidates[name] = _parameters(task, table, extras)
-        elif wanted is not Start.EQUATION_ERROR and residualized == (
-            wanted is Start.RESIDUALIZED_PREDICTION
-        ):
-            candidates[name] = _parameters(task, table, extras)
-    if not candidates:
+    if not tables:
         raise BadInput(
-            "no starting values: the aircraft has no prediction for these derivatives and the "
-            "sensors do not allow equation error",
+            "no starting values: the aircraft has no prediction for these derivatives; import "
+            "one, or start from equation error or another run",
             code="no-start",
         )
+    candidates = {name: _parameters(task, table, task.extras) for name, table in tables.items()}
+    delayed = [k for k, e in enumerate(next(iter(candidates.values())).extras) if e.kind == "delay"]
+    if delayed:
+        report(Progress(message="Finding delays from the redundancy of the sensors"))
+        candidates = _with_delays(task, candidates, delayed)
     return candidates
+
+
+def _with_delays(
+    task: Task, candidates: dict[str, Parameters], delayed: list[int]
+) -> dict[str, Parameters]:
+    """Start the free delays where the sensors' redundancy puts them, where it can."""
+    first = task.maneuvers[0]
+    lines = first.measured
+    some = next(iter(candidates.values()))
+    try:
+        delays = find_delays(first.model, lines.inputs, lines.outputs, lines.instruments, some)
+    except NotIdentifiable:
+        return candidates
+    result = {}
+    for name, parameters in candidates.items():
+        start = parameters.start.copy()
+        for k in delayed:
+            start[parameters.rows.size + k] = delays[parameters.extras[k].output]
+        result[name] = replace(parameters, start=start)
+    return result
+
+
+def _input_noise_share(
+    task: Task, experiments: list[Experiment], parameters: Parameters, estimate: Estimate
+) -> list[str]:
+    noise = task.maneuvers[0].measured.input_noise
+    if noise is None or len(experiments) > 1:
+        return []
+    errors = input_noise_errors(experiments[0], parameters, estimate, noise)
+    share = float(np.median((errors / estimate.std_errors) ** 2))
+    if share < 0.1:
+        return []
+    return [
+        f"Noise on the measured surfaces makes {min(share, 1.0):.0%} of the variance of the "
+        "median parameter; the standard errors include it."
+    ]

@@ -15,36 +15,47 @@ from flexsid import __version__
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Maneuver, Role
+from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     EstimationRun,
     Fit,
     FitBlock,
     Iteration,
+    OutputQuality,
     ParameterEstimate,
     Pole,
     RunResult,
+    RunSettings,
+    Start,
 )
 from flexsid.storage import queue
 from flexsid.storage.store import Store
+from flexsid.sysid.estimation.diagnostics import output_quality, parameter_quality
 from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, derivative_names
 from flexsid.sysid.model.reduction import residualize
-from flexsid.sysid.signals import FrequencyData
-from flexsid.workflow.computation import RESIDUALIZED, Computed, Task, compute
+from flexsid.workflow.computation import Computed, ManeuverData, Task, compute
+from flexsid.workflow.measured import measure
 from flexsid.workflow.models import (
+    OutputDefinition,
     build_model,
     default_outputs,
     define_outputs,
     flight_condition,
-    input_correction,
-    output_instrument,
 )
-from flexsid.workflow.modes import AircraftModes, companion_modes, find_modal_tables, load_modes
+from flexsid.workflow.modes import (
+    AircraftModes,
+    companion_modes,
+    find_modal_tables,
+    load_modes,
+)
 from flexsid.workflow.predictions import best_prediction, predicted_modes, prediction_at
-from flexsid.workflow.transforms import Lines, maneuver_lines, spectra_of
 
 __all__ = ["compute", "keep", "prepare"]
+
+RESIDUALIZED = "residualized"  # of a starting table that other modes were folded into
 
 
 def prepare(store: Store, run: EstimationRun) -> Task:
@@ -56,40 +67,41 @@ def prepare(store: Store, run: EstimationRun) -> Task:
         If the structure does not fit the maneuver: unknown modes, inputs or
         outputs, a band without lines, a sensor without mode shape.
     """
-    maneuver = store.maneuvers.get(run.maneuver_id)
-    aircraft = store.aircraft.get(maneuver.aircraft_id)
-    structure = run.structure
-    channels = {c.name: c.role for c in store.channels.find(maneuver_id=run.maneuver_id)}
-    inputs = structure.inputs or tuple(n for n, role in channels.items() if role is Role.INPUT)
-    _check_recorded(inputs, channels, Role.INPUT)
-    outputs = define_outputs(aircraft, structure.outputs or default_outputs(aircraft, channels))
-    all_modes, damping_warnings = _modes(store, run, maneuver)
-    fuel = maneuver.condition.fuel_fraction
-    lines = _owned_by(maneuver_lines(maneuver, run.settings.band_hz), inputs)
-    companions = companion_modes(all_modes, fuel, structure.modes, lines.omega[-1], len(outputs))
-    extended = build_model(
-        aircraft,
-        maneuver.condition,
-        all_modes.table.at(fuel).select((*structure.modes, *companions)),
-        inputs,
-        outputs,
+    settings, structure = run.settings, run.structure
+    ids = tuple(dict.fromkeys((run.maneuver_id, *settings.together_with)))
+    maneuvers = [store.maneuvers.get(number) for number in ids]
+    first = maneuvers[0]
+    aircraft = store.aircraft.get(first.aircraft_id)
+    for other in maneuvers[1:]:
+        if other.aircraft_id != first.aircraft_id:
+            raise BadInput(
+                f"maneuver {other.id} is of another aircraft than maneuver {first.id}",
+                code="wrong-aircraft",
+            )
+    modal, damping = find_modal_tables(
+        store, first.aircraft_id, run.modal_table_id, run.damping_table_id
     )
-    model = extended.with_modes(len(structure.modes))
-    responses = [output_instrument(aircraft, o).response(lines.omega) for o in outputs]
+    modes = load_modes(store, modal, damping)
+    channels = {c.name: c.role for c in store.channels.find(maneuver_id=first.id)}
+    inputs = structure.inputs or tuple(n for n, role in channels.items() if role is Role.INPUT)
+    outputs = define_outputs(aircraft, structure.outputs or default_outputs(aircraft, channels))
+    data = tuple(
+        _maneuver_data(store, maneuver, aircraft, structure, modes, inputs, outputs, settings)
+        for maneuver in maneuvers
+    )
+    starts, residualized = _starts(store, run, first, aircraft, modes, inputs)
+    _check_names(data[0].model, starts, structure, settings)
+    assumed = modes.warnings if structure.modes else ()
     return Task(
         method=run.method,
-        settings=run.settings,
+        settings=settings,
         structure=structure,
-        model=model,
-        companions=extended,
-        mode_names=tuple(all_modes.names[number] for number in structure.modes),
-        instruments=np.stack(responses, axis=1),
-        owner=lines.owner,
-        inputs=_true_deflections(store, maneuver, aircraft, inputs, lines),
-        outputs=spectra_of(store, maneuver, aircraft, model.outputs, lines),
-        commands=_commands(store, maneuver, aircraft, inputs, channels, lines),
-        predictions=_predictions(store, run, maneuver, aircraft, all_modes, inputs),
-        warnings=(*damping_warnings, *_out_of_band(model, lines, all_modes)),
+        maneuvers=data,
+        mode_names=tuple(modes.names[number] for number in structure.modes),
+        starts=starts,
+        try_equation_error=settings.start in (Start.BEST, Start.EQUATION_ERROR),
+        residualized=residualized,
+        warnings=(*assumed, *_out_of_band(data[0], modes)),
     )
 
 
@@ -120,6 +132,10 @@ def keep(store: Store, run_id: int, attempt: int, computed: Computed) -> Estimat
                     name=pole.name,
                     real_std=_finite(pole.real_std),
                     imag_std=_finite(pole.imag_std),
+                    frequency=pole.frequency,
+                    frequency_std=_finite(pole.frequency_std),
+                    damping=pole.damping,
+                    damping_std=_finite(pole.damping_std),
                 )
                 for pole in computed.poles
             ),
@@ -140,68 +156,102 @@ def versions() -> dict[str, str]:
     }
 
 
-def _check_recorded(names: tuple[str, ...], channels: dict[str, Role], role: Role) -> None:
-    usable = [name for name, found in channels.items() if found is role]
-    for name in names:
-        if name not in usable:
+def _maneuver_data(
+    store: Store,
+    maneuver: Maneuver,
+    aircraft: Aircraft,
+    structure: Structure,
+    modes: AircraftModes,
+    inputs: tuple[str, ...],
+    outputs: tuple[OutputDefinition, ...],
+    settings: RunSettings,
+) -> ManeuverData:
+    lines = measure(store, maneuver, aircraft, inputs, outputs, settings.band_hz)
+    fuel = maneuver.condition.fuel_fraction
+    own = structure.modes
+    companions = companion_modes(modes, fuel, own, float(lines.omega[-1]), len(outputs))
+    shapes = modes.table.at(fuel).select((*own, *companions))
+    extended = build_model(aircraft, maneuver.condition, shapes, inputs, outputs)
+    return ManeuverData(maneuver.label, extended.with_modes(len(own)), extended, lines)
+
+
+def _check_names(
+    model: AeroelasticModel,
+    starts: dict[str, DerivativeTable],
+    structure: Structure,
+    settings: RunSettings,
+) -> None:
+    """Refuse names that do not fit the model before a worker finds out."""
+    empty = DerivativeTable.from_names(model.modes.numbers, model.inputs, {})
+    delays = tuple(f"delay_{name}" for name in model.outputs) if structure.free_delays else ()
+    extras = tuple(dict.fromkeys((*delays, *structure.also_free)))
+    start = next(iter(starts.values()), empty)
+    parameters = select_parameters(start, structure.free, model.outputs, extras, structure.fixed)
+    for name in settings.priors:
+        if name not in parameters.names:
             raise BadInput(
-                f"'{name}' is not a recorded {role.value} of this maneuver; it has "
-                f"{', '.join(usable) or 'none'}",
-                code="unknown-channel",
-                channel=name,
+                f"the prior of '{name}' has no free parameter to act on",
+                code="unknown-parameter",
+                name=name,
             )
-    if not names:
-        raise BadInput("the maneuver has no recorded input", code="no-input")
 
 
-def _modes(
-    store: Store, run: EstimationRun, maneuver: Maneuver
-) -> tuple[AircraftModes, tuple[str, ...]]:
-    modal, damping = find_modal_tables(
-        store, maneuver.aircraft_id, run.modal_table_id, run.damping_table_id
-    )
-    modes = load_modes(store, modal, damping)
-    return modes, modes.warnings if run.structure.modes else ()
-
-
-def _out_of_band(model: AeroelasticModel, lines: Lines, modes: AircraftModes) -> tuple[str, ...]:
-    highest = float(lines.omega[-1])
+def _out_of_band(data: ManeuverData, modes: AircraftModes) -> tuple[str, ...]:
+    highest = float(data.measured.omega[-1])
     return tuple(
         f"{modes.names[number]} ({omega / 2 / np.pi:.3g} Hz in vacuo) lies above the highest line "
         f"({highest / 2 / np.pi:.3g} Hz): the data hold little of its dynamics."
-        for number, omega in zip(model.modes.numbers, model.modes.omega, strict=True)
+        for number, omega in zip(data.model.modes.numbers, data.model.modes.omega, strict=True)
         if omega > highest
     )
 
 
-def _owned_by(lines: Lines, inputs: tuple[str, ...]) -> Lines:
-    """Owners counted in the model's inputs; -1 for inputs that are not in the model."""
-    index = [inputs.index(name) if name in inputs else -1 for name in lines.inputs]
-    owner = np.array([index[k] if k >= 0 else -1 for k in lines.owner], dtype=int)
-    return Lines(lines.omega, owner, inputs)
-
-
-def _true_deflections(
-    store: Store, maneuver: Maneuver, aircraft: Aircraft, inputs: tuple[str, ...], lines: Lines
-) -> FrequencyData:
-    recorded = spectra_of(store, maneuver, aircraft, inputs, lines)
-    factors = [input_correction(aircraft, name, lines.omega) for name in inputs]
-    return FrequencyData(lines.omega, recorded.values * np.stack(factors, axis=1), inputs)
-
-
-def _commands(
+def _starts(
     store: Store,
+    run: EstimationRun,
     maneuver: Maneuver,
     aircraft: Aircraft,
+    modes: AircraftModes,
     inputs: tuple[str, ...],
-    channels: dict[str, Role],
-    lines: Lines,
-) -> FrequencyData | None:
-    names = tuple(f"{name}_command" for name in inputs)
-    if any(channels.get(name) is not Role.COMMAND for name in names):
-        return None
-    recorded = spectra_of(store, maneuver, aircraft, names, lines)
-    return FrequencyData(lines.omega, recorded.values, inputs)
+) -> tuple[dict[str, DerivativeTable], dict[str, float] | None]:
+    """Starting tables of the kind asked for, and the residualised prediction if there is one."""
+    wanted = run.structure.modes
+    predicted = _predictions(store, run, maneuver, aircraft, modes, inputs)
+    residualized = next((t.named() for n, t in predicted.items() if n.endswith(RESIDUALIZED)), None)
+    start = run.settings.start
+    if start is Start.RUN:
+        return {
+            f"run {run.settings.start_run_id}": _of_run(store, run, wanted, inputs)
+        }, residualized
+    if start is Start.RESIDUALIZED_PREDICTION:
+        predicted = {n: t for n, t in predicted.items() if n.endswith(RESIDUALIZED)}
+    elif start is Start.PREDICTION:
+        predicted = {n: t for n, t in predicted.items() if not n.endswith(RESIDUALIZED)}
+    elif start is Start.BEST and residualized is not None:
+        predicted = {n: t for n, t in predicted.items() if n.endswith(RESIDUALIZED)}
+    elif start is Start.EQUATION_ERROR:
+        # The rest of the table is still needed for derivatives that are held.
+        predicted = predicted if run.structure.free is not None else {}
+        predicted = dict(list(predicted.items())[:1])
+    return predicted, residualized
+
+
+def _of_run(
+    store: Store, run: EstimationRun, wanted: tuple[int, ...], inputs: tuple[str, ...]
+) -> DerivativeTable:
+    number = run.settings.start_run_id
+    if number is None:
+        raise BadInput("to start from a run, name it in start_run_id", code="no-start")
+    other = store.runs.get(number)
+    if other.result is None:
+        raise BadInput(
+            f"run {number} is {other.state.value} and has no values to start from",
+            code="no-start",
+            run_id=number,
+        )
+    values = other.structure.fixed | other.result.held
+    values |= {p.name: p.value for p in other.result.parameters}
+    return DerivativeTable.from_names(wanted, inputs, values)
 
 
 def _predictions(
@@ -212,6 +262,7 @@ def _predictions(
     modes: AircraftModes,
     inputs: tuple[str, ...],
 ) -> dict[str, DerivativeTable]:
+    """The prediction residualised, where it covers the model, and as it is."""
     wanted = run.structure.modes
     prediction = best_prediction(store, maneuver.aircraft_id, run.prediction_id, wanted, inputs)
     if prediction is None:
@@ -223,22 +274,23 @@ def _predictions(
     if not set(derivative_names(wanted, inputs)) <= set(values):
         return {prediction.source: plain} if set(wanted) <= set(covered) else {}
     full = DerivativeTable.from_names(covered, inputs, values)
-    reduced = residualize(
-        full,
-        modes.table.at(fuel),
-        flight_condition(aircraft, maneuver.condition),
-        wanted,
-    )
+    condition = flight_condition(aircraft, maneuver.condition)
+    reduced = residualize(full, modes.table.at(fuel), condition, wanted)
     return {f"{prediction.source}, {RESIDUALIZED}": reduced, prediction.source: plain}
 
 
 def _parameter_rows(estimate: Estimate) -> tuple[ParameterEstimate, ...]:
     return tuple(
         ParameterEstimate(
-            name=name, value=float(value), std_error=_finite(float(error)), start=float(start)
+            name=quality.name,
+            value=float(value),
+            std_error=_finite(quality.std_error),
+            start=float(start),
+            cramer_rao=_finite(quality.cramer_rao),
+            insensitivity=_finite(quality.insensitivity),
         )
-        for name, value, error, start in zip(
-            estimate.names, estimate.values, estimate.std_errors, estimate.start, strict=True
+        for quality, value, start in zip(
+            parameter_quality(estimate), estimate.values, estimate.start, strict=True
         )
     )
 
@@ -259,6 +311,17 @@ def _fit(computed: Computed) -> Fit:
         seconds=computed.seconds,
         start=computed.start,
         warnings=computed.warnings,
+        quality=tuple(
+            OutputQuality(
+                block=block.name,
+                output=quality.output,
+                r_squared=quality.r_squared,
+                theil=quality.theil,
+                whiteness=quality.whiteness,
+            )
+            for block in estimate.lines
+            for quality in output_quality(block)
+        ),
     )
 
 

@@ -5,24 +5,25 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
-from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.model.derivatives import is_derivative
 
 CORRELATED = 0.9
 _POOR_FIT = 0.8
 _OPTIMISTIC = 2.0
 
 
-def warnings_of(estimate: Estimate, parameters: Parameters) -> tuple[str, ...]:
+def warnings_of(estimate: Estimate) -> tuple[str, ...]:
     """Sentences on identifiability, fit and error bars; empty where nothing is wrong."""
     found = []
     if estimate.outcome is not Outcome.CONVERGED:
         found.append(estimate.message)
     names = np.array(estimate.names)
-    weak = np.flatnonzero(np.abs(estimate.values) < 2.0 * estimate.std_errors)
+    derivative = np.array([is_derivative(name) for name in estimate.names])
+    weak = np.flatnonzero(derivative & (np.abs(estimate.values) < 2.0 * estimate.std_errors))
     if weak.size:
         found.append(
-            f"{weak.size} of {names.size} parameters are within two standard errors of zero: "
-            f"{_some(names[weak])}."
+            f"{weak.size} of {derivative.sum()} derivatives are within two standard errors "
+            f"of zero: {_some(names[weak])}."
         )
     correlation = np.abs(np.triu(estimate.correlation, 1))
     pairs = np.argwhere(correlation > CORRELATED)

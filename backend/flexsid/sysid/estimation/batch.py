@@ -34,10 +34,11 @@ def regress_batch(
     condition at the square of that of the correlation between regressors.
     """
     scale = np.sqrt(
-        np.einsum("bmp,bmp->bp", X.real, X.real) + np.einsum("bmp,bmp->bp", X.imag, X.imag)
+        np.einsum("bmp,bmp->bp", np.real(X), np.real(X))
+        + np.einsum("bmp,bmp->bp", np.imag(X), np.imag(X))
     )
-    stacked = np.concatenate([X.real, X.imag], axis=1) / scale[:, None, :]
-    target = np.concatenate([z.real, z.imag], axis=1)
+    stacked = np.concatenate([np.real(X), np.imag(X)], axis=1) / scale[:, None, :]
+    target = np.concatenate([np.real(z), np.imag(z)], axis=1)
     transposed = stacked.transpose(0, 2, 1)
     normal = transposed @ stacked
     p = X.shape[2]

@@ -51,6 +51,11 @@ class Derivative:
         return f"{self.coefficient}_{self.variable}"
 
 
+def is_derivative(name: str) -> bool:
+    """Whether a parameter is a derivative, not a delay or the like."""
+    return _NAME.match(name) is not None
+
+
 def coefficients(modes: tuple[int, ...]) -> tuple[str, ...]:
     """Names of the rows: CZ, Cm and CQ of each mode."""
     return ("CZ", "Cm", *(f"CQ{mode}" for mode in modes))

@@ -1,0 +1,149 @@
+"""Measured: the spectra of one maneuver that every analysis starts from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.records.aircraft import Aircraft
+from flexsid.records.maneuver import Maneuver, Role
+from flexsid.storage.store import Store
+from flexsid.sysid.signals import FrequencyData, FrequencyResponse
+from flexsid.sysid.spectra.response import bare_airframe_responses
+from flexsid.workflow.models import OutputDefinition, input_correction, output_instrument
+from flexsid.workflow.transforms import Lines, maneuver_lines, spectra_of
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredLines:
+    """Spectra at the lines of a maneuver.
+
+    ``inputs`` are true deflections; ``outputs`` are as recorded, ``instruments``
+    (n_omega, n_y) lies between. ``owner`` is the input that owns each line, -1 for
+    none. ``input_noise`` (n_omega, n_u) is the variance of the inputs' spectra where
+    their sensors' noise is known. ``crowding`` is how many lines share the resolution
+    of the record, at least one.
+    """
+
+    owner: np.ndarray
+    inputs: FrequencyData
+    outputs: FrequencyData
+    instruments: np.ndarray
+    commands: FrequencyData | None
+    input_noise: np.ndarray | None
+    crowding: float
+
+    @property
+    def omega(self) -> np.ndarray:
+        """Frequencies of the lines. [rad/s]"""
+        return self.outputs.omega
+
+    def true_outputs(self) -> FrequencyData:
+        """Output spectra with the instruments taken out."""
+        return FrequencyData(self.omega, self.outputs.values / self.instruments, self.outputs.names)
+
+    def responses(self) -> dict[str, FrequencyResponse]:
+        """Bare-airframe responses of every input at its own lines.
+
+        Raises
+        ------
+        BadInput
+            If it is not known which input owns which line.
+        """
+        if (self.owner < 0).any():
+            raise BadInput(
+                "frequency responses need to know which harmonics each input was given; import "
+                "the maneuver with its [excitation], or use OE or EE",
+                code="no-excitation",
+            )
+        commands = self.inputs if self.commands is None else self.commands
+        return bare_airframe_responses(self.inputs, self.true_outputs(), commands, self.owner)
+
+
+def measure(
+    store: Store,
+    maneuver: Maneuver,
+    aircraft: Aircraft,
+    inputs: tuple[str, ...],
+    outputs: tuple[OutputDefinition, ...],
+    band_hz: tuple[float, float] | None = None,
+) -> MeasuredLines:
+    """Transform inputs, outputs and recorded excitation of a maneuver.
+
+    Raises
+    ------
+    BadInput
+        If a channel is not recorded in its role, or the band holds no line.
+    """
+    channels = {c.name: c for c in store.channels.find(maneuver_id=maneuver.id)}
+    _check_inputs(inputs, {name: channel.role for name, channel in channels.items()})
+    lines = _owned_by(maneuver_lines(maneuver, band_hz), inputs)
+    recorded = spectra_of(store, maneuver, aircraft, inputs, lines)
+    factors = np.stack([input_correction(aircraft, n, lines.omega) for n in inputs], axis=1)
+    names = tuple(output.name for output in outputs)
+    responses = [output_instrument(aircraft, o).response(lines.omega) for o in outputs]
+    duration_s = max(c.n_samples / c.rate_hz for n, c in channels.items() if n in inputs)
+    known = {s.name: s.noise_std_rad for s in aircraft.surfaces}
+    levels = [known.get(name) for name in inputs]
+    noise = None
+    if all(level is not None for level in levels):
+        # The transform of white samples has variance sigma^2 T / rate.
+        density = np.array(
+            [
+                float(lv or 0.0) ** 2 * duration_s / channels[n].rate_hz
+                for lv, n in zip(levels, inputs, strict=True)
+            ]
+        )
+        noise = density * np.abs(factors) ** 2
+    return MeasuredLines(
+        owner=lines.owner,
+        inputs=FrequencyData(lines.omega, recorded.values * factors, inputs),
+        outputs=spectra_of(store, maneuver, aircraft, names, lines),
+        instruments=np.stack(responses, axis=1),
+        commands=_commands(store, maneuver, aircraft, inputs, lines),
+        input_noise=noise,
+        crowding=_crowding(lines.omega, duration_s),
+    )
+
+
+def _check_inputs(names: tuple[str, ...], roles: Mapping[str, Role]) -> None:
+    usable = [name for name, role in roles.items() if role is Role.INPUT]
+    for name in names:
+        if name not in usable:
+            raise BadInput(
+                f"'{name}' is not a recorded input of this maneuver; it has "
+                f"{', '.join(usable) or 'none'}",
+                code="unknown-channel",
+                channel=name,
+            )
+    if not names:
+        raise BadInput("the maneuver has no recorded input", code="no-input")
+
+
+def _owned_by(lines: Lines, inputs: tuple[str, ...]) -> Lines:
+    """Owners counted in the chosen inputs; -1 for the lines of inputs left out."""
+    index = [inputs.index(name) if name in inputs else -1 for name in lines.inputs]
+    owner = np.array([index[k] if k >= 0 else -1 for k in lines.owner], dtype=int)
+    return Lines(lines.omega, owner, inputs)
+
+
+def _commands(
+    store: Store, maneuver: Maneuver, aircraft: Aircraft, inputs: tuple[str, ...], lines: Lines
+) -> FrequencyData | None:
+    """Recorded excitation of every input, None where it was not recorded."""
+    recorded = {c.name for c in store.channels.find(maneuver_id=maneuver.id, role=Role.COMMAND)}
+    names = tuple(f"{name}_command" for name in inputs)
+    if not recorded.issuperset(names):
+        return None
+    data = spectra_of(store, maneuver, aircraft, names, lines)
+    return FrequencyData(lines.omega, data.values, inputs)
+
+
+def _crowding(omega: np.ndarray, duration_s: float) -> float:
+    if omega.size < 2:
+        return 1.0
+    spacing_hz = float(np.median(np.diff(np.unique(omega)))) / (2.0 * np.pi)
+    return max(1.0, 1.0 / (spacing_hz * duration_s))
