@@ -63,6 +63,7 @@ class SettingsRequest:
     max_iterations: Annotated[int, Field(strict=True, ge=1, le=1000)] = 100
     noise: Literal["diagonal", "full"] = "diagonal"
     priors: Annotated[dict[Name, Prior] | None, Field(max_length=500)] = None
+    prior_spread: Annotated[float, Field(strict=True, gt=0.0, le=100.0)] | None = None
     start_run_id: Id | None = None
     together_with: Annotated[tuple[Id, ...], Field(max_length=100)] = ()
 
@@ -76,6 +77,7 @@ class SettingsRequest:
             max_iterations=self.max_iterations,
             noise=self.noise,
             priors=self.priors or {},
+            prior_spread=self.prior_spread,
             start_run_id=self.start_run_id,
             together_with=self.together_with,
         )

@@ -42,7 +42,8 @@ class RunSettings:
     """Choices of the analyst that are not model structure.
 
     ``noise`` is ``diagonal`` or ``full``; ``priors`` gives value and standard
-    deviation by parameter; ``start_run_id`` goes with the start ``run``;
+    deviation by parameter, ``prior_spread`` gives every free derivative a prior at
+    the prediction with this share of its size; ``start_run_id`` goes with the start ``run``;
     ``together_with`` names further maneuvers fitted with the same derivatives.
     """
 
@@ -51,6 +52,7 @@ class RunSettings:
     max_iterations: int = 100
     noise: str = "diagonal"
     priors: dict[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    prior_spread: float | None = None
     start_run_id: int | None = None
     together_with: tuple[int, ...] = ()
 

@@ -16,7 +16,7 @@ from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
-from flexsid.sysid.estimation.fusion import fuse
+from flexsid.sysid.estimation.fusion import fuse, with_priors
 from flexsid.sysid.estimation.input_noise import input_noise_errors
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.output_error import output_error
@@ -30,6 +30,7 @@ from flexsid.workflow.measured import MeasuredLines
 
 Report = Callable[[Progress], None]
 EQUATION_ERROR = "equation error"
+_LONGEST_DELAY_S = 0.2
 _SAME_COST = 1e-3  # ends closer than this are the same optimum
 
 
@@ -62,6 +63,7 @@ class Task:
     maneuvers: tuple[ManeuverData, ...]
     mode_names: tuple[str, ...]
     starts: dict[str, DerivativeTable]
+    priors: dict[str, tuple[float, float]]
     try_equation_error: bool
     residualized: dict[str, float] | None
     warnings: tuple[str, ...]
@@ -108,6 +110,7 @@ def compute(task: Task, report: Report) -> Computed:
         report(Progress(message="Reconstructing motion from the sensors"))
         parameters = _parameters(task, _any_start(task), task.extras)
         estimate, companions = _equation_error(task, parameters)
+        estimate = with_priors(estimate, task.priors)
         start = "none needed"
         if companions:
             start += f"; modes {', '.join(map(str, companions))} reconstructed besides"
@@ -192,9 +195,7 @@ def _likeliest(
     """Maximise from every starting point and keep the best end."""
     candidates = _starting_points(task, report)
     limit = task.settings.max_iterations
-    settings = FitSettings(
-        max_iterations=limit, noise=task.settings.noise, priors=task.settings.priors
-    )
+    settings = FitSettings(max_iterations=limit, noise=task.settings.noise, priors=task.priors)
     best: tuple[Parameters, str, Estimate] | None = None
     for number, (name, parameters) in enumerate(candidates.items()):
 
@@ -258,6 +259,8 @@ def _with_delays(
         delays = find_delays(first.model, lines.inputs, lines.outputs, lines.instruments, some)
     except NotIdentifiable:
         return candidates
+    if np.max(np.abs(delays)) > _LONGEST_DELAY_S:
+        return candidates  # too few sensors to tell delays from motion
     result = {}
     for name, parameters in candidates.items():
         start = parameters.start.copy()

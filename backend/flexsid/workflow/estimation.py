@@ -89,8 +89,9 @@ def prepare(store: Store, run: EstimationRun) -> Task:
         _maneuver_data(store, maneuver, aircraft, structure, modes, inputs, outputs, settings)
         for maneuver in maneuvers
     )
-    starts, residualized = _starts(store, run, first, aircraft, modes, inputs)
-    _check_names(data[0].model, starts, structure, settings)
+    predicted = _predictions(store, run, first, aircraft, modes, inputs)
+    starts = _starts(store, run, predicted, inputs)
+    free = _check_names(data[0].model, starts, structure, settings)
     assumed = modes.warnings if structure.modes else ()
     return Task(
         method=run.method,
@@ -99,8 +100,9 @@ def prepare(store: Store, run: EstimationRun) -> Task:
         maneuvers=data,
         mode_names=tuple(modes.names[number] for number in structure.modes),
         starts=starts,
+        priors=_priors(predicted, free, settings),
         try_equation_error=settings.start in (Start.BEST, Start.EQUATION_ERROR),
-        residualized=residualized,
+        residualized=next((t.named() for n, t in predicted.items() if _is_residualized(n)), None),
         warnings=(*assumed, *_out_of_band(data[0], modes)),
     )
 
@@ -180,8 +182,8 @@ def _check_names(
     starts: dict[str, DerivativeTable],
     structure: Structure,
     settings: RunSettings,
-) -> None:
-    """Refuse names that do not fit the model before a worker finds out."""
+) -> tuple[str, ...]:
+    """Free parameters by name; what does not fit is refused before a worker finds out."""
     empty = DerivativeTable.from_names(model.modes.numbers, model.inputs, {})
     delays = tuple(f"delay_{name}" for name in model.outputs) if structure.free_delays else ()
     extras = tuple(dict.fromkeys((*delays, *structure.also_free)))
@@ -194,6 +196,29 @@ def _check_names(
                 code="unknown-parameter",
                 name=name,
             )
+    return parameters.names
+
+
+def _priors(
+    predicted: dict[str, DerivativeTable], free: tuple[str, ...], settings: RunSettings
+) -> dict[str, tuple[float, float]]:
+    """Priors given by name, and by the prediction where a spread was asked for."""
+    spread = settings.prior_spread
+    if spread is None:
+        return dict(settings.priors)
+    if not predicted:
+        raise BadInput(
+            "a prior spread needs a prediction that covers these modes and inputs; import one or "
+            "give priors by name",
+            code="no-prediction",
+        )
+    table = next(iter(predicted.values()))
+    typical = np.median(np.abs(table.values), axis=1, keepdims=True)  # of each coefficient
+    sizes = spread * np.maximum(np.abs(table.values), typical)
+    spreads = DerivativeTable(table.modes, table.inputs, sizes).named()
+    values = table.named()
+    of_prediction = {name: (values[name], spreads[name]) for name in free if name in values}
+    return of_prediction | dict(settings.priors)
 
 
 def _out_of_band(data: ManeuverData, modes: AircraftModes) -> tuple[str, ...]:
@@ -206,34 +231,30 @@ def _out_of_band(data: ManeuverData, modes: AircraftModes) -> tuple[str, ...]:
     )
 
 
+def _is_residualized(name: str) -> bool:
+    return name.endswith(RESIDUALIZED)
+
+
 def _starts(
     store: Store,
     run: EstimationRun,
-    maneuver: Maneuver,
-    aircraft: Aircraft,
-    modes: AircraftModes,
+    predicted: dict[str, DerivativeTable],
     inputs: tuple[str, ...],
-) -> tuple[dict[str, DerivativeTable], dict[str, float] | None]:
-    """Starting tables of the kind asked for, and the residualised prediction if there is one."""
-    wanted = run.structure.modes
-    predicted = _predictions(store, run, maneuver, aircraft, modes, inputs)
-    residualized = next((t.named() for n, t in predicted.items() if n.endswith(RESIDUALIZED)), None)
+) -> dict[str, DerivativeTable]:
+    """Starting tables of the kind asked for; held derivatives take their values from them too."""
     start = run.settings.start
     if start is Start.RUN:
-        return {
-            f"run {run.settings.start_run_id}": _of_run(store, run, wanted, inputs)
-        }, residualized
+        name = f"run {run.settings.start_run_id}"
+        return {name: _of_run(store, run, run.structure.modes, inputs)}
+    residualized = {n: t for n, t in predicted.items() if _is_residualized(n)}
     if start is Start.RESIDUALIZED_PREDICTION:
-        predicted = {n: t for n, t in predicted.items() if n.endswith(RESIDUALIZED)}
-    elif start is Start.PREDICTION:
-        predicted = {n: t for n, t in predicted.items() if not n.endswith(RESIDUALIZED)}
-    elif start is Start.BEST and residualized is not None:
-        predicted = {n: t for n, t in predicted.items() if n.endswith(RESIDUALIZED)}
-    elif start is Start.EQUATION_ERROR:
-        # The rest of the table is still needed for derivatives that are held.
-        predicted = predicted if run.structure.free is not None else {}
-        predicted = dict(list(predicted.items())[:1])
-    return predicted, residualized
+        return residualized
+    if start is Start.PREDICTION:
+        return {n: t for n, t in predicted.items() if not _is_residualized(n)}
+    first = dict(list(predicted.items())[:1])  # the residualised one, where there is one
+    if start is Start.EQUATION_ERROR:
+        return first if run.structure.free is not None else {}
+    return first
 
 
 def _of_run(

@@ -1869,7 +1869,8 @@ export interface components {
          * @description Choices of the analyst that are not model structure.
          *
          *     ``noise`` is ``diagonal`` or ``full``; ``priors`` gives value and standard
-         *     deviation by parameter; ``start_run_id`` goes with the start ``run``;
+         *     deviation by parameter, ``prior_spread`` gives every free derivative a prior at
+         *     the prediction with this share of its size; ``start_run_id`` goes with the start ``run``;
          *     ``together_with`` names further maneuvers fitted with the same derivatives.
          */
         RunSettings: {
@@ -1897,6 +1898,8 @@ export interface components {
                     number
                 ];
             };
+            /** Prior Spread */
+            prior_spread?: number | null;
             /** Start Run Id */
             start_run_id?: number | null;
             /**
@@ -1994,6 +1997,8 @@ export interface components {
                     number
                 ];
             } | null;
+            /** Prior Spread */
+            prior_spread?: number | null;
             /** Start Run Id */
             start_run_id?: number | null;
             /**

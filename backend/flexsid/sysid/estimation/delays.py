@@ -17,6 +17,7 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import FrequencyData
 
 _ITERATIONS = 40
+_LARGEST_STEP_RAD = 0.3  # at the highest line: beyond that a delay may slip by a whole turn
 _COMMON_S = np.arange(-0.02, 0.0801, 0.002)
 
 
@@ -77,6 +78,7 @@ def relative_delays(
         diagonal = np.diag(normal) + 1e-12 * np.trace(normal)
         step = np.linalg.solve(normal + damping * np.diag(diagonal), -gradient)
         step -= step.mean()
+        step *= min(1.0, _LARGEST_STEP_RAD / (omega[-1] * max(np.max(np.abs(step)), 1e-12)))
         trial = _projected(rows, z, omega, tau + step)
         if trial[0] < cost:
             tau = tau + step

@@ -73,10 +73,11 @@ class Estimate:
     @property
     def std_errors(self) -> Float[np.ndarray, " n_theta"]:
         """Standard errors from the corrected covariance."""
-        return np.sqrt(np.diag(self.corrected_covariance))
+        return np.sqrt(np.maximum(np.diag(self.corrected_covariance), 0.0))
 
     @property
     def correlation(self) -> Float[np.ndarray, "n_theta n_theta"]:
         """Correlation between parameters."""
-        scale = np.sqrt(np.diag(self.corrected_covariance))
-        return self.corrected_covariance / np.outer(scale, scale)
+        scale = self.std_errors
+        safe = np.where(scale > 0.0, scale, 1.0)
+        return self.corrected_covariance / np.outer(safe, safe)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -49,4 +49,35 @@ def fuse(estimates: Sequence[Estimate], labels: Sequence[str]) -> Estimate:
         covariance=np.linalg.solve(plain, identity) * outer,
         corrected_covariance=np.linalg.solve(information, identity) * outer,
         lines=lines,
+    )
+
+
+def with_priors(estimate: Estimate, priors: Mapping[str, tuple[float, float]]) -> Estimate:
+    """Weigh a linear estimate against prior values and standard deviations by name."""
+    if not priors:
+        return estimate
+    scale = np.sqrt(np.diag(estimate.corrected_covariance))
+    outer = np.outer(scale, scale)
+    identity = np.eye(scale.size)
+    mean = np.array(
+        [
+            priors[n][0] if n in priors else v
+            for n, v in zip(estimate.names, estimate.values, strict=True)
+        ]
+    )
+    weight = np.array(
+        [
+            scale[k] ** 2 / priors[n][1] ** 2 if n in priors else 0.0
+            for k, n in enumerate(estimate.names)
+        ]
+    )
+    information = np.linalg.solve(estimate.corrected_covariance / outer, identity)
+    total = information + np.diag(weight)
+    moment = information @ (estimate.values / scale) + weight * mean / scale
+    plain = np.linalg.solve(estimate.covariance / outer, identity) + np.diag(weight)
+    return replace(
+        estimate,
+        values=np.linalg.solve(total, moment) * scale,
+        covariance=np.linalg.solve(plain, identity) * outer,
+        corrected_covariance=np.linalg.solve(total, identity) * outer,
     )
