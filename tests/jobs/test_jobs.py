@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,9 @@ import pytest
 from flexsid.jobs.direct import carry_out
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.steps import Steps
-from flexsid.records.run import EstimationRun, RunState
+from flexsid.records.maneuver import Maneuver
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 
@@ -179,16 +182,22 @@ def test_a_killed_server_leaves_no_orphans_and_its_runs_resume(
 
 
 def test_one_run_can_be_carried_out_without_a_server(
-    store: Store, add_run: AddRun, steps: Steps
+    store: Store, maneuver: Maneuver, steps: Steps
 ) -> None:
-    done, refused, stumbled = (add_run(author=w) for w in ("compute", "refuse", "stumble"))
     said: list[str] = []
+    assert maneuver.id is not None
+    wanted = EstimationRun(
+        maneuver_id=maneuver.id,
+        method=Method.EE,
+        structure=Structure(fixed={}),
+        settings=RunSettings(),
+    )
 
-    def state(run: EstimationRun) -> RunState:
-        assert run.id is not None
-        return carry_out(store, run.id, steps, lambda progress: said.append(progress.message)).state
+    def state(task: str) -> RunState:
+        run = replace(wanted, author=task)
+        return carry_out(store, run, steps, lambda progress: said.append(progress.message)).state
 
-    assert state(done) is RunState.SUCCEEDED
-    assert state(refused) is RunState.FAILED
-    assert state(stumbled) is RunState.FAILED
+    assert state("compute") is RunState.SUCCEEDED
+    assert state("refuse") is RunState.FAILED
+    assert state("stumble") is RunState.FAILED
     assert said == ["half way"] * 3

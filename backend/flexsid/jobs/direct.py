@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 
-from flexsid.errors import Conflict, FlexsidError
+from flexsid.errors import FlexsidError
 from flexsid.jobs.steps import Steps
 from flexsid.jobs.worker import unexpected
 from flexsid.records.run import EstimationRun, Progress
@@ -16,19 +16,21 @@ _log = logging.getLogger(__name__)
 
 
 def carry_out(
-    store: Store, run_id: int, steps: Steps, report: Callable[[Progress], None]
+    store: Store, wanted: EstimationRun, steps: Steps, report: Callable[[Progress], None]
 ) -> EstimationRun:
-    """Carry out a queued run and return it, succeeded or failed.
+    """Keep a run, carry it out at once and return it, succeeded or failed.
 
     Raises
     ------
-    Conflict
-        If the run is not queued, or was cancelled or taken over meanwhile.
+    StaleAttempt
+        If it was cancelled, or a server that started meanwhile took it over.
     """
-    run = queue.claim(store, run_id)
-    if run is None:
-        state = store.runs.get(run_id).state
-        raise Conflict(f"run {run_id} is {state.value}; only a queued run can be carried out")
+    with store.transaction():  # no server sees it queued
+        kept = store.runs.add(wanted)
+        run = queue.claim(store, kept.id)
+    assert run is not None
+    assert run.id is not None
+    run_id = run.id
     try:
         return steps.keep(
             store, run_id, run.attempt, steps.compute(steps.prepare(store, run), report)

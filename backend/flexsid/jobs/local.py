@@ -67,7 +67,7 @@ class LocalWorkers:
         return {worker.key for worker in self._workers if worker.key is not None}
 
     def warm_up(self) -> None:
-        """Have one idle worker more than there are tasks: loading the mathematics takes a second."""
+        """Have one idle worker more than tasks: loading the mathematics takes a second."""
         if self.room and all(worker.key is not None for worker in self._workers):
             self._start()
 

@@ -1,0 +1,1 @@
+"""The ``flexsid`` command."""

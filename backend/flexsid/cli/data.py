@@ -1,0 +1,84 @@
+"""Bring files in and take results out, without a browser."""
+
+from __future__ import annotations
+
+import csv
+import io
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import orjson
+
+from flexsid.cli.opening import opened
+from flexsid.cli.serve import bring_along
+from flexsid.errors import BadInput, FlexsidError
+from flexsid.records.run import EstimationRun
+from flexsid.settings import Settings
+from flexsid.workflow.export import export_run
+from flexsid.workflow.ingest import Imported, keep_upload, read_upload
+
+
+def bring_in(
+    settings: Settings, files: Sequence[str], mapping: str | None, aircraft_id: int | None
+) -> int:
+    """Import files and say what came in."""
+    upload = read_upload([Path(file) for file in files], None if mapping is None else Path(mapping))
+    with opened(settings) as store:
+        if upload.builtin is not None:
+            bring_along(store, upload.builtin)
+        imported = keep_upload(store, upload, aircraft_id)
+        n_channels = (
+            0
+            if imported.maneuver is None
+            else len(store.channels.find(maneuver_id=imported.maneuver.id))
+        )
+    for line in _report(imported, n_channels):
+        print(line)
+    return 0
+
+
+def export(settings: Settings, run_id: int, output: str) -> int:
+    """Write a run to a file."""
+    file = Path(output)
+    if file.suffix not in (".json", ".csv"):
+        raise BadInput(f"{output} ends in {file.suffix!r}; expected .json or .csv")
+    with opened(settings) as store:
+        exported = export_run(store, run_id)
+    if file.suffix == ".json":
+        options = orjson.OPT_INDENT_2 | orjson.OPT_NON_STR_KEYS | orjson.OPT_UTC_Z
+        content = orjson.dumps(exported, option=options)
+    else:
+        content = _parameter_table(exported.run).encode()
+    try:
+        file.write_bytes(content)
+    except OSError as error:
+        raise FlexsidError(f"{output} cannot be written: {error.strerror}") from error
+    print(f"wrote run {run_id} to {output}", file=sys.stderr)
+    return 0
+
+
+def _report(imported: Imported, n_channels: int) -> list[str]:
+    lines: list[str] = []
+    if imported.maneuver is not None and imported.flight is not None:
+        maneuver = imported.maneuver
+        lines.append(
+            f"maneuver {maneuver.id}: {maneuver.label}, flight {imported.flight.number} of"
+            f" {imported.aircraft.name}, {n_channels} channels, {maneuver.duration_s:g} s"
+        )
+    lines += [f"modal table {table.id}: {table.name}" for table in imported.modal_tables]
+    lines += [f"prediction {kept.id}: {kept.source}" for kept in imported.predictions]
+    return lines or [f"aircraft {imported.aircraft.id}: {imported.aircraft.name}"]
+
+
+def _parameter_table(run: EstimationRun) -> str:
+    if run.result is None:
+        raise FlexsidError(
+            f"run {run.id} is {run.state.value} and has no parameters", code="run-without-result"
+        )
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(("name", "value", "std_error", "start"))
+    for parameter in run.result.parameters:
+        table.writerow((parameter.name, parameter.value, parameter.std_error, parameter.start))
+    return text.getvalue()

@@ -1,0 +1,138 @@
+"""The ``flexsid`` command: reads the arguments, then does one thing.
+
+What a command needs is imported when it runs, so that ``--help`` is instant.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+
+import flexsid
+from flexsid.errors import BadInput, FlexsidError
+from flexsid.settings import DEFAULT_DATABASE, Settings, read_settings
+
+_METHODS = ("OE", "FRE", "EE")
+_STARTS = ("equation-error", "prediction", "residualized-prediction")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command and return its exit code: 0, 1 for a failure, 2 for bad input."""
+    # Before numpy is loaded: one thread each, for the matrices are small and the cores are shared.
+    for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    chosen = _parser().parse_args(arguments)
+    logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
+    logging.getLogger("flexsid").setLevel(logging.INFO)
+    try:
+        settings = read_settings()
+        if chosen.database is not None:
+            settings = replace(settings, database=chosen.database)
+        return chosen.command(settings, chosen)
+    except FlexsidError as error:
+        print(f"flexsid: {error.message}", file=sys.stderr)
+        return 2 if isinstance(error, BadInput) else 1
+    except KeyboardInterrupt:
+        return 130
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="flexsid", description="Identify flexible aircraft from flight test."
+    )
+    parser.add_argument("--version", action="version", version=f"flexsid {flexsid.__version__}")
+    commands = parser.add_subparsers(required=True, metavar=None)
+
+    def add(name: str, command: object, words: str) -> argparse.ArgumentParser:
+        added = commands.add_parser(name, help=words, description=f"{words.capitalize()}.")
+        added.add_argument(
+            "--database",
+            metavar="URL",
+            help=f"address of the database; else FLEXSID_DATABASE, else {DEFAULT_DATABASE}",
+        )
+        added.set_defaults(command=command)
+        return added
+
+    add("serve", _serve, "serve the page and the REST interface on this computer")
+
+    demo = add("demo", _demo, "fill an empty workbench with the demonstration campaign, then serve")
+    demo.add_argument("--no-serve", action="store_true", help="stop after filling")
+
+    add("migrate", _migrate, "bring the database to the current schema, after a backup copy")
+
+    bring = add("import", _import, "read files through a mapping")
+    bring.add_argument("files", nargs="+", metavar="FILE", help="recorder file or table")
+    bring.add_argument(
+        "--mapping", metavar="TOML", help="names channels, units and roles; not for known forms"
+    )
+    bring.add_argument(
+        "--aircraft", type=int, metavar="ID", help="whose, where the mapping names none"
+    )
+
+    run = add("run", _run, "estimate from a maneuver")
+    run.add_argument("--maneuver", type=int, required=True, metavar="ID")
+    run.add_argument("--method", choices=_METHODS, required=True)
+    run.add_argument("--modes", default="", metavar="M,N", help="numbers of structural modes")
+    run.add_argument("--inputs", default="", metavar="A,B", help="default: all that moved")
+    run.add_argument(
+        "--outputs", default="", metavar="A,B", help="default: all that a model can use"
+    )
+    run.add_argument("--start", choices=_STARTS, default=_STARTS[0], help="where to start from")
+    run.add_argument("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all")
+    run.add_argument(
+        "--wait", action="store_true", help="carry it out now, instead of leaving it to a server"
+    )
+    run.add_argument("--json", action="store_true", help="print the run as JSON")
+
+    export = add("export", _export, "write a run with everything it rests on")
+    export.add_argument("run", type=int, metavar="RUN", help="id of the run")
+    export.add_argument(
+        "--output", required=True, metavar="FILE", help=".json: everything; .csv: its parameters"
+    )
+    return parser
+
+
+def _serve(settings: Settings, _chosen: argparse.Namespace) -> int:
+    from flexsid.cli.serve import serve
+
+    return serve(settings)
+
+
+def _demo(settings: Settings, chosen: argparse.Namespace) -> int:
+    from flexsid.cli.serve import fill, serve
+
+    fill(settings)
+    return 0 if chosen.no_serve else serve(settings)
+
+
+def _migrate(settings: Settings, _chosen: argparse.Namespace) -> int:
+    from flexsid.storage.migrate import upgrade
+
+    print(f"the database is at schema {upgrade(settings.database)}")
+    return 0
+
+
+def _import(settings: Settings, chosen: argparse.Namespace) -> int:
+    from flexsid.cli.data import bring_in
+
+    return bring_in(settings, chosen.files, chosen.mapping, chosen.aircraft)
+
+
+def _run(settings: Settings, chosen: argparse.Namespace) -> int:
+    from flexsid.cli.runs import read_request, run
+
+    return run(settings, read_request(chosen), wait=chosen.wait, as_json=chosen.json)
+
+
+def _export(settings: Settings, chosen: argparse.Namespace) -> int:
+    from flexsid.cli.data import export
+
+    return export(settings, chosen.run, chosen.output)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,81 @@
+"""Serve the workbench, and fill it with the demonstration campaign."""
+
+from __future__ import annotations
+
+import socket
+import sys
+
+import uvicorn
+
+from flexsid.api.app import create_app
+from flexsid.cli.opening import opened
+from flexsid.demo import campaign
+from flexsid.demo.aircraft import NAME as DEMO_AIRCRAFT
+from flexsid.errors import FlexsidError
+from flexsid.settings import Settings
+from flexsid.storage.store import Store
+
+_LOOPBACK = "127.0.0.1"  # there is no log-in, so nobody else is answered
+_GRACE_S = 1
+
+
+class _Server(uvicorn.Server):
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        if self.started:
+            print(f"flexsid serves on http://{_LOOPBACK}:{self.config.port} (Ctrl-C stops it)")
+            sys.stdout.flush()
+
+
+def serve(settings: Settings) -> int:
+    """Serve until told to stop."""
+    with _listening(settings.port) as listening:
+        app = create_app(settings, bring_along=bring_along)
+        config = uvicorn.Config(
+            app,
+            host=_LOOPBACK,
+            port=settings.port,
+            log_level="warning",
+            access_log=False,
+            timeout_graceful_shutdown=_GRACE_S,
+        )
+        server = _Server(config)
+        server.run(sockets=[listening])
+    return 0 if server.started else 1
+
+
+def fill(settings: Settings) -> None:
+    """Fly what is missing of the demonstration campaign, with a progress bar."""
+    with opened(settings) as store:
+        campaign.fill(store, _show_progress)
+    if sys.stderr.isatty():
+        print(file=sys.stderr)
+
+
+def bring_along(store: Store, name: str) -> None:
+    """Add the aircraft that comes with the workbench, if it is called so."""
+    if name == DEMO_AIRCRAFT:
+        campaign.add_aircraft(store)
+
+
+def _listening(port: int) -> socket.socket:
+    """Take the port first: a server that cannot serve should not start anything."""
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind((_LOOPBACK, port))
+    except OSError as error:
+        listening.close()
+        raise FlexsidError(
+            f"port {port} cannot be had ({error.strerror}); choose another by FLEXSID_PORT",
+            code="port-taken",
+        ) from error
+    return listening
+
+
+def _show_progress(fraction: float, message: str) -> None:
+    if sys.stderr.isatty():
+        bar = "█" * round(30 * fraction)
+        print(f"\r{bar:<30} {fraction:4.0%} {message:<50.50}", end="", file=sys.stderr, flush=True)
+    else:
+        print(f"{fraction:4.0%} {message}", file=sys.stderr, flush=True)
