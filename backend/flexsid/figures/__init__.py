@@ -1,1 +1,27 @@
 """Finished values to plotly figures as plain data: nothing is computed, nothing is loaded."""
+
+from flexsid.figures.bode import bode
+from flexsid.figures.derivatives import derivatives
+from flexsid.figures.envelope import envelope
+from flexsid.figures.fit import fit
+from flexsid.figures.iterations import iterations
+from flexsid.figures.parameter_correlation import parameter_correlation
+from flexsid.figures.plot_matrix import plot_matrix
+from flexsid.figures.poles import poles
+from flexsid.figures.residual import residual
+from flexsid.figures.spectrum import spectrum
+from flexsid.figures.time_history import time_history
+
+__all__ = [
+    "bode",
+    "derivatives",
+    "envelope",
+    "fit",
+    "iterations",
+    "parameter_correlation",
+    "plot_matrix",
+    "poles",
+    "residual",
+    "spectrum",
+    "time_history",
+]

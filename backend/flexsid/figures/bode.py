@@ -46,19 +46,18 @@ def _layout(outputs: tuple[str, ...], value: Bode) -> Spec:
     }
     domains = rows([1.4, 1.0] * len(outputs))
     for index, name in enumerate(outputs):
-        inputs = {
-            _over(response) for response in value.measured + value.models if response.output == name
-        }
-        output = quantities.of_channel(name, _unit(value, name))
+        shown = [r for r in value.measured + value.models if r.output == name]
+        inputs = {_over(response) for response in shown}
+        output = quantities.of_channel(name, shown[0].output_unit)
         over = inputs.pop() if len(inputs) == 1 else "input unit"
         layout[layout_key(2 * index + 1)] = {
-            **title(f"|{output.label}/δ|<br>[dB re {output.unit}/{over}]"),
+            **title(f"|{output.label}/δ|<br>[dB re {quantities.per(output.unit, over)}]"),
             "domain": domains[2 * index],
         }
         layout[layout_key(2 * index + 2)] = {
             **title("Phase [deg]"),
             "domain": domains[2 * index + 1],
-            "tickformat": ".0f",
+            "dtick": _phase_step(shown),
         }
     marks = [
         vertical_mark(mode.frequency_hz, quantities.text(mode.name), log=True)
@@ -69,8 +68,11 @@ def _layout(outputs: tuple[str, ...], value: Bode) -> Spec:
     return layout
 
 
-def _unit(value: Bode, output: str) -> str:
-    return next(r.output_unit for r in value.measured + value.models if r.output == output)
+def _phase_step(shown: list[Response]) -> float:
+    """Degrees between ticks: whole fractions of a turn, about five in view."""
+    phases = np.rad2deg(np.concatenate([response.phase_rad for response in shown]))
+    span = float(np.ptp(phases[np.isfinite(phases)])) if np.isfinite(phases).any() else 0.0
+    return next((step for step in (45.0, 90.0, 180.0) if span <= 5 * step), 360.0)
 
 
 def _over(response: Response) -> str:

@@ -38,9 +38,14 @@ def ratio(output: Quantity, over: Quantity) -> Quantity:
     """Magnitude of output over input."""
     return Quantity(
         f"|{output.label}/{over.label}|",
-        f"{output.unit}/({over.unit})" if "/" in over.unit else f"{output.unit}/{over.unit}",
+        per(output.unit, over.unit),
         output.factor / over.factor,
     )
+
+
+def per(unit: str, over: str) -> str:
+    """Write a quotient of units; what is a quotient itself goes into brackets."""
+    return "/".join(f"({part})" if "/" in part else part for part in (unit, over))
 
 
 def text(name: str) -> str:

@@ -76,7 +76,7 @@ def title(text: str) -> Spec:
 
 
 def vertical_mark(x: float, text: str, *, log: bool = False) -> tuple[Spec, Spec]:
-    """Line over all rows and its name above them: a shape and an annotation."""
+    """Line over all rows and its name beside its top: a shape and an annotation."""
     shape = {
         "type": "line", "xref": "x", "yref": "paper", "x0": x, "x1": x, "y0": 0, "y1": 1,
         "line": {"color": style.MARKER_LINE, "width": 1, "dash": "dot"}, "layer": "below",
@@ -84,7 +84,8 @@ def vertical_mark(x: float, text: str, *, log: bool = False) -> tuple[Spec, Spec
     annotation = {
         # an annotation on a log axis is placed by its exponent, a shape by its value
         "xref": "x", "yref": "paper", "x": float(np.log10(x)) if log else x, "y": 1,
-        "text": text, "showarrow": False, "yanchor": "bottom", "font": {"size": 11},
+        "text": text, "showarrow": False, "yanchor": "top", "xanchor": "left",
+        "font": {"size": 11},
     }  # fmt: skip
     return shape, annotation
 

@@ -1,7 +1,7 @@
 """Read from the store what figures draw: finished numbers, nothing drawn."""
 
 from flexsid.workflow.views.campaign import envelope
-from flexsid.workflow.views.maneuver import plot_matrix, spectrum, time_history
+from flexsid.workflow.views.maneuver import POINTS, plot_matrix, spectrum, time_history
 from flexsid.workflow.views.response import bode
 from flexsid.workflow.views.run import (
     derivatives,
@@ -13,6 +13,7 @@ from flexsid.workflow.views.run import (
 )
 
 __all__ = [
+    "POINTS",
     "bode",
     "derivatives",
     "envelope",

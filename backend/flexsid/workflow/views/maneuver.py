@@ -14,7 +14,7 @@ from flexsid.workflow.interval import excitation_interval
 from flexsid.workflow.transforms import Lines, maneuver_lines, spectra_of
 from flexsid.workflow.views.channels import input_names, on_one_clock, read_channels, sampling
 
-_POINTS = 1000  # about as many as a screen has columns
+POINTS = 1000  # about as many as a screen has columns
 _MOST_POINTS = 20_000
 _FIRST_LINE = 2.0  # cycles per record below which a line is mostly drift
 _CLEAR_OF_NYQUIST = 0.4  # of the sampling rate, clear of the anti-alias filter's skirt
@@ -26,7 +26,7 @@ def time_history(
     channels: Sequence[str] = (),
     start_s: float | None = None,
     stop_s: float | None = None,
-    points: int = _POINTS,
+    points: int = POINTS,
 ) -> ChannelHistories:
     """Read channels over a window; the inputs over the whole record by default."""
     if not 10 <= points <= _MOST_POINTS:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,11 +14,13 @@ from flexsid.records.views import Bode, Response
 from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyData, FrequencyResponse
 from flexsid.sysid.spectra.response import bare_airframe_responses
+from flexsid.workflow.identified import identified_responses
 from flexsid.workflow.models import define_outputs, input_correction, output_instrument
 from flexsid.workflow.transforms import Lines, maneuver_lines, spectra_of
 from flexsid.workflow.views.channels import input_names, sampling
 from flexsid.workflow.views.modes import mode_markers
 
+_GRID = 400  # points of a model's curve
 _MARGIN = 1.1  # modes a little outside the lines still explain what is seen
 
 
@@ -26,8 +29,11 @@ def bode(
     maneuver_id: int,
     outputs: Sequence[str],
     inputs: Sequence[str] = (),
+    run_ids: Sequence[int] = (),
 ) -> Bode:
     """Read responses of outputs to inputs; to all that were excited by default.
+
+    Models of runs come beside them where the run has the output and the input.
 
     Raises
     ------
@@ -36,7 +42,8 @@ def bode(
     """
     maneuver = store.maneuvers.get(maneuver_id)
     columns = measured_responses(store, maneuver, tuple(dict.fromkeys(outputs)))
-    chosen = tuple(dict.fromkeys(inputs)) or tuple(columns)
+    known = input_names(store, maneuver)
+    chosen = tuple(dict.fromkeys(inputs)) or tuple(name for name in known if name in columns)
     unknown = [name for name in chosen if name not in columns]
     if unknown:
         raise BadInput(
@@ -47,14 +54,19 @@ def bode(
     units = {
         name: unit for name, (_, unit) in sampling(store, maneuver, [*outputs, *chosen]).items()
     }
-    measured = tuple(_response(columns[input_], row, units) for row in outputs for input_ in chosen)
+    pairs = [(output, input_) for output in dict.fromkeys(outputs) for input_ in chosen]
+    measured = tuple(_response(columns[input_], output, units) for output, input_ in pairs)
     low = min(response.frequency_hz[0] for response in measured)
     high = max(response.frequency_hz[-1] for response in measured)
     return Bode(
         maneuver_id=maneuver_id,
-        inputs=input_names(store, maneuver),
+        inputs=known,
         measured=measured,
-        models=(),
+        models=tuple(
+            model
+            for run_id in dict.fromkeys(run_ids)
+            for model in _models(store, run_id, pairs, measured, units)
+        ),
         modes=mode_markers(store, maneuver, (low / _MARGIN, high * _MARGIN)),
     )
 
@@ -117,14 +129,45 @@ def _commands(
     return FrequencyData(data.omega, data.values, lines.inputs)
 
 
-def _response(column: FrequencyResponse, output: str, units: dict[str, str]) -> Response:
-    (input_,) = column.inputs
-    values = column.values[:, column.outputs.index(output), 0]
+def _models(
+    store: Store,
+    run_id: int,
+    pairs: Sequence[tuple[str, str]],
+    measured: Sequence[Response],
+    units: dict[str, str],
+) -> list[Response]:
+    """Responses of an identified model on a fine grid over the measured lines."""
+    run = store.runs.get(run_id)
+    low = min(response.frequency_hz[0] for response in measured)
+    high = max(response.frequency_hz[-1] for response in measured)
+    omega = 2.0 * np.pi * np.geomspace(low, high, _GRID)
+    identified = identified_responses(store, run, omega)
+    label = f"{run.method.value} {run_id}"
+    return [
+        _beside(_response(identified, output, units, input_), data, run_id, label)
+        for (output, input_), data in zip(pairs, measured, strict=True)
+        if output in identified.outputs and input_ in identified.inputs
+    ]
+
+
+def _beside(model: Response, data: Response, run_id: int, label: str) -> Response:
+    """Move a phase by whole turns to where the measured one is."""
+    at_lines = np.interp(data.frequency_hz, model.frequency_hz, model.phase_rad)
+    turns = np.round(np.median(data.phase_rad - at_lines) / (2.0 * np.pi))
+    phase = model.phase_rad + 2.0 * np.pi * turns
+    return replace(model, phase_rad=phase, run_id=run_id, label=label)
+
+
+def _response(
+    column: FrequencyResponse, output: str, units: dict[str, str], input_: str | None = None
+) -> Response:
+    name = column.inputs[0] if input_ is None else input_
+    values = column.values[:, column.outputs.index(output), column.inputs.index(name)]
     return Response(
         output=output,
-        input=input_,
+        input=name,
         output_unit=units[output],
-        input_unit=units[input_],
+        input_unit=units[name],
         frequency_hz=column.omega / (2.0 * np.pi),
         magnitude=np.abs(values),
         phase_rad=np.unwrap(np.angle(values)),
