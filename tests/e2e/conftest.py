@@ -12,11 +12,11 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, ConsoleMessage, Page, Response, sync_playwright
 
 ROOT = Path(__file__).parents[2]
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
@@ -88,22 +88,36 @@ def server(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator
 
 @pytest.fixture
 def page(browser: Browser, server: str) -> Iterator[Page]:
-    """A page that fails the test when it complained on the console or a request failed."""
+    """A page that fails the test when the console complains or a request fails."""
+    with _watched_page(browser, server, refusals=False) as page:
+        yield page
+
+
+@pytest.fixture
+def refused(browser: Browser, server: str) -> Iterator[Page]:
+    """The same for tests in which the server is to refuse something (422)."""
+    with _watched_page(browser, server, refusals=True) as page:
+        yield page
+
+
+@contextmanager
+def _watched_page(browser: Browser, server: str, *, refusals: bool) -> Iterator[Page]:
     complaints: list[str] = []
+
+    def heard(said: ConsoleMessage) -> None:
+        if said.type in ("error", "warning") and not (refusals and "422" in said.text):
+            complaints.append(said.text)
+
+    def answered(answer: Response) -> None:
+        if answer.status >= 400 and not (refusals and answer.status == 422):
+            complaints.append(f"{answer.status} {answer.url}")
+
     context = browser.new_context(viewport={"width": 1440, "height": 1000}, base_url=server)
     page = context.new_page()
     page.set_default_timeout(20_000)
-    page.on(
-        "console",
-        lambda said: complaints.append(said.text) if said.type in ("error", "warning") else None,
-    )
+    page.on("console", heard)
     page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.on(
-        "response",
-        lambda answer: (
-            complaints.append(f"{answer.status} {answer.url}") if answer.status >= 400 else None
-        ),
-    )
+    page.on("response", answered)
     yield page
     context.close()
     assert not complaints, "\n".join(complaints)

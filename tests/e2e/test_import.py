@@ -1,0 +1,74 @@
+"""Recorded data come in through the page, and bad data are refused in words."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+pytestmark = [pytest.mark.e2e, pytest.mark.xdist_group("e2e")]
+
+MAPPING = """
+[aircraft]
+name = "FLEX-28"
+[flight]
+number = 77
+[maneuver]
+label = "brought by hand"
+[maneuver.condition]
+airspeed = { value = 38.0, unit = "m/s" }
+density = { value = 1.05, unit = "kg/m3" }
+fuel_fraction = { value = 0.5 }
+[time]
+column = "t_s"
+[[channels]]
+column = "flap"
+name = "bfs"
+unit = "deg"
+role = "input"
+[[channels]]
+column = "q"
+unit = "deg/s"
+role = "output"
+"""
+
+
+@pytest.fixture
+def mapping(tmp_path: Path) -> Path:
+    path = tmp_path / "mapping.toml"
+    path.write_text(MAPPING)
+    return path
+
+
+def _record(path: Path, bad: str = "0.5") -> Path:
+    rows = [f"{k / 50:.2f},{k % 7},{k % 5}" for k in range(200)]
+    rows[41] = f"0.82,{bad},1"
+    path.write_text("t_s,flap,q\n" + "\n".join(rows) + "\n")
+    return path
+
+
+def _upload(page: Page, record: Path, mapping: Path) -> None:
+    page.goto("/")
+    page.get_by_test_id("import").click()
+    for name, file in (("import-files", record), ("import-mapping", mapping)):
+        with page.expect_file_chooser() as chooser:
+            page.get_by_test_id(name).click()
+        chooser.value.set_files(file)
+    page.get_by_test_id("import-submit").click()
+
+
+def test_a_record_becomes_a_maneuver(page: Page, tmp_path: Path, mapping: Path):
+    _upload(page, _record(tmp_path / "record.csv"), mapping)
+    expect(page).to_have_url(re.compile(r"/maneuvers/\d+"))
+    expect(page.get_by_role("heading", name="brought by hand")).to_be_visible()
+    expect(page.get_by_test_id("figure-time-history")).to_have_attribute("data-drawn", "true")
+
+
+def test_a_bad_record_is_refused_with_row_and_column(refused: Page, tmp_path: Path, mapping: Path):
+    _upload(refused, _record(tmp_path / "record.csv", bad="fast"), mapping)
+    problem = refused.get_by_test_id("problem")
+    expect(problem).to_contain_text("43")
+    expect(problem).to_contain_text("flap")
+    expect(refused.get_by_text("Nothing was stored")).to_be_visible()
