@@ -71,6 +71,7 @@ def add_result(store: Store, add_run: Callable[..., EstimationRun]) -> Callable[
                 ),
             ),
             residualized_prediction=residualized,
+            prediction_id=changes.get("prediction_id"),
         )
         return add_run(method=method, state=RunState.SUCCEEDED, result=result, **changes)
 

@@ -147,7 +147,8 @@ class Fit:
 class RunResult:
     """What a finished run keeps; ``covariance`` is a hash, ordered as ``parameters``.
 
-    ``held`` are the derivatives that were not free, at the values they were held at.
+    ``prediction_id`` is the prediction that was used, chosen or found; ``held`` are
+    the derivatives that were not free, at the values they were held at.
     """
 
     parameters: tuple[ParameterEstimate, ...]
@@ -156,6 +157,7 @@ class RunResult:
     poles: tuple[Pole, ...]
     blocks: tuple[FitBlock, ...]
     residualized_prediction: dict[str, float] | None = None
+    prediction_id: int | None = None
     held: dict[str, float] = field(default_factory=dict[str, float])
 
 

@@ -141,18 +141,18 @@ def _residualized(
     shown: list[dict[str, float]] = []
     for run, result in finished:
         values = result.residualized_prediction
-        if values is None or run.prediction_id not in labels or values in shown:
+        if values is None or result.prediction_id not in labels or values in shown:
             continue
         shown.append(values)
-        key = f"residualized-{run.prediction_id}-{run.id}"
+        key = f"residualized-{result.prediction_id}-{run.id}"
         columns.append(
             _Column(
                 Source(
                     key=key,
-                    label=f"{labels[run.prediction_id]}, residualized",
+                    label=f"{labels[result.prediction_id]}, residualized",
                     kind="prediction",
                     run_id=run.id,
-                    prediction_id=run.prediction_id,
+                    prediction_id=result.prediction_id,
                 ),
                 {name: SourceValue(key=key, value=value) for name, value in values.items()},
             )

@@ -66,6 +66,7 @@ class Task:
     priors: dict[str, tuple[float, float]]
     try_equation_error: bool
     residualized: dict[str, float] | None
+    prediction_id: int | None
     warnings: tuple[str, ...]
 
     @property
@@ -90,6 +91,7 @@ class Computed:
     start: str
     warnings: tuple[str, ...]
     residualized: dict[str, float] | None
+    prediction_id: int | None
     held: dict[str, float]
     seconds: float
 
@@ -130,6 +132,7 @@ def compute(task: Task, report: Report) -> Computed:
         start=start,
         warnings=(*warnings, *warnings_of(estimate)),
         residualized=task.residualized,
+        prediction_id=task.prediction_id,
         held={name: value for name, value in table.items() if name not in estimate.names},
         seconds=time.perf_counter() - began,
     )

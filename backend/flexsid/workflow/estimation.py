@@ -16,6 +16,7 @@ from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.model_structure import Structure
+from flexsid.records.prediction import Prediction
 from flexsid.records.run import (
     EstimationRun,
     Fit,
@@ -89,7 +90,10 @@ def prepare(store: Store, run: EstimationRun) -> Task:
         _maneuver_data(store, maneuver, aircraft, structure, modes, inputs, outputs, settings)
         for maneuver in maneuvers
     )
-    predicted = _predictions(store, run, first, aircraft, modes, inputs)
+    prediction = best_prediction(
+        store, first.aircraft_id, run.prediction_id, structure.modes, inputs
+    )
+    predicted = _predictions(store, prediction, run, first, aircraft, modes, inputs)
     starts = _starts(store, run, predicted, inputs)
     free = _check_names(data[0].model, starts, structure, settings)
     assumed = modes.warnings if structure.modes else ()
@@ -103,6 +107,7 @@ def prepare(store: Store, run: EstimationRun) -> Task:
         priors=_priors(predicted, free, settings),
         try_equation_error=settings.start in (Start.BEST, Start.EQUATION_ERROR),
         residualized=next((t.named() for n, t in predicted.items() if _is_residualized(n)), None),
+        prediction_id=None if prediction is None else prediction.id,
         warnings=(*assumed, *_out_of_band(data[0], modes)),
     )
 
@@ -143,6 +148,7 @@ def keep(store: Store, run_id: int, attempt: int, computed: Computed) -> Estimat
             ),
             blocks=blocks,
             residualized_prediction=computed.residualized,
+            prediction_id=computed.prediction_id,
             held=computed.held,
         )
         return queue.finish(store, run_id, attempt, result, versions())
@@ -277,6 +283,7 @@ def _of_run(
 
 def _predictions(
     store: Store,
+    prediction: Prediction | None,
     run: EstimationRun,
     maneuver: Maneuver,
     aircraft: Aircraft,
@@ -285,7 +292,6 @@ def _predictions(
 ) -> dict[str, DerivativeTable]:
     """The prediction residualised, where it covers the model, and as it is."""
     wanted = run.structure.modes
-    prediction = best_prediction(store, maneuver.aircraft_id, run.prediction_id, wanted, inputs)
     if prediction is None:
         return {}
     fuel = maneuver.condition.fuel_fraction

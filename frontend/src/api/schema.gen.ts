@@ -1843,7 +1843,8 @@ export interface components {
          * RunResult
          * @description What a finished run keeps; ``covariance`` is a hash, ordered as ``parameters``.
          *
-         *     ``held`` are the derivatives that were not free, at the values they were held at.
+         *     ``prediction_id`` is the prediction that was used, chosen or found; ``held`` are
+         *     the derivatives that were not free, at the values they were held at.
          */
         RunResult: {
             /** Parameters */
@@ -1859,6 +1860,8 @@ export interface components {
             residualized_prediction?: {
                 [key: string]: number;
             } | null;
+            /** Prediction Id */
+            prediction_id?: number | null;
             /** Held */
             held?: {
                 [key: string]: number;

@@ -8,15 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Aircraft
-from flexsid.records.maneuver import Maneuver, Role
+from flexsid.records.maneuver import Maneuver
 from flexsid.records.views import Bode, Response
 from flexsid.storage.store import Store
-from flexsid.sysid.signals import FrequencyData, FrequencyResponse
-from flexsid.sysid.spectra.response import bare_airframe_responses
+from flexsid.sysid.signals import FrequencyResponse
 from flexsid.workflow.identified import identified_responses
-from flexsid.workflow.models import define_outputs, input_correction, output_instrument
-from flexsid.workflow.transforms import Lines, maneuver_lines, spectra_of
+from flexsid.workflow.measured import measure
+from flexsid.workflow.models import define_outputs
 from flexsid.workflow.views.channels import input_names, sampling
 from flexsid.workflow.views.modes import mode_markers
 
@@ -88,45 +86,8 @@ def measured_responses(
             code="no-excitation",
         )
     aircraft = store.aircraft.get(maneuver.aircraft_id)
-    lines = maneuver_lines(maneuver)
-    sensed = spectra_of(store, maneuver, aircraft, outputs, lines)
-    moved = spectra_of(store, maneuver, aircraft, lines.inputs, lines)
-    true_inputs = _true_inputs(aircraft, moved)
-    return bare_airframe_responses(
-        true_inputs,
-        _true_outputs(aircraft, sensed),
-        _commands(store, maneuver, aircraft, lines) or true_inputs,
-        lines.owner,
-    )
-
-
-def _true_inputs(aircraft: Aircraft, recorded: FrequencyData) -> FrequencyData:
-    factors = [input_correction(aircraft, name, recorded.omega) for name in recorded.names]
-    return FrequencyData(
-        recorded.omega, recorded.values * np.stack(factors, axis=1), recorded.names
-    )
-
-
-def _true_outputs(aircraft: Aircraft, recorded: FrequencyData) -> FrequencyData:
-    instruments = [
-        output_instrument(aircraft, output).response(recorded.omega)
-        for output in define_outputs(aircraft, recorded.names)
-    ]
-    return FrequencyData(
-        recorded.omega, recorded.values / np.stack(instruments, axis=1), recorded.names
-    )
-
-
-def _commands(
-    store: Store, maneuver: Maneuver, aircraft: Aircraft, lines: Lines
-) -> FrequencyData | None:
-    """Recorded excitation of every input, None where it was not recorded."""
-    recorded = {c.name for c in store.channels.find(maneuver_id=maneuver.id, role=Role.COMMAND)}
-    names = tuple(f"{name}_command" for name in lines.inputs)
-    if not recorded.issuperset(names):
-        return None
-    data = spectra_of(store, maneuver, aircraft, names, lines)
-    return FrequencyData(data.omega, data.values, lines.inputs)
+    inputs = tuple(maneuver.excitation.harmonics)
+    return measure(store, maneuver, aircraft, inputs, define_outputs(aircraft, outputs)).responses()
 
 
 def _models(
