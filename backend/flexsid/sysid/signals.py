@@ -39,9 +39,14 @@ class FrequencyData:
 
 @dataclass(frozen=True, slots=True)
 class FrequencyResponse:
-    """Measured or modelled responses; axis 0 is frequency, then outputs, then inputs."""
+    """Measured or modelled responses; axis 0 is frequency, then outputs, then inputs.
+
+    ``std`` is the standard deviation of the complex error, root of E|error|^2, where
+    known: magnitudes scatter by std / sqrt(2).
+    """
 
     omega: Float[np.ndarray, " n_omega"]
     values: Complex[np.ndarray, "n_omega n_y n_u"]
     outputs: tuple[str, ...]
     inputs: tuple[str, ...]
+    std: Float[np.ndarray, "n_omega n_y n_u"] | None = None

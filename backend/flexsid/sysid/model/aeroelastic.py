@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import control
 import numpy as np
 from jaxtyping import Complex, Float
 
@@ -28,6 +27,8 @@ class StateSpace:
 
     def to_control(self) -> control.StateSpace:
         """The same system for python-control."""
+        import control  # loads the plots of matplotlib too, which takes seconds
+
         return control.StateSpace(
             self.A,
             self.B,

@@ -9,12 +9,27 @@ give the bare airframe.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from jaxtyping import Complex, Float
 from scipy.interpolate import make_interp_spline
 
 from flexsid.errors import BadInput
 from flexsid.sysid.signals import FrequencyData, FrequencyResponse
+from flexsid.sysid.spectra.scatter import line_noise, local_scatter
+
+
+@dataclass(frozen=True, slots=True)
+class _Interpolation:
+    """Closed-loop response to one command, brought to the wanted lines.
+
+    ``weight`` (n_wanted,) turns the noise of one line of the spectra into the
+    variance of the interpolated response.
+    """
+
+    values: Complex[np.ndarray, "n_wanted n_channels"]
+    weight: Float[np.ndarray, " n_wanted"]
 
 
 def bare_airframe_responses(
@@ -39,7 +54,7 @@ def bare_airframe_responses(
     -------
     dict
         By input name: lines within the span of every other input's lines, values
-        (M_j, n_y, 1). [output unit / rad]
+        and standard deviations (M_j, n_y, 1). [output unit / rad]
 
     Raises
     ------
@@ -51,9 +66,12 @@ def bare_airframe_responses(
     Source: Sec. VIII.B names the procedure, its recipe is ours (the reference was
     not at hand). Departure: cubic instead of linear interpolation of real and
     imaginary part. Lines outside the others' span are dropped, not extrapolated.
+    The noise is what the closed-loop responses scatter about a smooth curve, at
+    each line in the combination that the bare airframe depends on.
     """
     names = inputs.names
-    lines = [np.flatnonzero(owner == j) for j in range(len(names))]
+    n_u = len(names)
+    lines = [np.flatnonzero(owner == j) for j in range(n_u)]
     for name, own in zip(names, lines, strict=True):
         if own.size < 2:
             raise BadInput(
@@ -63,23 +81,33 @@ def bare_airframe_responses(
                 input=name,
             )
     both = np.concatenate([inputs.values, outputs.values], axis=1)
-    ratios = [both[own] / commands.values[own, j][:, None] for j, own in enumerate(lines)]
+    command = [commands.values[own, j] for j, own in enumerate(lines)]
+    ratios = [both[own] / r[:, None] for own, r in zip(lines, command, strict=True)]
     omega = outputs.omega
     low = max(omega[own[0]] for own in lines)
     high = min(omega[own[-1]] for own in lines)
-    n_u = len(names)
-    result = {}
+    columns, weights, kept = [], [], []
     for j, own in enumerate(lines):
         wanted = omega[own][(omega[own] >= low) & (omega[own] <= high)]
-        columns = np.stack(
-            [_interpolate(omega[lines[m]], ratios[m], wanted) for m in range(n_u)], axis=2
+        parts = [_interpolate(omega[lines[m]], ratios[m], command[m], wanted) for m in range(n_u)]
+        responses = np.stack([part.values for part in parts], axis=2)
+        unit = np.broadcast_to(np.eye(n_u)[:, [j]], (wanted.size, n_u, 1))
+        mixture = np.linalg.solve(responses[:, :n_u], unit)
+        columns.append(responses[:, n_u:] @ mixture)
+        power = np.abs(mixture[:, :, 0]) ** 2
+        weights.append(np.sum(power * np.stack([part.weight for part in parts], axis=1), axis=1))
+        kept.append(wanted)
+    noise = _noise(omega, lines, ratios, command, kept, columns)
+    return {
+        names[j]: FrequencyResponse(
+            kept[j],
+            columns[j],
+            outputs.names,
+            (names[j],),
+            None if noise is None else np.sqrt(noise[j] * weights[j][:, None])[:, :, None],
         )
-        surfaces, sensors = columns[:, :n_u], columns[:, n_u:]
-        unit = np.zeros((n_u, 1))
-        unit[j] = 1.0
-        mixture = np.linalg.solve(surfaces, np.broadcast_to(unit, (wanted.size, n_u, 1)))
-        result[names[j]] = FrequencyResponse(wanted, sensors @ mixture, outputs.names, (names[j],))
-    return result
+        for j in range(n_u)
+    }
 
 
 def own_line_ratios(
@@ -99,7 +127,50 @@ def own_line_ratios(
 def _interpolate(
     omega: Float[np.ndarray, " n_own"],
     values: Complex[np.ndarray, "n_own n_channels"],
-    wanted: Float[np.ndarray, " n_omega"],
-) -> Complex[np.ndarray, "n_omega n_channels"]:
+    command: Complex[np.ndarray, " n_own"],
+    wanted: Float[np.ndarray, " n_wanted"],
+) -> _Interpolation:
     degree = 3 if omega.size > 3 else 1
-    return make_interp_spline(omega, values, k=degree)(wanted)
+    matrix = make_interp_spline(omega, np.eye(omega.size), k=degree)(wanted)
+    return _Interpolation(matrix @ values, matrix**2 @ (1.0 / np.abs(command) ** 2))
+
+
+def _noise(
+    omega: Float[np.ndarray, " n_omega"],
+    lines: list[np.ndarray],
+    ratios: list[np.ndarray],
+    command: list[np.ndarray],
+    kept: list[np.ndarray],
+    columns: list[np.ndarray],
+) -> list[np.ndarray] | None:
+    """Variance of one line of Z - H U at the lines of every column, None with too few lines.
+
+    H at the lines of another input's command is interpolated from its own lines.
+    """
+    n_u = len(lines)
+    places, powers = [], []
+    for m, own in enumerate(lines):
+        scatter = local_scatter(ratios[m])
+        if scatter is None:
+            continue
+        residual = scatter.values * command[m][scatter.lines][:, None]
+        at = omega[own][scatter.lines]
+        bare = residual[:, n_u:].copy()
+        for j in range(n_u):
+            H = _nearest_curve(kept[j], columns[j][:, :, 0], at)
+            bare -= H * residual[:, [j]]
+        places.append(at)
+        powers.append(np.abs(bare) ** 2)
+    return line_noise(places, powers, kept) if places else None
+
+
+def _nearest_curve(
+    omega: Float[np.ndarray, " n_own"],
+    values: Complex[np.ndarray, "n_own n_y"],
+    wanted: Float[np.ndarray, " n_wanted"],
+) -> Complex[np.ndarray, "n_wanted n_y"]:
+    """Linear between lines, held beyond them: good enough to weigh noise with."""
+    place = np.clip(np.searchsorted(omega, wanted), 1, omega.size - 1)
+    low, high = omega[place - 1], omega[place]
+    share = np.clip((wanted - low) / (high - low), 0.0, 1.0)[:, None]
+    return (1.0 - share) * values[place - 1] + share * values[place]
