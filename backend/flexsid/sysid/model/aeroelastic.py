@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -11,6 +12,9 @@ from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable, variables
 from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE, SensorRows
 from flexsid.sysid.modes.shapes import StructuralModes
+
+if TYPE_CHECKING:
+    import control
 
 
 @dataclass(frozen=True, slots=True)
