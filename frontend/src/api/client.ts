@@ -2,6 +2,7 @@
 import createClient from "openapi-fetch";
 import { problemFrom, unreachable } from "./problem";
 import type { paths } from "./schema.gen";
+import type { Full } from "./types";
 
 async function send(request: Request): Promise<Response> {
   try {
@@ -21,10 +22,10 @@ interface Answer<T> {
 }
 
 /** The body of a good answer; a bad one is thrown as an ApiProblem. */
-export async function body<T>(answer: Promise<Answer<T>>): Promise<T> {
+export async function body<T>(answer: Promise<Answer<T>>): Promise<Full<T>> {
   const { data, error, response } = await answer;
   if (!response.ok) throw problemFrom(error, response.status);
-  return data as T;
+  return data as Full<T>;
 }
 
 export type QueryValue =

@@ -22,14 +22,15 @@ export function useSubmitRuns() {
 export function useCancelJob() {
   return useMutation({
     mutationFn: (id: number) =>
-      body(api.POST("/api/v1/jobs/{id}/cancel", { params: { path: { id } } })),
+      body(api.POST("/api/v1/jobs/{job_id}/cancel", { params: { path: { job_id: id } } })),
     onSettled: useRefreshRuns(),
   });
 }
 
 export function useDeleteRun() {
   return useMutation({
-    mutationFn: (id: number) => body(api.DELETE("/api/v1/runs/{id}", { params: { path: { id } } })),
+    mutationFn: (id: number) =>
+      body(api.DELETE("/api/v1/runs/{run_id}", { params: { path: { run_id: id } } })),
     onSuccess: useRefreshRuns(),
   });
 }

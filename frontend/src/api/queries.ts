@@ -31,7 +31,12 @@ export const maneuverQuery = (id: number) =>
   queryOptions({
     queryKey: ["maneuver", id],
     queryFn: ({ signal }) =>
-      body(api.GET("/api/v1/maneuvers/{ID}", { params: { path: { id } }, signal })),
+      body(
+        api.GET("/api/v1/maneuvers/{maneuver_id}", {
+          params: { path: { maneuver_id: id } },
+          signal,
+        }),
+      ),
   });
 
 export const flightsQuery = queryOptions({
@@ -62,7 +67,12 @@ export const modalTableQuery = (id: number) =>
   queryOptions({
     queryKey: ["modal-table", id],
     queryFn: ({ signal }) =>
-      body(api.GET("/api/v1/modal-tables/{ID}", { params: { path: { id } }, signal })),
+      body(
+        api.GET("/api/v1/modal-tables/{modal_table_id}", {
+          params: { path: { modal_table_id: id } },
+          signal,
+        }),
+      ),
   });
 
 export const predictionsQuery = (aircraftId?: number) =>
@@ -102,14 +112,14 @@ export const runQuery = (id: number) =>
   queryOptions({
     queryKey: ["run", id],
     queryFn: ({ signal }) =>
-      body(api.GET("/api/v1/runs/{ID}", { params: { path: { id } }, signal })),
+      body(api.GET("/api/v1/runs/{run_id}", { params: { path: { run_id: id } }, signal })),
   });
 
 export const jobQuery = (id: number) =>
   queryOptions({
     queryKey: ["job", id],
     queryFn: ({ signal }) =>
-      body(api.GET("/api/v1/jobs/{ID}", { params: { path: { id } }, signal })),
+      body(api.GET("/api/v1/jobs/{job_id}", { params: { path: { job_id: id } }, signal })),
     refetchInterval: (query) =>
       query.state.data !== undefined && isOver(query.state.data.state) ? false : POLL_MS,
   });

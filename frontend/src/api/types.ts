@@ -3,7 +3,18 @@ import type { Readable } from "openapi-typescript-helpers";
 import type { components } from "./schema.gen";
 
 type Schemas = components["schemas"];
-type Received<Name extends keyof Schemas> = Readable<Schemas[Name]>;
+/**
+ * Answers are written in full: what has a default is there too, and what is
+ * stored has its id. The description of the API cannot say so, for it shares its
+ * schemas between requests and answers.
+ */
+export type Full<T> = T extends readonly (infer Item)[]
+  ? Full<Item>[]
+  : T extends object
+    ? { [Key in keyof T]-?: Key extends "id" ? NonNullable<T[Key]> : Full<T[Key]> }
+    : T;
+
+type Received<Name extends keyof Schemas> = Full<Readable<Schemas[Name]>>;
 
 export type ManeuverItem = Received<"ManeuverItem">;
 export type Maneuver = Received<"ManeuverDetail">;
@@ -15,12 +26,12 @@ export type ModalTableDetail = Received<"ModalTableDetail">;
 export type Prediction = Received<"Prediction">;
 export type Run = Received<"Run">;
 export type RunRequest = Schemas["RunRequest"];
-export type Parameter = Received<"Parameter">;
+export type Parameter = Received<"RunParameter">;
 export type Fit = Received<"Fit">;
 export type Pole = Received<"Pole">;
 export type Job = Received<"Job">;
 export type Comparison = Received<"Comparison">;
-export type ComparisonRow = Received<"ComparisonRow">;
+export type ComparisonRow = Received<"Row">;
 export type Source = Received<"Source">;
 
 export type Method = Run["method"];

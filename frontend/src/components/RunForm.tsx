@@ -31,9 +31,11 @@ import { ModeChecklist } from "./ModeChecklist";
 import { Section } from "./Section";
 
 const START_NAMES: Record<Start, string> = {
+  best: "Likeliest of these",
   "equation-error": "Equation error estimate",
   prediction: "Prediction",
   "residualized-prediction": "Residualized prediction",
+  run: "Estimates of the earlier run",
 };
 
 interface Props {
@@ -42,6 +44,8 @@ interface Props {
   tables: ModalTable[];
   predictions: Prediction[];
   draft: RunDraft;
+  /** Whether there is an earlier run whose estimates can be the start. */
+  fromRun: boolean;
   onChange: (draft: RunDraft) => void;
   /** What stands below: count of runs, problems. */
   footer: ReactNode;
@@ -173,10 +177,13 @@ export function RunForm({ maneuver, tables, predictions, draft, onChange, ...pro
                   label="Start"
                   allowDeselect={false}
                   data-testid="run-start"
-                  data={STARTS.map((start) => ({ value: start, label: START_NAMES[start] }))}
+                  data={STARTS.filter((start) => start !== "run" || props.fromRun).map((start) => ({
+                    value: start,
+                    label: START_NAMES[start],
+                  }))}
                   value={draft.start}
                   onChange={(start) => {
-                    set({ start: STARTS.find((one) => one === start) ?? "equation-error" });
+                    set({ start: STARTS.find((one) => one === start) ?? "best" });
                   }}
                 />
                 <Select
@@ -198,7 +205,7 @@ export function RunForm({ maneuver, tables, predictions, draft, onChange, ...pro
                   allowDecimal={false}
                   value={draft.maxIterations}
                   onChange={(count) => {
-                    set({ maxIterations: integer(count) ?? 50 });
+                    set({ maxIterations: integer(count) ?? 100 });
                   }}
                 />
                 <Switch

@@ -1,7 +1,13 @@
 /** What an analyst has chosen for a new run, before it is sent. */
 import { derivativeNames } from "./derivatives";
 
-export const STARTS = ["equation-error", "prediction", "residualized-prediction"] as const;
+export const STARTS = [
+  "best",
+  "equation-error",
+  "prediction",
+  "residualized-prediction",
+  "run",
+] as const;
 export type Start = (typeof STARTS)[number];
 
 export interface RunDraft {
@@ -31,10 +37,10 @@ export const EMPTY_DRAFT: RunDraft = {
   inputs: [],
   outputs: [],
   held: [],
-  start: "equation-error",
+  start: "best",
   band: ["", ""],
   freeDelays: false,
-  maxIterations: 50,
+  maxIterations: 100,
   modalTable: null,
   dampingTable: null,
   prediction: null,
@@ -75,7 +81,7 @@ export function draftFault(draft: RunDraft): string | null {
   if (draft.methods.length === 0) return "Choose at least one method.";
   const band = bandOf(draft);
   if ("fault" in band) return band.fault;
-  if (draft.start !== "equation-error" && draft.prediction === null) {
+  if (/prediction/.test(draft.start) && draft.prediction === null) {
     return "Choose the prediction to start from.";
   }
   return null;

@@ -15,7 +15,14 @@ import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { RunForm } from "../components/RunForm";
 import { excitedInputs, named } from "../lib/channels";
-import { bandOf, EMPTY_DRAFT, freeDerivatives, holdAllBut, type RunDraft } from "../lib/runDraft";
+import {
+  bandOf,
+  EMPTY_DRAFT,
+  freeDerivatives,
+  holdAllBut,
+  STARTS,
+  type RunDraft,
+} from "../lib/runDraft";
 import { useDraft } from "../lib/useDraft";
 
 const route = getRouteApi("/maneuvers/$id/new-run");
@@ -88,7 +95,7 @@ function Form({ maneuver, aircraft, tables, predictions, like }: FormProps) {
 
   const send = () => {
     const requests = maneuvers.flatMap((id) =>
-      draft.methods.map((method) => request(draft, method, id, excitedInputs(maneuver))),
+      draft.methods.map((method) => request(draft, method, id, excitedInputs(maneuver), like)),
     );
     submit.mutate(requests, {
       onSuccess: (runs) => {
@@ -133,6 +140,7 @@ function Form({ maneuver, aircraft, tables, predictions, like }: FormProps) {
         tables={tables}
         predictions={predictions}
         draft={draft}
+        fromRun={like?.state === "succeeded"}
         onChange={setDraft}
         submitting={submit.isPending}
         onSubmit={send}
@@ -147,9 +155,11 @@ function request(
   method: RunRequest["method"],
   maneuver: number,
   excited: string[],
+  like?: Run,
 ): RunRequest {
   const band = bandOf(draft);
   return {
+    author: "",
     maneuver_id: maneuver,
     method,
     structure: {
@@ -157,15 +167,25 @@ function request(
       inputs: draft.inputs,
       outputs: draft.outputs,
       free: freeDerivatives(draft, draft.inputs.length > 0 ? draft.inputs : excited),
-      fixed: {},
+      fixed: like?.structure.fixed ?? {},
       free_delays: draft.freeDelays,
+      also_free: like?.structure.also_free ?? [],
       axis: "longitudinal",
     },
     settings: {
       start: draft.start,
       band_hz: "band" in band ? band.band : null,
       max_iterations: draft.maxIterations,
-      noise: "diagonal",
+      noise: like?.settings.noise === "full" ? "full" : "diagonal",
+      start_run_id: draft.start === "run" ? like?.id : null,
+      priors: Object.fromEntries(
+        Object.entries(like?.settings.priors ?? {}).map(([name, [value = 0, spread = 1]]) => [
+          name,
+          [value, spread] as [number, number],
+        ]),
+      ),
+      prior_spread: like?.settings.prior_spread ?? null,
+      together_with: like?.settings.together_with ?? [],
     },
     modal_table_id: draft.modalTable,
     damping_table_id: draft.dampingTable,
@@ -201,8 +221,8 @@ function firstDraft({ maneuver, tables, predictions, like, methods }: Beginning)
     inputs: structure.inputs,
     outputs: structure.outputs,
     held: [],
-    start: settings.start,
-    band: settings.band_hz ? [String(settings.band_hz[0]), String(settings.band_hz[1])] : ["", ""],
+    start: STARTS.find((one) => one === settings.start) ?? "best",
+    band: [String(settings.band_hz?.[0] ?? ""), String(settings.band_hz?.[1] ?? "")],
     freeDelays: structure.free_delays,
     maxIterations: settings.max_iterations,
     modalTable: like.modal_table_id ?? sources.modalTable,
