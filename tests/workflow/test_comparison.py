@@ -19,6 +19,7 @@ def test_predictions_are_taken_at_the_fuel_of_the_maneuver(store, add_result, pr
     assert [source.kind for source in comparison.sources] == ["OE", "prediction"]
     assert comparison.sources[1].label == "vortex lattice"
     predicted = row(comparison, "Cm_alpha").values[1]
+    assert predicted is not None
     assert predicted.value == pytest.approx(-1.5), "half fuel"
     assert predicted.std_error is None
 
@@ -74,7 +75,9 @@ def test_residualized_prediction_is_a_source_of_its_own_shown_once(store, add_re
     comparison = compare(store, [run.id for run in runs], [prediction.id])
     labels = [source.label for source in comparison.sources]
     assert labels[2:] == ["vortex lattice", "vortex lattice, residualized"]
-    assert row(comparison, "Cm_alpha").values[3].value == -1.2
+    residualized = row(comparison, "Cm_alpha").values[3]
+    assert residualized is not None
+    assert residualized.value == -1.2
     assert len(compare(store, [runs[0].id], []).sources) == 1, "only what was asked for"
 
 

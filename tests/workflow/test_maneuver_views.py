@@ -14,6 +14,7 @@ from flexsid.figures.time_history import time_history as draw_time_history
 from flexsid.records.aircraft import Combination
 from flexsid.records.maneuver import Channel, Excitation, Maneuver, Role
 from flexsid.workflow import views
+from flexsid.workflow.views.maneuver import correlation
 
 RATE_HZ = 100.0
 TRIM_S = 2.0
@@ -91,7 +92,7 @@ def test_only_the_excitation_decides_correlation(store, flown):
 
 
 def test_a_channel_at_rest_has_no_correlation():
-    value = views.maneuver.correlation(np.array([[1.0, 2.0], [1.0, 3.0], [1.0, 5.0]]))
+    value = correlation(np.array([[1.0, 2.0], [1.0, 3.0], [1.0, 5.0]]))
     assert np.isnan(value[0]).all()
     assert value[1, 1] == pytest.approx(1.0)
 
