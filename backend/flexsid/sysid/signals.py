@@ -42,7 +42,8 @@ class FrequencyResponse:
     """Measured or modelled responses; axis 0 is frequency, then outputs, then inputs.
 
     ``std`` is the standard deviation of the complex error, root of E|error|^2, where
-    known: magnitudes scatter by std / sqrt(2).
+    known: magnitudes scatter by std / sqrt(2). ``noise_gain`` says how the noise of
+    each line of the spectra enters each response, for errors are shared by neighbours.
     """
 
     omega: Float[np.ndarray, " n_omega"]
@@ -50,3 +51,4 @@ class FrequencyResponse:
     outputs: tuple[str, ...]
     inputs: tuple[str, ...]
     std: Float[np.ndarray, "n_omega n_y n_u"] | None = None
+    noise_gain: Complex[np.ndarray, "n_omega n_lines"] | None = None

@@ -149,7 +149,9 @@ def _experiments(task: Task) -> list[Experiment]:
                 output_error(data.model, lines.inputs, lines.outputs, lines.instruments, name)
             )
         else:
-            experiment = frequency_response_error(data.model, lines.responses(), name)
+            through = np.ones_like(lines.instruments)
+            source = output_error(data.model, lines.inputs, lines.true_outputs(), through, name)
+            experiment = frequency_response_error(data.model, lines.responses(), name, source)
             if several:
                 groups = tuple(f"{name} {group}" for group in experiment.group_names)
                 experiment = replace(experiment, group_names=groups)

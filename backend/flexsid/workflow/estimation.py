@@ -16,7 +16,6 @@ from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.model_structure import Structure
-from flexsid.records.prediction import Prediction
 from flexsid.records.run import (
     EstimationRun,
     Fit,
@@ -35,8 +34,7 @@ from flexsid.sysid.estimation.diagnostics import output_quality, parameter_quali
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.derivatives import DerivativeTable, derivative_names
-from flexsid.sysid.model.reduction import residualize
+from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.workflow.computation import Computed, ManeuverData, Task, compute
 from flexsid.workflow.measured import measure
 from flexsid.workflow.models import (
@@ -44,7 +42,6 @@ from flexsid.workflow.models import (
     build_model,
     default_outputs,
     define_outputs,
-    flight_condition,
 )
 from flexsid.workflow.modes import (
     AircraftModes,
@@ -52,11 +49,15 @@ from flexsid.workflow.modes import (
     find_modal_tables,
     load_modes,
 )
-from flexsid.workflow.predictions import best_prediction, predicted_modes, prediction_at
+from flexsid.workflow.predictions import best_prediction
+from flexsid.workflow.starts import (
+    is_residualized,
+    predicted_tables,
+    priors_of,
+    starting_tables,
+)
 
 __all__ = ["compute", "keep", "prepare"]
-
-RESIDUALIZED = "residualized"  # of a starting table that other modes were folded into
 
 
 def prepare(store: Store, run: EstimationRun) -> Task:
@@ -93,8 +94,8 @@ def prepare(store: Store, run: EstimationRun) -> Task:
     prediction = best_prediction(
         store, first.aircraft_id, run.prediction_id, structure.modes, inputs
     )
-    predicted = _predictions(store, prediction, run, first, aircraft, modes, inputs)
-    starts = _starts(store, run, predicted, inputs)
+    predicted = predicted_tables(store, prediction, run, first, aircraft, modes, inputs)
+    starts = starting_tables(store, run, predicted, inputs)
     free = _check_names(data[0].model, starts, structure, settings)
     assumed = modes.warnings if structure.modes else ()
     return Task(
@@ -104,9 +105,9 @@ def prepare(store: Store, run: EstimationRun) -> Task:
         maneuvers=data,
         mode_names=tuple(modes.names[number] for number in structure.modes),
         starts=starts,
-        priors=_priors(predicted, free, settings),
+        priors=priors_of(predicted, free, settings),
         try_equation_error=settings.start in (Start.BEST, Start.EQUATION_ERROR),
-        residualized=next((t.named() for n, t in predicted.items() if _is_residualized(n)), None),
+        residualized=next((t.named() for n, t in predicted.items() if is_residualized(n)), None),
         prediction_id=None if prediction is None else prediction.id,
         warnings=(*assumed, *_out_of_band(data[0], modes)),
     )
@@ -205,28 +206,6 @@ def _check_names(
     return parameters.names
 
 
-def _priors(
-    predicted: dict[str, DerivativeTable], free: tuple[str, ...], settings: RunSettings
-) -> dict[str, tuple[float, float]]:
-    """Priors given by name, and by the prediction where a spread was asked for."""
-    spread = settings.prior_spread
-    if spread is None:
-        return dict(settings.priors)
-    if not predicted:
-        raise BadInput(
-            "a prior spread needs a prediction that covers these modes and inputs; import one or "
-            "give priors by name",
-            code="no-prediction",
-        )
-    table = next(iter(predicted.values()))
-    typical = np.median(np.abs(table.values), axis=1, keepdims=True)  # of each coefficient
-    sizes = spread * np.maximum(np.abs(table.values), typical)
-    spreads = DerivativeTable(table.modes, table.inputs, sizes).named()
-    values = table.named()
-    of_prediction = {name: (values[name], spreads[name]) for name in free if name in values}
-    return of_prediction | dict(settings.priors)
-
-
 def _out_of_band(data: ManeuverData, modes: AircraftModes) -> tuple[str, ...]:
     highest = float(data.measured.omega[-1])
     return tuple(
@@ -235,75 +214,6 @@ def _out_of_band(data: ManeuverData, modes: AircraftModes) -> tuple[str, ...]:
         for number, omega in zip(data.model.modes.numbers, data.model.modes.omega, strict=True)
         if omega > highest
     )
-
-
-def _is_residualized(name: str) -> bool:
-    return name.endswith(RESIDUALIZED)
-
-
-def _starts(
-    store: Store,
-    run: EstimationRun,
-    predicted: dict[str, DerivativeTable],
-    inputs: tuple[str, ...],
-) -> dict[str, DerivativeTable]:
-    """Starting tables of the kind asked for; held derivatives take their values from them too."""
-    start = run.settings.start
-    if start is Start.RUN:
-        name = f"run {run.settings.start_run_id}"
-        return {name: _of_run(store, run, run.structure.modes, inputs)}
-    residualized = {n: t for n, t in predicted.items() if _is_residualized(n)}
-    if start is Start.RESIDUALIZED_PREDICTION:
-        return residualized
-    if start is Start.PREDICTION:
-        return {n: t for n, t in predicted.items() if not _is_residualized(n)}
-    first = dict(list(predicted.items())[:1])  # the residualised one, where there is one
-    if start is Start.EQUATION_ERROR:
-        return first if run.structure.free is not None else {}
-    return first
-
-
-def _of_run(
-    store: Store, run: EstimationRun, wanted: tuple[int, ...], inputs: tuple[str, ...]
-) -> DerivativeTable:
-    number = run.settings.start_run_id
-    if number is None:
-        raise BadInput("to start from a run, name it in start_run_id", code="no-start")
-    other = store.runs.get(number)
-    if other.result is None:
-        raise BadInput(
-            f"run {number} is {other.state.value} and has no values to start from",
-            code="no-start",
-            run_id=number,
-        )
-    values = other.structure.fixed | other.result.held
-    values |= {p.name: p.value for p in other.result.parameters}
-    return DerivativeTable.from_names(wanted, inputs, values)
-
-
-def _predictions(
-    store: Store,
-    prediction: Prediction | None,
-    run: EstimationRun,
-    maneuver: Maneuver,
-    aircraft: Aircraft,
-    modes: AircraftModes,
-    inputs: tuple[str, ...],
-) -> dict[str, DerivativeTable]:
-    """The prediction residualised, where it covers the model, and as it is."""
-    wanted = run.structure.modes
-    if prediction is None:
-        return {}
-    fuel = maneuver.condition.fuel_fraction
-    values = {name: value for name, (value, _) in prediction_at(store, prediction, fuel).items()}
-    covered = predicted_modes(prediction, modes.table.numbers)
-    plain = DerivativeTable.from_names(wanted, inputs, values)
-    if not set(derivative_names(wanted, inputs)) <= set(values):
-        return {prediction.source: plain} if set(wanted) <= set(covered) else {}
-    full = DerivativeTable.from_names(covered, inputs, values)
-    condition = flight_condition(aircraft, maneuver.condition)
-    reduced = residualize(full, modes.table.at(fuel), condition, wanted)
-    return {f"{prediction.source}, {RESIDUALIZED}": reduced, prediction.source: plain}
 
 
 def _parameter_rows(estimate: Estimate) -> tuple[ParameterEstimate, ...]:

@@ -23,7 +23,8 @@ class Experiment:
 
     ``instruments`` is each output's measured over true response; inputs have
     theirs removed already. Lines of one ``group`` share a noise covariance:
-    one group for OE, one per input for FRE.
+    one group for OE, one per input for FRE. Where lines are computed from others,
+    ``source`` holds those, and ``gain`` how the noise of each enters each line here.
     """
 
     name: str
@@ -34,6 +35,8 @@ class Experiment:
     measured: Complex[np.ndarray, "n_omega n_y"]
     group: np.ndarray
     group_names: tuple[str, ...]
+    source: Experiment | None = None
+    gain: Complex[np.ndarray, "n_omega n_source"] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,6 +222,13 @@ class LineModel:
             N[p:, :p] = N[:p, p:].T
             N[p:, p:] = np.real(A[:, n_r:, n_r:]).sum(axis=0)
         return N, g
+
+    def jacobian(self, sensitivity: Sensitivity) -> Complex[np.ndarray, "n_omega n_y n_theta"]:
+        """All sensitivities written out, for what the Kronecker form cannot do."""
+        G, w = sensitivity.forces, sensitivity.variables
+        rows, columns = self.parameters.rows, self.parameters.columns
+        derivatives = G[:, :, rows] * (w[:, columns] * self.scale)[:, None, :]
+        return np.concatenate([derivatives, sensitivity.extras], axis=2)
 
     def output_gradients(
         self,

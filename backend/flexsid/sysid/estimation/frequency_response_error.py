@@ -11,7 +11,10 @@ from flexsid.sysid.signals import FrequencyResponse
 
 
 def frequency_response_error(
-    model: AeroelasticModel, responses: dict[str, FrequencyResponse], name: str = "FRE"
+    model: AeroelasticModel,
+    responses: dict[str, FrequencyResponse],
+    name: str = "FRE",
+    source: Experiment | None = None,
 ) -> Experiment:
     """Set up frequency response error for one maneuver.
 
@@ -24,6 +27,9 @@ def frequency_response_error(
         instrument dynamics removed. Inputs left out are not fitted.
     name
         What to call the maneuver.
+    source
+        Output error at the lines that the responses were computed from; with it,
+        standard errors know that neighbouring responses share their noise.
 
     Notes
     -----
@@ -43,6 +49,8 @@ def frequency_response_error(
         measured.append(values)
         group.append(np.full(response.omega.size, number))
     omega_all = np.concatenate(omega)
+    gains = [r.noise_gain for r in responses.values() if r.noise_gain is not None]
+    shared = source is not None and len(gains) == len(responses)
     return Experiment(
         name=name,
         model=model,
@@ -52,4 +60,6 @@ def frequency_response_error(
         measured=np.concatenate(measured),
         group=np.concatenate(group),
         group_names=tuple(responses),
+        source=source if shared else None,
+        gain=np.concatenate(gains) if shared else None,
     )

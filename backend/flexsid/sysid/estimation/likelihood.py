@@ -17,6 +17,7 @@ from scipy import linalg
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation import noise
+from flexsid.sysid.estimation.covariance import covariance
 from flexsid.sysid.estimation.estimate import Estimate, FittedLines, Outcome, Step
 from flexsid.sysid.estimation.experiment import Experiment, LineModel, Response
 from flexsid.sysid.estimation.parameters import Parameters
@@ -223,12 +224,8 @@ class _Problem:
         inflation = n_data / (n_data - n_theta)
         weights = [W / inflation for W in self.weights(densities)]
         N = self.quadratic(state, weights)[0]
-        inverse, weak = _scaled_inverse(N, self.parameters.names)
-        covariance = 0.5 * inverse
-        middle = 0.5 * self._middle(state, weights, inflation) + 0.5 * np.diag(
-            self.prior_information
-        )
-        corrected = inverse @ middle @ inverse
+        found = covariance(self.models, state.theta, weights, N, self.prior_information, inflation)
+        weak = found.weak_directions(self.parameters.names)
         message = _MESSAGES[outcome].format(iterations=len(steps) - 1)
         if weak:
             if outcome is Outcome.CONVERGED:
@@ -249,27 +246,13 @@ class _Problem:
             names=self.parameters.names,
             values=state.theta,
             start=self.parameters.start,
-            covariance=covariance,
-            corrected_covariance=_symmetric(corrected),
+            covariance=found.plain,
+            corrected_covariance=found.corrected,
             lines=lines,
             steps=tuple(steps),
             outcome=outcome,
             message=message,
         )
-
-    def _middle(
-        self, state: _State, weights: list[np.ndarray], inflation: float
-    ) -> Float[np.ndarray, "n_theta n_theta"]:
-        """Score covariance (times two) with the residuals' own, smoothed density."""
-        total = np.zeros((state.theta.size,) * 2)
-        for model, response, nu, W, e in zip(
-            self.models, state.responses, state.residuals, weights, self.experiments, strict=True
-        ):
-            S = inflation * noise.smoothed_density(nu, e.group, len(e.group_names))
-            middle = W[:, :, None] * S * W[:, None, :] if W.ndim == 2 else W @ S @ W
-            sensitivity = model.sensitivity(state.theta, response)
-            total += model.normal_equations(sensitivity, nu, middle)[0]
-        return total
 
 
 _MESSAGES = {
@@ -304,24 +287,3 @@ def _size_in_std_errors(N: np.ndarray, delta: np.ndarray) -> float:
 
 def _gradient_is_small(N: np.ndarray, g: np.ndarray) -> bool:
     return bool(np.max(np.abs(g) / np.sqrt(np.maximum(np.diag(N), 1e-300))) < 1e-2)
-
-
-def _scaled_inverse(
-    N: np.ndarray, names: tuple[str, ...]
-) -> tuple[Float[np.ndarray, "n_theta n_theta"], list[str]]:
-    """Inverse of the information and the directions, in words, that it lacks."""
-    scale = np.sqrt(np.maximum(np.diag(N), np.finfo(float).tiny))
-    values, vectors = np.linalg.eigh(N / np.outer(scale, scale))
-    lacking = values < 1e-13 * values[-1]
-    weak = []
-    for direction in vectors[:, lacking].T:
-        leading = np.argsort(-np.abs(direction))[:3]
-        share = np.abs(direction[leading]) > 0.2
-        weak.append(" with ".join(names[i] for i in leading[share]))
-    floored = np.maximum(values, 1e-13 * values[-1])
-    inverse = (vectors / floored) @ vectors.T / np.outer(scale, scale)
-    return _symmetric(inverse), weak
-
-
-def _symmetric(matrix: np.ndarray) -> np.ndarray:
-    return 0.5 * (matrix + matrix.T)

@@ -92,6 +92,26 @@ class AeroelasticModel:
         K[:, modal, modal] = s[:, None] ** 2 + 2.0 * z * w * s[:, None] + w**2
         return K
 
+    def response(
+        self, derivatives: DerivativeTable, omega: Float[np.ndarray, " n_omega"]
+    ) -> Complex[np.ndarray, "n_omega n_y n_u"]:
+        """Frequency responses of all outputs to all inputs (Eq. 6), without instruments.
+
+        Parameters
+        ----------
+        derivatives
+            Of exactly this model's modes and inputs.
+        omega
+            Angular frequencies above zero. [rad/s]
+        """
+        n_r = 2 + len(self.modes.numbers)
+        forces = self.row_factors()[:, None] * derivatives.values * self.column_factors()
+        s = 1j * np.asarray(omega, dtype=float)
+        K = self.known_dynamics(omega) - forces[:, :n_r]
+        K[:, :, 2:] -= s[:, None, None] * forces[:, n_r : 2 * n_r - 2]
+        load = np.broadcast_to(forces[:, 2 * n_r - 2 :], (s.size, n_r, len(self.inputs)))
+        return self.sensors.response(omega) @ np.linalg.solve(K, load)
+
     def state_space(self, derivatives: DerivativeTable) -> StateSpace:
         """Assemble A, B, C, D for these derivatives; instruments are not included.
 

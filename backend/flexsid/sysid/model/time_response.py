@@ -53,14 +53,9 @@ def time_response(
         axis=1,
     )
     u[high] = 0.0
-    w = omega[lines]
-    force = model.row_factors()[:, None] * derivatives.values * model.column_factors()
-    n_r = 2 + len(model.modes.numbers)
-    K = model.known_dynamics(w) - force[:, :n_r]
-    K[:, :, 2:] -= 1j * w[:, None, None] * force[:, n_r : 2 * n_r - 2]
-    motion = np.linalg.solve(K, (u[lines] @ force[:, 2 * n_r - 2 :].T)[:, :, None])
+    H = model.response(derivatives, omega[lines])
     y = np.zeros((spectrum.shape[0], len(model.outputs)), dtype=complex)
-    y[lines] = (model.sensors.response(w) @ motion)[:, :, 0]
+    y[lines] = (H @ u[lines, :, None])[:, :, 0]
     for k, instrument in enumerate(output_instruments):
         y[:, k] *= instrument.response(omega)
     return fft.irfft(y, n=length, axis=0)[:n]

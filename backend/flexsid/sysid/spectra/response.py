@@ -24,12 +24,11 @@ from flexsid.sysid.spectra.scatter import line_noise, local_scatter
 class _Interpolation:
     """Closed-loop response to one command, brought to the wanted lines.
 
-    ``weight`` (n_wanted,) turns the noise of one line of the spectra into the
-    variance of the interpolated response.
+    ``gain`` turns the noise of the command's own lines into errors of the response.
     """
 
     values: Complex[np.ndarray, "n_wanted n_channels"]
-    weight: Float[np.ndarray, " n_wanted"]
+    gain: Complex[np.ndarray, "n_wanted n_own"]
 
 
 def bare_airframe_responses(
@@ -86,7 +85,7 @@ def bare_airframe_responses(
     omega = outputs.omega
     low = max(omega[own[0]] for own in lines)
     high = min(omega[own[-1]] for own in lines)
-    columns, weights, kept = [], [], []
+    columns, gains, kept = [], [], []
     for j, own in enumerate(lines):
         wanted = omega[own][(omega[own] >= low) & (omega[own] <= high)]
         parts = [_interpolate(omega[lines[m]], ratios[m], command[m], wanted) for m in range(n_u)]
@@ -94,8 +93,10 @@ def bare_airframe_responses(
         unit = np.broadcast_to(np.eye(n_u)[:, [j]], (wanted.size, n_u, 1))
         mixture = np.linalg.solve(responses[:, :n_u], unit)
         columns.append(responses[:, n_u:] @ mixture)
-        power = np.abs(mixture[:, :, 0]) ** 2
-        weights.append(np.sum(power * np.stack([part.weight for part in parts], axis=1), axis=1))
+        gain = np.zeros((wanted.size, omega.size), dtype=complex)
+        for m, part in enumerate(parts):
+            gain[:, lines[m]] = mixture[:, m] * part.gain
+        gains.append(gain)
         kept.append(wanted)
     noise = _noise(omega, lines, ratios, command, kept, columns)
     return {
@@ -104,7 +105,8 @@ def bare_airframe_responses(
             columns[j],
             outputs.names,
             (names[j],),
-            None if noise is None else np.sqrt(noise[j] * weights[j][:, None])[:, :, None],
+            None if noise is None else _spread(noise[j], gains[j])[:, :, None],
+            gains[j],
         )
         for j in range(n_u)
     }
@@ -132,7 +134,13 @@ def _interpolate(
 ) -> _Interpolation:
     degree = 3 if omega.size > 3 else 1
     matrix = make_interp_spline(omega, np.eye(omega.size), k=degree)(wanted)
-    return _Interpolation(matrix @ values, matrix**2 @ (1.0 / np.abs(command) ** 2))
+    return _Interpolation(matrix @ values, matrix / command)
+
+
+def _spread(
+    noise: Float[np.ndarray, "n_wanted n_y"], gain: Complex[np.ndarray, "n_wanted n_lines"]
+) -> Float[np.ndarray, "n_wanted n_y"]:
+    return np.sqrt(noise * np.sum(np.abs(gain) ** 2, axis=1)[:, None])
 
 
 def _noise(
