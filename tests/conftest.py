@@ -142,3 +142,38 @@ def add_run(store: Store, maneuver: Maneuver) -> Callable[..., EstimationRun]:
         return store.runs.add(replace(run, **changes))
 
     return add
+
+
+@pytest.fixture(scope="session")
+def flown_file(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A database with FLEX-28, one maneuver that was flown, and an EE run of it."""
+    from flexsid.demo.campaign import add_aircraft, add_maneuver
+    from flexsid.demo.flights import fly
+    from flexsid.jobs.direct import carry_out
+    from flexsid.jobs.steps import estimation_steps
+
+    file = tmp_path_factory.mktemp("flown") / "flown.db"
+    file.write_bytes(migrated_file.read_bytes())
+    store = Store.open(f"sqlite:///{file}")
+    aircraft = add_aircraft(store)
+    assert aircraft.id is not None
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=1))
+    assert flight.id is not None
+    kept = add_maneuver(store, fly(modes_in_truth=2, label="flown"), flight.id)
+    assert kept.id is not None
+    wanted = EstimationRun(
+        maneuver_id=kept.id,
+        method=Method.EE,
+        structure=Structure(modes=(7, 9), fixed={}),
+        settings=RunSettings(),
+    )
+    carry_out(store, wanted, estimation_steps(), lambda progress: None)
+    store.close()
+    return file
+
+
+@pytest.fixture
+def flown_url(flown_file: Path, tmp_path: Path) -> str:
+    file = tmp_path / "flown.db"
+    file.write_bytes(flown_file.read_bytes())
+    return f"sqlite:///{file}"

@@ -10,6 +10,7 @@ from fastapi import APIRouter, FastAPI
 from fastapi.routing import APIRoute
 
 import flexsid
+from flexsid.api.body_limit import BodyLimit
 from flexsid.api.context import BringAlong, Context
 from flexsid.api.docs import add_docs
 from flexsid.api.errors import Problem, add_error_handlers
@@ -38,7 +39,6 @@ from flexsid.storage.store import Store
 # The database and numpy hold the interpreter anyway; many threads only make them
 # wait for each other (forty on one list of a thousand rows came to a standstill).
 _THREADS = 4
-_LARGEST_BODY = 2 * 1024**2  # uploads have their own limit
 
 
 def create_app(
@@ -83,7 +83,6 @@ def create_app(
         openapi_url="/api/v1/openapi.json",
         docs_url=None,
         redoc_url=None,
-        max_body_size=_LARGEST_BODY,
         generate_unique_id_function=_operation_id,
     )
     api = APIRouter(prefix="/api/v1", responses={"4XX": {"model": Problem}})
@@ -106,7 +105,8 @@ def create_app(
     add_docs(app)
     add_page(app)
     add_error_handlers(app)
-    app.add_middleware(Guards)
+    app.add_middleware(BodyLimit)
+    app.add_middleware(Guards)  # the one added last comes first
     return app
 
 

@@ -118,6 +118,19 @@ def draw_iterations(store: TheStore, run_id: _Id) -> Json:
     return Json(figures.iterations(views.iterations(store, run_id)))
 
 
+@router.get("/time-check", response_model=Figure)
+def draw_time_check(
+    store: TheStore,
+    run_id: _Id,
+    outputs: _Names = None,
+    maneuver_id: Annotated[int | None, Query(ge=1, le=LARGEST_ID)] = None,
+    points: Annotated[int, Query(ge=100, le=20_000)] = views.POINTS,
+) -> Json:
+    """Draw recorded outputs and what the identified model makes of the recorded inputs."""
+    chosen = split_names(outputs) or ()
+    return Json(figures.time_check(views.time_check(store, run_id, chosen, maneuver_id, points)))
+
+
 @router.get("/derivatives", response_model=Figure)
 def draw_derivatives(
     store: TheStore,

@@ -23,7 +23,6 @@ from flexsid.workflow.ingest import keep_upload, read_upload
 
 router = APIRouter(prefix="/maneuvers", tags=["maneuvers"])
 
-_LARGEST_UPLOAD = 512 * 1024**2
 _LARGEST_MAPPING = 1024**2
 
 
@@ -97,12 +96,7 @@ class _Received:
     mapping: str | None
 
 
-@router.post(
-    "",
-    response_model=ManeuverDetail,
-    status_code=status.HTTP_201_CREATED,
-    max_body_size=_LARGEST_UPLOAD,
-)
+@router.post("", response_model=ManeuverDetail, status_code=status.HTTP_201_CREATED)
 def upload_maneuver(
     context: TheContext,
     files: Annotated[list[UploadFile], File(description="Recorder files and tables.")],

@@ -1,0 +1,72 @@
+"""A server in the test's own process, on a database with one maneuver that was flown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from pathlib import Path
+
+import pytest
+from fastapi.testclient import TestClient
+
+from flexsid.api.app import create_app
+from flexsid.settings import Settings
+
+Serve = Callable[[str], AbstractContextManager[TestClient]]
+
+
+@pytest.fixture
+def serve() -> Serve:
+    """Start a server on a database, to be used in a ``with``."""
+
+    def start(url: str) -> TestClient:
+        app = create_app(Settings(database=url))
+        return TestClient(app, base_url="http://127.0.0.1:8000", raise_server_exceptions=False)
+
+    return start
+
+
+@pytest.fixture
+def client(serve: Serve, flown_url: str) -> Iterator[TestClient]:
+    """A client of a server whose maneuver 1 was flown, and run 1, EE, succeeded."""
+    with serve(flown_url) as started:
+        yield started
+
+
+@pytest.fixture
+def empty(serve: Serve, database_url: str) -> Iterator[TestClient]:
+    with serve(database_url) as started:
+        yield started
+
+
+@pytest.fixture
+def upload_files(tmp_path: Path) -> list[tuple[str, tuple[str, bytes]]]:
+    """A small recording and the mapping that explains it."""
+    rows = ["t_s,bf,q", *(f"{k / 50:.2f},{k % 3},{-k % 5}" for k in range(20))]
+    mapping = """
+        [aircraft]
+        name = "FLEX-28"
+        [flight]
+        number = 7
+        [maneuver]
+        label = "multisine"
+        [maneuver.condition]
+        airspeed = { value = 20.0, unit = "m/s" }
+        density = { value = 1.2, unit = "kg/m3" }
+        fuel_fraction = { value = 0.5 }
+        [time]
+        column = "t_s"
+        [[channels]]
+        column = "bf"
+        name = "bfs"
+        unit = "deg"
+        role = "input"
+        [[channels]]
+        column = "q"
+        unit = "deg/s"
+        role = "output"
+        """
+    return [
+        ("files", ("../../m.csv", "\n".join(rows).encode())),
+        ("mapping", ("m.toml", mapping.encode())),
+    ]
