@@ -10,6 +10,7 @@ from flexsid.figures.plot_matrix import plot_matrix
 from flexsid.figures.poles import poles
 from flexsid.figures.residual import residual
 from flexsid.figures.spectrum import spectrum
+from flexsid.figures.time_check import time_check
 from flexsid.figures.time_history import time_history
 
 __all__ = [
@@ -23,5 +24,6 @@ __all__ = [
     "poles",
     "residual",
     "spectrum",
+    "time_check",
     "time_history",
 ]

@@ -191,3 +191,26 @@ class Convergence:
 
     run_id: int
     iterations: tuple[Iteration, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CheckedTrace:
+    """One output in time, measured and simulated (n_samples,); R2 over the whole record."""
+
+    name: str
+    unit: str
+    time_s: np.ndarray
+    measured: np.ndarray
+    simulated: np.ndarray
+    r_squared: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TimeCheck:
+    """An identified model under the recorded inputs of a maneuver."""
+
+    run_id: int
+    method: Method
+    maneuver_id: int
+    points: int
+    traces: tuple[CheckedTrace, ...]

@@ -2,19 +2,39 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
 from flexsid.errors import Conflict
 from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
-from flexsid.sysid.model.aeroelastic import StateSpace
+from flexsid.sysid.model.aeroelastic import AeroelasticModel, StateSpace
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyResponse
 from flexsid.workflow.estimation import prepare
 
 
-def identified_model(store: Store, run: EstimationRun) -> StateSpace:
-    """A, B, C, D of the estimate, without instruments and delays.
+@dataclass(frozen=True, slots=True)
+class Identified:
+    """A model with its derivatives; ``delays`` [s] and ``scales`` belong to the outputs."""
+
+    model: AeroelasticModel
+    derivatives: DerivativeTable
+    delays: np.ndarray
+    scales: np.ndarray
+
+    def response(self, omega: np.ndarray) -> FrequencyResponse:
+        """Frequency responses, estimated delays and scale factors included."""
+        values = self.model.response(self.derivatives, omega)
+        sensed = self.scales * np.exp(-1j * np.outer(omega, self.delays))
+        return FrequencyResponse(
+            omega, values * sensed[:, :, None], self.model.outputs, self.model.inputs
+        )
+
+
+def identified(store: Store, run: EstimationRun, maneuver_id: int | None = None) -> Identified:
+    """The estimate of a run at the condition of its maneuver, or of another one.
 
     Raises
     ------
@@ -27,26 +47,25 @@ def identified_model(store: Store, run: EstimationRun) -> StateSpace:
             code="run-without-result",
             run_id=run.id,
         )
-    model = prepare(store, run).model
-    values = {parameter.name: parameter.value for parameter in run.result.parameters}
-    held = run.structure.fixed | run.result.held
-    table = DerivativeTable.from_names(model.modes.numbers, model.inputs, held | values)
-    return model.state_space(table)
+    alone = replace(run.settings, together_with=())
+    there = run.maneuver_id if maneuver_id is None else maneuver_id
+    model = prepare(store, replace(run, maneuver_id=there, settings=alone)).model
+    values = run.structure.fixed | run.result.held
+    values |= {parameter.name: parameter.value for parameter in run.result.parameters}
+    return Identified(
+        model=model,
+        derivatives=DerivativeTable.from_names(model.modes.numbers, model.inputs, values),
+        delays=np.array([values.get(f"delay_{name}", 0.0) for name in model.outputs]),
+        scales=np.array([values.get(f"scale_{name}", 1.0) for name in model.outputs]),
+    )
+
+
+def identified_model(store: Store, run: EstimationRun) -> StateSpace:
+    """A, B, C, D of the estimate, without instruments and delays."""
+    found = identified(store, run)
+    return found.model.state_space(found.derivatives)
 
 
 def identified_responses(store: Store, run: EstimationRun, omega: np.ndarray) -> FrequencyResponse:
     """Frequency responses of the identified model, its estimated delays included."""
-    system = identified_model(store, run)
-    s = 1j * omega
-    resolvent = s[:, None, None] * np.eye(system.A.shape[0]) - system.A
-    values = (
-        system.C
-        @ np.linalg.solve(resolvent, np.broadcast_to(system.B, (omega.size, *system.B.shape)))
-        + system.D
-    )
-    assert run.result is not None
-    found = {parameter.name: parameter.value for parameter in run.result.parameters}
-    delays = np.array([found.get(f"delay_{name}", 0.0) for name in system.outputs])
-    return FrequencyResponse(
-        omega, values * np.exp(-s[:, None] * delays)[:, :, None], system.outputs, system.inputs
-    )
+    return identified(store, run).response(omega)

@@ -166,15 +166,10 @@ def _transform(
             code="beyond-nyquist",
         )
     excitation = maneuver.excitation
-    begin = maneuver.start_s if excitation is None else excitation.start_s
-    trim = round((begin - start_s) * rate_hz)
-    if trim >= _TRIM_S * rate_hz:
-        samples = samples - samples[:trim].mean(axis=0)
-    else:
-        samples = samples - samples.mean(axis=0)
+    samples = trim_removed(samples, rate_hz, start_s, maneuver)
     if excitation is not None and excitation.n_periods > 1:
         period = excitation.period_s
-        first = round((begin + period - start_s) * rate_hz)
+        first = round((excitation.start_s + period - start_s) * rate_hz)
         last = first + round((excitation.n_periods - 1) * period * rate_hz)
         if last <= samples.shape[0] + 1:
             window = samples[first:last]
@@ -183,6 +178,17 @@ def _transform(
     if settles.any():
         transform[:, settles] += _held_level(samples[:, settles], rate_hz, lines.omega, start_s)
     return transform
+
+
+def trim_removed(
+    samples: np.ndarray, rate_hz: float, start_s: float, maneuver: Maneuver
+) -> np.ndarray:
+    """Take off the mean before the excitation, or of all where too little lies before."""
+    excitation = maneuver.excitation
+    begin = maneuver.start_s if excitation is None else excitation.start_s
+    trim = round((begin - start_s) * rate_hz)
+    steady = samples[:trim] if trim >= _TRIM_S * rate_hz else samples
+    return samples - steady.mean(axis=0)
 
 
 def _held_level(

@@ -623,6 +623,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/figures/time-check": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Time Check
+         * @description Draw recorded outputs and what the identified model makes of the recorded inputs.
+         */
+        get: operations["draw_time_check"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/figures/derivatives": {
         parameters: {
             query?: never;
@@ -3301,6 +3321,41 @@ export interface operations {
         parameters: {
             query: {
                 run_id: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    draw_time_check: {
+        parameters: {
+            query: {
+                run_id: number;
+                /** @description Names separated by commas. */
+                outputs?: string | null;
+                maneuver_id?: number | null;
+                points?: number;
             };
             header?: never;
             path?: never;

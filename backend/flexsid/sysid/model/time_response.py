@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from jaxtyping import Float
 from scipy import fft
 
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.model.instruments import Instrument
+
+_CLEAR_OF_NYQUIST = 0.8  # beyond this share of it, taking a filter out would amplify noise
 
 
 def time_response(
@@ -16,8 +19,8 @@ def time_response(
     derivatives: DerivativeTable,
     inputs: Float[np.ndarray, "n_samples n_u"],
     rate_hz: float,
-    input_instruments: tuple[Instrument, ...],
-    output_instruments: tuple[Instrument, ...],
+    correct: Callable[[np.ndarray], np.ndarray],
+    sense: Callable[[np.ndarray], np.ndarray],
 ) -> Float[np.ndarray, "n_samples n_y"]:
     """Outputs as they would be recorded under these recorded inputs.
 
@@ -29,8 +32,10 @@ def time_response(
         Recorded deflections of a whole maneuver, trim removed. [rad]
     rate_hz
         Samples per second. [Hz]
-    input_instruments, output_instruments
-        Between true and recorded signals.
+    correct
+        True over recorded input at angular frequencies, (n_omega, n_u).
+    sense
+        Recorded over true output, (n_omega, n_y).
 
     Notes
     -----
@@ -43,19 +48,9 @@ def time_response(
     length = fft.next_fast_len(2 * n, real=True)
     spectrum = fft.rfft(inputs, n=length, axis=0)
     omega = 2.0 * np.pi * rate_hz * np.arange(spectrum.shape[0]) / length
-    lines = slice(1, None)  # trim is not part of the response
-    high = np.abs(omega) > 0.8 * np.pi * rate_hz
-    u = np.stack(
-        [
-            spectrum[:, k] / np.where(high, 1.0, instrument.response(omega))
-            for k, instrument in enumerate(input_instruments)
-        ],
-        axis=1,
-    )
-    u[high] = 0.0
-    H = model.response(derivatives, omega[lines])
+    band = (omega > 0.0) & (omega < _CLEAR_OF_NYQUIST * np.pi * rate_hz)  # trim is left out
+    w = omega[band]
+    u = spectrum[band] * correct(w)
     y = np.zeros((spectrum.shape[0], len(model.outputs)), dtype=complex)
-    y[lines] = (H @ u[lines, :, None])[:, :, 0]
-    for k, instrument in enumerate(output_instruments):
-        y[:, k] *= instrument.response(omega)
+    y[band] = (model.response(derivatives, w) @ u[:, :, None])[:, :, 0] * sense(w)
     return fft.irfft(y, n=length, axis=0)[:n]

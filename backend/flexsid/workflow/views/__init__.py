@@ -11,6 +11,7 @@ from flexsid.workflow.views.run import (
     poles,
     residual,
 )
+from flexsid.workflow.views.time_check import time_check
 
 __all__ = [
     "POINTS",
@@ -24,5 +25,6 @@ __all__ = [
     "poles",
     "residual",
     "spectrum",
+    "time_check",
     "time_history",
 ]

@@ -1,0 +1,44 @@
+"""The identified model beside the recording, in time, stable or not."""
+
+from __future__ import annotations
+
+import pytest
+
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flights import fly
+from flexsid.errors import BadInput
+from flexsid.records.flight import Flight
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage import queue
+from flexsid.storage.store import Store
+from flexsid.workflow.estimation import compute, keep, prepare
+from flexsid.workflow.views import time_check
+
+
+@pytest.mark.parametrize("ratio", [0.65, 1.09])
+def test_model_follows_the_recording_also_beyond_flutter(store: Store, ratio: float):
+    aircraft = add_aircraft(store)
+    assert aircraft.id is not None
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=90))
+    assert flight.id is not None
+    flown = fly(airspeed_ratio=ratio, fuel=0.5, fta=506, peak_deg=1.5, modes_in_truth=2, seed=3)
+    maneuver = add_maneuver(store, flown, flight.id)
+    assert maneuver.id is not None
+    run = store.runs.add(
+        EstimationRun(
+            maneuver_id=maneuver.id,
+            method=Method.OE,
+            structure=Structure(modes=(7, 9), fixed={}),
+            settings=RunSettings(),
+        )
+    )
+    assert run.id is not None
+    claimed = queue.claim(store, run.id)
+    assert claimed is not None
+    keep(store, run.id, claimed.attempt, compute(prepare(store, run), lambda progress: None))
+
+    check = time_check(store, run.id, ["q", "az_ofs"])
+    assert [trace.r_squared > 0.95 for trace in check.traces] == [True, True]
+    with pytest.raises(BadInput, match="no output 'nose'"):
+        time_check(store, run.id, ["nose"])
