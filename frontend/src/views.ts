@@ -44,6 +44,8 @@ export const newRunView = view((search) => ({
   like: integer(search.like),
   /** Further maneuvers that get the same run. */
   also: integers(search.also),
+  /** One run over all of them instead of one each. */
+  together: flag(search.together),
 }));
 
 export const RUN_TABS = [

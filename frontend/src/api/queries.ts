@@ -144,7 +144,7 @@ export const comparisonQuery = (runs: readonly number[], predictions: readonly n
           signal,
         }),
       ),
-    enabled: runs.length + predictions.length > 0,
+    enabled: runs.length > 0,
     placeholderData: keepPreviousData,
   });
 

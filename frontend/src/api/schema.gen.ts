@@ -1819,6 +1819,9 @@ export interface components {
         /**
          * RunParameter
          * @description An estimate with its label.
+         *
+         *     ``cramer_rao`` is the bound for white residuals, ``insensitivity`` the standard
+         *     error that was left if all other parameters were known.
          */
         RunParameter: {
             /** Name */
@@ -1831,6 +1834,10 @@ export interface components {
             std_error: number | null;
             /** Start */
             start: number | null;
+            /** Cramer Rao */
+            cramer_rao: number | null;
+            /** Insensitivity */
+            insensitivity: number | null;
         };
         /**
          * RunRequest

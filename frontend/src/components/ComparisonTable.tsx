@@ -8,22 +8,6 @@ import { DerivativeName } from "./DerivativeName";
 export function ComparisonTable({ sources, rows }: Pick<Comparison, "sources" | "rows">) {
   const columns: Column<ComparisonRow>[] = [
     { key: "name", header: "Derivative", render: (row) => <DerivativeName name={row.name} /> },
-    ...sources.map((source, place): Column<ComparisonRow> => ({
-      key: source.key,
-      header: source.label,
-      numeric: true,
-      render: (row) => {
-        const cell = row.values[place];
-        if (cell == null) return <span className="quiet">–</span>;
-        const { value, error } = withError(cell.value, cell.std_error);
-        return (
-          <span style={{ whiteSpace: "nowrap" }}>
-            {value}
-            {cell.std_error != null && <span className="quiet"> ± {error}</span>}
-          </span>
-        );
-      },
-    })),
     {
       key: "difference",
       header: (
@@ -43,8 +27,8 @@ export function ComparisonTable({ sources, rows }: Pick<Comparison, "sources" | 
           <Tooltip
             label={
               row.consistent
-                ? "All pairs of runs agree within 3σ"
-                : "At least one pair of runs differs by more than 3σ"
+                ? "All pairs of runs agree within 2σ"
+                : "At least one pair of runs differs by more than 2σ"
             }
           >
             <Text span size="sm" c={row.consistent ? "teal" : "orange"} tabIndex={0}>
@@ -53,6 +37,22 @@ export function ComparisonTable({ sources, rows }: Pick<Comparison, "sources" | 
           </Tooltip>
         ),
     },
+    ...sources.map((source, place): Column<ComparisonRow> => ({
+      key: source.key,
+      header: source.label,
+      numeric: true,
+      render: (row) => {
+        const cell = row.values[place];
+        if (cell == null) return <span className="quiet">–</span>;
+        const { value, error } = withError(cell.value, cell.std_error);
+        return (
+          <span style={{ whiteSpace: "nowrap" }}>
+            {value}
+            {cell.std_error != null && <span className="quiet"> ± {error}</span>}
+          </span>
+        );
+      },
+    })),
   ];
   return (
     <DataTable

@@ -16,12 +16,12 @@ export function FitTab({ run, view, onChange }: RunTabProps) {
   const block = run.blocks.find((one) => one.name === view.block) ?? run.blocks[0];
   if (block === undefined || run.fit === null) return <Empty title="This run kept no fit" />;
   const output = block.outputs.find((one) => one === view.output) ?? block.outputs[0];
-  const values: Record<string, number> = run.fit.r_squared;
+  const { quality, r_squared: overall } = run.fit;
   const own = Object.fromEntries(
-    block.outputs.map((name) => [
-      name,
-      values[name] ?? values[`${name}/${block.name}`] ?? values[`${block.name}/${name}`] ?? NaN,
-    ]),
+    block.outputs.map((name) => {
+      const here = quality.find((one) => one.block === block.name && one.output === name);
+      return [name, here?.r_squared ?? overall[name] ?? NaN];
+    }),
   );
   return (
     <div className="split" style={{ gridTemplateColumns: "330px minmax(0, 1fr)" }}>

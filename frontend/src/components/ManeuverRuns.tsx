@@ -4,7 +4,8 @@ import { Link } from "@tanstack/react-router";
 import { runsQuery } from "../api/queries";
 import type { Run } from "../api/types";
 import { dateTime, elapsed } from "../lib/format";
-import { ButtonLink } from "./ButtonLink";
+import { latestPerMethod } from "../lib/runs";
+import { CompareLink } from "./CompareLink";
 import { DataTable, type Column } from "./DataTable";
 import { Empty } from "./Empty";
 import { Loaded } from "./Loaded";
@@ -33,7 +34,7 @@ const columns: Column<Run>[] = [
     key: "iterations",
     header: "Iterations",
     numeric: true,
-    render: (run) => (run.fit ? run.fit.iterations.length : ""),
+    render: (run) => (run.fit ? (run.fit.iterations.at(-1)?.iteration ?? 0) : ""),
   },
   {
     key: "took",
@@ -81,10 +82,12 @@ export function ManeuverRuns({ maneuver, view, onChange }: ManeuverTabProps) {
               <CompareLink
                 runs={
                   selected.length > 0
-                    ? selected
-                    : rows.filter((run) => run.state === "succeeded").map((run) => run.id)
+                    ? rows.filter((run) => selected.includes(run.id))
+                    : latestPerMethod(rows)
                 }
-                label={selected.length > 0 ? `Compare ${selected.length} selected` : "Compare all"}
+                label={
+                  selected.length > 0 ? `Compare ${selected.length} selected` : "Compare methods"
+                }
               />
             </Group>
             <div className="panel">
@@ -100,19 +103,5 @@ export function ManeuverRuns({ maneuver, view, onChange }: ManeuverTabProps) {
         )
       }
     </Loaded>
-  );
-}
-
-export function CompareLink({ runs, label = "Compare" }: { runs: number[]; label?: string }) {
-  return (
-    <ButtonLink
-      to="/compare"
-      search={{ runs }}
-      variant="default"
-      disabled={runs.length === 0}
-      data-testid="compare-link"
-    >
-      {label}
-    </ButtonLink>
   );
 }

@@ -2,6 +2,7 @@ import { useQuery } from "@tanstack/react-query";
 import { modalTableQuery } from "../api/queries";
 import type { ModalTable, ModalTableDetail } from "../api/types";
 import { fixed, hertz, percent } from "../lib/format";
+import { someFuels } from "../lib/modes";
 import { DataTable, type Column } from "./DataTable";
 import { Loaded } from "./Loaded";
 import { Section } from "./Section";
@@ -41,15 +42,15 @@ function columnsOf(modal: ModalTableDetail): Column<Row>[] {
   const over = (
     kind: string,
     unit: string,
-    values: number[][] | null | undefined,
+    values: number[][] | null,
     show: (value: number | undefined) => string,
   ): Column<Row>[] =>
-    (values ?? []).map((row, place) => ({
+    (values === null ? [] : someFuels(modal.fuel)).map((place) => ({
       key: `${kind}${place}`,
       header: `${kind} at ${percent(modal.fuel[place])} %`,
       unit,
       numeric: true,
-      render: ({ place: mode }) => show(row[mode]),
+      render: ({ place: mode }) => show(values?.[place]?.[mode]),
     }));
   return [
     { key: "number", header: "Mode", numeric: true, render: (row) => row.number },

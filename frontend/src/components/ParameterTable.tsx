@@ -37,6 +37,18 @@ const columns: Column<Parameter>[] = [
     sort: "relative",
     render: (one) => significant(relativeError(one.value, one.std_error), 2),
   },
+  {
+    key: "bound",
+    header: <span title="Cramér-Rao bound: σ if the residuals were white">Cramér-Rao</span>,
+    numeric: true,
+    render: (one) => significant(one.cramer_rao, 2),
+  },
+  {
+    key: "insensitivity",
+    header: <span title="σ if all other parameters were known exactly">Insensitivity</span>,
+    numeric: true,
+    render: (one) => significant(one.insensitivity, 2),
+  },
   { key: "start", header: "Start", numeric: true, render: (one) => significant(one.start) },
   {
     key: "change",

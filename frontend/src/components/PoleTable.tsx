@@ -1,7 +1,31 @@
 import type { Pole } from "../api/types";
-import { fixed, hertz } from "../lib/format";
+import { fixed, hertz, withError } from "../lib/format";
 import { oscillation, upperHalf } from "../lib/poles";
 import { DataTable, type Column } from "./DataTable";
+
+/** The server's figures with their errors; without them those of the eigenvalue alone. */
+function known(pole: Pole) {
+  const own = oscillation(pole);
+  const omega = pole.frequency ?? own.omega;
+  const omegaStd = pole.frequency_std ?? own.omegaStd;
+  return {
+    omega,
+    hertz: hertz(omega),
+    hertzStd: omegaStd === null ? null : hertz(omegaStd),
+    damping: pole.damping ?? own.damping,
+    dampingStd: pole.damping_std ?? own.dampingStd,
+  };
+}
+
+function WithSigma({ value, sigma }: { value: number; sigma: number | null }) {
+  const shown = withError(value, sigma);
+  return (
+    <span style={{ whiteSpace: "nowrap" }}>
+      {shown.value}
+      {sigma !== null && <span className="quiet"> ± {shown.error}</span>}
+    </span>
+  );
+}
 
 const columns: Column<Pole>[] = [
   { key: "name", header: "Mode", render: (pole) => pole.name || "–" },
@@ -10,33 +34,20 @@ const columns: Column<Pole>[] = [
     header: "Frequency",
     unit: "Hz",
     numeric: true,
-    render: (pole) => fixed(hertz(oscillation(pole).omega), 3),
+    render: (pole) => <WithSigma value={known(pole).hertz} sigma={known(pole).hertzStd} />,
   },
   {
     key: "omega",
     header: "Frequency",
     unit: "rad/s",
     numeric: true,
-    render: (pole) => fixed(oscillation(pole).omega, 2),
-  },
-  {
-    key: "omega-std",
-    header: "σ",
-    unit: "rad/s",
-    numeric: true,
-    render: (pole) => fixed(oscillation(pole).omegaStd, 2),
+    render: (pole) => fixed(known(pole).omega, 2),
   },
   {
     key: "damping",
     header: "Damping ratio",
     numeric: true,
-    render: (pole) => fixed(oscillation(pole).damping, 4),
-  },
-  {
-    key: "damping-std",
-    header: "σ",
-    numeric: true,
-    render: (pole) => fixed(oscillation(pole).dampingStd, 4),
+    render: (pole) => <WithSigma value={known(pole).damping} sigma={known(pole).dampingStd} />,
   },
   {
     key: "real",

@@ -3,13 +3,14 @@ import { useQuery } from "@tanstack/react-query";
 import { runsQuery } from "../api/queries";
 import type { Run } from "../api/types";
 import { csv, saveText } from "../lib/csv";
+import { latestPerMethod } from "../lib/runs";
 import { ButtonLink } from "./ButtonLink";
-import { CompareLink } from "./ManeuverRuns";
+import { CompareLink } from "./CompareLink";
 
 /** What can be done with a run: compare, repeat, take away. */
 export function RunActions({ run }: { run: Run }) {
   const others = useQuery(runsQuery({ maneuver_id: run.maneuver_id, state: "succeeded" }));
-  const ids = [run.id, ...(others.data ?? []).map((one) => one.id).filter((id) => id !== run.id)];
+  const methods = latestPerMethod(others.data ?? []).filter((one) => one.method !== run.method);
   const done = run.state === "succeeded";
   return (
     <>
@@ -51,7 +52,12 @@ export function RunActions({ run }: { run: Run }) {
           </Menu.Dropdown>
         </Menu>
       )}
-      {done && <CompareLink runs={ids} label={ids.length > 1 ? "Compare methods" : "Compare"} />}
+      {done && (
+        <CompareLink
+          runs={[run, ...methods]}
+          label={methods.length > 0 ? "Compare methods" : "Compare"}
+        />
+      )}
     </>
   );
 }

@@ -1,42 +1,17 @@
-import {
-  Button,
-  Group,
-  MultiSelect,
-  NumberInput,
-  Select,
-  Stack,
-  Switch,
-  Text,
-  TextInput,
-} from "@mantine/core";
+import { Button, Group, Select, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import type { ReactNode } from "react";
 import { modalTableQuery } from "../api/queries";
 import type { Maneuver, ModalTable, Prediction } from "../api/types";
-import { excitedInputs, named } from "../lib/channels";
-import {
-  bandOf,
-  draftFault,
-  freeDerivatives,
-  holdAllBut,
-  STARTS,
-  type RunDraft,
-  type Start,
-} from "../lib/runDraft";
+import { excitedInputs } from "../lib/channels";
+import { draftFault, freeDerivatives, holdAllBut, type RunDraft } from "../lib/runDraft";
 import { integer } from "../lib/urlState";
 import { DerivativeGrid } from "./DerivativeGrid";
 import { Loaded } from "./Loaded";
 import { MethodPicker } from "./MethodPicker";
 import { ModeChecklist } from "./ModeChecklist";
+import { RunData } from "./RunData";
 import { Section } from "./Section";
-
-const START_NAMES: Record<Start, string> = {
-  best: "Likeliest of these",
-  "equation-error": "Equation error estimate",
-  prediction: "Prediction",
-  "residualized-prediction": "Residualized prediction",
-  run: "Estimates of the earlier run",
-};
 
 interface Props {
   maneuver: Maneuver;
@@ -63,7 +38,6 @@ export function RunForm({ maneuver, tables, predictions, draft, onChange, ...pro
     enabled: draft.modalTable !== null,
   });
   const inputs = draft.inputs.length > 0 ? draft.inputs : excitedInputs(maneuver);
-  const band = bandOf(draft);
   const fault = draftFault(draft);
   const tablesOf = (kind: ModalTable["kind"]) =>
     tables
@@ -127,98 +101,14 @@ export function RunForm({ maneuver, tables, predictions, draft, onChange, ...pro
               />
             </Group>
           </Section>
-          <Section title="Data" note="Nothing picked stands for all that the maneuver has.">
-            <Stack gap="sm">
-              <MultiSelect
-                label="Inputs"
-                placeholder={draft.inputs.length === 0 ? inputs.join(", ") : undefined}
-                searchable
-                clearable
-                data-testid="run-inputs"
-                data={[
-                  ...new Set([...excitedInputs(maneuver), ...named(maneuver.channels, "input")]),
-                ]}
-                value={draft.inputs}
-                onChange={(chosen) => {
-                  set({ inputs: chosen });
-                }}
-              />
-              <MultiSelect
-                label="Outputs"
-                placeholder={draft.outputs.length === 0 ? "all suitable" : undefined}
-                searchable
-                clearable
-                data-testid="run-outputs"
-                data={props.outputs}
-                value={draft.outputs}
-                onChange={(chosen) => {
-                  set({ outputs: chosen });
-                }}
-              />
-              <Group grow align="flex-start">
-                {(["from", "to"] as const).map((end, place) => (
-                  <TextInput
-                    key={end}
-                    label={`Band ${end} [Hz]`}
-                    placeholder="excited band"
-                    inputMode="decimal"
-                    error={"fault" in band}
-                    value={draft.band[place]}
-                    onChange={(event) => {
-                      const next: [string, string] = [...draft.band];
-                      next[place] = event.currentTarget.value;
-                      set({ band: next });
-                    }}
-                  />
-                ))}
-              </Group>
-              <Group grow align="flex-start">
-                <Select
-                  label="Start"
-                  allowDeselect={false}
-                  data-testid="run-start"
-                  data={STARTS.filter((start) => start !== "run" || props.fromRun).map((start) => ({
-                    value: start,
-                    label: START_NAMES[start],
-                  }))}
-                  value={draft.start}
-                  onChange={(start) => {
-                    set({ start: STARTS.find((one) => one === start) ?? "best" });
-                  }}
-                />
-                <Select
-                  label="Prediction"
-                  placeholder="none"
-                  clearable
-                  data={predictions.map((one) => ({ value: String(one.id), label: one.source }))}
-                  value={draft.prediction === null ? null : String(draft.prediction)}
-                  onChange={(id) => {
-                    set({ prediction: integer(id) ?? null });
-                  }}
-                />
-              </Group>
-              <Group grow align="flex-end">
-                <NumberInput
-                  label="Iterations at most"
-                  min={1}
-                  max={500}
-                  allowDecimal={false}
-                  value={draft.maxIterations}
-                  onChange={(count) => {
-                    set({ maxIterations: integer(count) ?? 100 });
-                  }}
-                />
-                <Switch
-                  label="Estimate time delays too"
-                  mb={6}
-                  checked={draft.freeDelays}
-                  onChange={(event) => {
-                    set({ freeDelays: event.currentTarget.checked });
-                  }}
-                />
-              </Group>
-            </Stack>
-          </Section>
+          <RunData
+            maneuver={maneuver}
+            outputs={props.outputs}
+            predictions={predictions}
+            draft={draft}
+            fromRun={props.fromRun}
+            onChange={set}
+          />
         </div>
         <Section
           title="Free derivatives"

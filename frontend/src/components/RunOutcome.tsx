@@ -1,4 +1,4 @@
-import { Alert, List, Text } from "@mantine/core";
+import { Text } from "@mantine/core";
 import type { Fit, Run } from "../api/types";
 import { fixed, significant } from "../lib/format";
 import { Facts } from "./ConditionFacts";
@@ -11,14 +11,14 @@ export function RunOutcome({ run, fit }: { run: Run; fit: Fit }) {
   return (
     <>
       <Text size="sm" mb="sm" data-testid="run-outcome">
-        <b>{fit.outcome.charAt(0).toUpperCase() + fit.outcome.slice(1)}.</b> {fit.message}
+        {fit.message}
       </Text>
       <Facts
         facts={[
           ["Median R²", fixed(median, 3)],
           ["Lowest R²", fixed(sorted[0], 3)],
           ["Cost", significant(fit.cost, 6)],
-          ["Iterations", fit.iterations.length],
+          ["Iterations", fit.iterations.at(-1)?.iteration ?? 0],
           ["Parameters", fit.n_parameters],
           ["Frequency lines", fit.n_lines],
           ["Modes", run.structure.modes.join(", ") || "rigid"],
@@ -27,13 +27,11 @@ export function RunOutcome({ run, fit }: { run: Run; fit: Fit }) {
         ]}
       />
       {fit.warnings.length > 0 && (
-        <Alert color="yellow" variant="light" mt="sm" p="xs">
-          <List size="sm" spacing={2}>
-            {fit.warnings.map((warning) => (
-              <List.Item key={warning}>{warning}</List.Item>
-            ))}
-          </List>
-        </Alert>
+        <ul className="warnings" aria-label="Warnings">
+          {fit.warnings.map((warning) => (
+            <li key={warning}>{warning}</li>
+          ))}
+        </ul>
       )}
     </>
   );

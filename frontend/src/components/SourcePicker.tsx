@@ -24,7 +24,7 @@ export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
     onChange({ [key]: on ? [...(view[key] ?? []), id] : without(view[key], id) });
   };
   return (
-    <Stack gap="md" data-testid="source-picker">
+    <div className="sources" data-testid="source-picker">
       <div>
         <Text size="sm" fw={600} mb={4}>
           Compared
@@ -37,15 +37,19 @@ export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
         {sources.map((source) => (
           <Group key={source.key} justify="space-between" wrap="nowrap" gap={4}>
             <Text size="sm">{source.label}</Text>
-            <CloseButton
-              size="sm"
-              aria-label={`Take out ${source.label}`}
-              onClick={() => {
-                if (source.run_id != null) toggle("runs", source.run_id, false);
-                if (source.prediction_id != null)
-                  toggle("predictions", source.prediction_id, false);
-              }}
-            />
+            {/* What belongs to both, a residualized prediction, goes with either. */}
+            {(source.run_id === null || source.prediction_id === null) && (
+              <CloseButton
+                size="sm"
+                aria-label={`Take out ${source.label}`}
+                onClick={() => {
+                  if (source.run_id !== null) toggle("runs", source.run_id, false);
+                  if (source.prediction_id !== null) {
+                    toggle("predictions", source.prediction_id, false);
+                  }
+                }}
+              />
+            )}
           </Group>
         ))}
       </div>
@@ -81,7 +85,7 @@ export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
           <RunsOf maneuver={maneuver} picked={view.runs ?? []} onToggle={toggle} />
         )}
       </Stack>
-    </Stack>
+    </div>
   );
 }
 

@@ -1,11 +1,13 @@
-import { byRole, excitedInputs } from "../lib/channels";
+import { excitedInputs } from "../lib/channels";
 import { ChannelPicker } from "./ChannelPicker";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
+import { useOfferedChannels } from "./useOfferedChannels";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 
 /** Fourier magnitudes, each line colored by the input that owns its frequency. */
 export function SpectraTab({ maneuver, view, onChange }: ManeuverTabProps) {
+  const offered = useOfferedChannels(maneuver);
   const inputs = excitedInputs(maneuver).slice(0, 1);
   const channels =
     view.channels ??
@@ -16,7 +18,7 @@ export function SpectraTab({ maneuver, view, onChange }: ManeuverTabProps) {
     <div className="split">
       <ChannelPicker
         label="Channels"
-        groups={byRole(maneuver.channels)}
+        groups={offered()}
         value={channels}
         onChange={(names) => {
           onChange({ channels: names });

@@ -1,9 +1,10 @@
 import type { Maneuver } from "../api/types";
-import { byRole, firstLook } from "../lib/channels";
+import { firstLook } from "../lib/channels";
 import type { ManeuverView } from "../views";
 import { ChannelPicker } from "./ChannelPicker";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
+import { useOfferedChannels } from "./useOfferedChannels";
 
 export interface ManeuverTabProps {
   maneuver: Maneuver;
@@ -13,12 +14,13 @@ export interface ManeuverTabProps {
 
 /** Channels against time; zooming asks the server for the finer samples of the window. */
 export function TimeHistoryTab({ maneuver, view, onChange }: ManeuverTabProps) {
+  const offered = useOfferedChannels(maneuver);
   const channels = view.channels ?? firstLook(maneuver.channels);
   return (
     <div className="split">
       <ChannelPicker
         label="Channels"
-        groups={byRole(maneuver.channels)}
+        groups={offered()}
         value={channels}
         onChange={(names) => {
           onChange({ channels: names });

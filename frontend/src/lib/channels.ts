@@ -24,6 +24,17 @@ export function byRole(channels: readonly ChannelLike[], roles = ROLE_NAMES.map(
     .filter((group) => group.items.length > 0);
 }
 
+/** Combinations, such as half the difference of left and right, whose channels were all recorded. */
+export function combined(
+  channels: readonly ChannelLike[],
+  combinations: readonly { name: string; terms: (string | number)[][] }[],
+): string[] {
+  const recorded = new Set<string | number | undefined>(channels.map((channel) => channel.name));
+  return combinations
+    .filter((one) => one.terms.every(([channel]) => recorded.has(channel)))
+    .map((one) => one.name);
+}
+
 export const named = (channels: readonly ChannelLike[], role: ChannelLike["role"]): string[] =>
   channels.filter((channel) => channel.role === role).map((channel) => channel.name);
 

@@ -1,3 +1,11 @@
+/** Places of at most five fuels, spread evenly, the ends among them. */
+export function someFuels(fuels: readonly number[]): number[] {
+  const count = Math.min(5, fuels.length);
+  return Array.from({ length: count }, (_, step) =>
+    count === 1 ? 0 : Math.round((step * (fuels.length - 1)) / (count - 1)),
+  );
+}
+
 /** Value of each mode at a fuel fraction, linear between the table's fuels. */
 export function atFuel(
   fuels: readonly number[],

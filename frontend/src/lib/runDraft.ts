@@ -25,6 +25,11 @@ export interface RunDraft {
   /** Limits in Hz as they are typed; empty: the whole excited band. */
   band: [string, string];
   freeDelays: boolean;
+  /** Quantities beyond the derivatives: `delay_q`, `scale_alpha`, `omega_7`, `zeta_7`. */
+  alsoFree: string[];
+  noise: "diagonal" | "full";
+  /** Spread of priors at the prediction, as a share of each value; null: no priors. */
+  priorSpread: number | null;
   maxIterations: number;
   modalTable: number | null;
   dampingTable: number | null;
@@ -40,6 +45,9 @@ export const EMPTY_DRAFT: RunDraft = {
   start: "best",
   band: ["", ""],
   freeDelays: false,
+  alsoFree: [],
+  noise: "diagonal",
+  priorSpread: null,
   maxIterations: 100,
   modalTable: null,
   dampingTable: null,

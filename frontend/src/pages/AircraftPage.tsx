@@ -11,6 +11,7 @@ import { ModalTableView } from "../components/ModalTableView";
 import { PageHead } from "../components/PageHead";
 import { Section } from "../components/Section";
 import { fixed, percent } from "../lib/format";
+import { someFuels } from "../lib/modes";
 
 /** What is known about the airframe before any maneuver: mass, sensors, modes, predictions. */
 export function AircraftPage() {
@@ -122,7 +123,7 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
                   ]
                 : []),
             ]}
-            rows={mass.fuel.map((_, row) => row)}
+            rows={someFuels(mass.fuel)}
             rowKey={(row) => row}
           />
         </div>
@@ -160,7 +161,10 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
                     header: "Fuel",
                     unit: "%",
                     numeric: true,
-                    render: (one) => one.fuel.map((fuel) => percent(fuel)).join(", "),
+                    render: (one) =>
+                      [...new Set([one.fuel[0], one.fuel.at(-1)])]
+                        .map((fuel) => percent(fuel))
+                        .join(" to "),
                   },
                   { key: "note", header: "Note", render: (one) => one.note },
                 ]}

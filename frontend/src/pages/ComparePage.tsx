@@ -22,7 +22,7 @@ export function ComparePage() {
   const runs = view.runs ?? [];
   const predictions = view.predictions ?? [];
   const comparison = useQuery(comparisonQuery(runs, predictions));
-  const any = runs.length + predictions.length > 0;
+  const any = runs.length > 0; // a run tells the condition at which predictions are taken
   const shown = any ? comparison.data : undefined;
   const change = (part: Partial<CompareView>) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }) });
@@ -38,7 +38,7 @@ export function ComparePage() {
         ]}
         actions={shown && <ExportButton comparison={shown} />}
       />
-      <div className="split">
+      <div className="split split-early">
         <SourcePicker
           view={view}
           sources={shown?.sources ?? []}
@@ -52,7 +52,7 @@ export function ComparePage() {
         ) : (
           <div className="panel">
             <Empty title="Nothing to compare yet">
-              Tick predictions or the runs of a maneuver on the left, or use Compare on a run.
+              Choose a maneuver and tick one or more of its runs, or use Compare on a run.
             </Empty>
           </div>
         )}
@@ -93,7 +93,7 @@ function Compared({ comparison, view, onChange }: ComparedProps) {
         />
         <Text size="sm" className="quiet numbers">
           {judged > 0
-            ? `${judged - inconsistent} of ${judged} derivatives agree within 3σ between runs`
+            ? `${judged - inconsistent} of ${judged} derivatives agree within 2σ between runs`
             : "Two runs are needed to judge consistency"}
         </Text>
       </Group>

@@ -1,8 +1,8 @@
 import { Button, Group, Progress, Select, Text } from "@mantine/core";
-import { useQuery } from "@tanstack/react-query";
+import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useCancelJob } from "../api/commands";
-import { jobsQuery, runsQuery } from "../api/queries";
+import { jobsQuery, maneuversQuery, runsQuery } from "../api/queries";
 import { isOver, STATES, type Job, type Run } from "../api/types";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
@@ -23,6 +23,11 @@ export function JobsPage() {
   const cancel = useCancelJob();
   const runOf = new Map<number, Run>((runs.data ?? []).map((run) => [run.id, run]));
 
+  const maneuvers = useInfiniteQuery(maneuversQuery({}, "id", 1000));
+  const labels = new Map(
+    maneuvers.data?.pages.flatMap((page) => page.items.map((one) => [one.id, one.label])),
+  );
+
   const columns: Column<Job>[] = [
     {
       key: "run",
@@ -42,7 +47,7 @@ export function JobsPage() {
           ""
         ) : (
           <Link to="/maneuvers/$id" params={{ id }} className="link">
-            Maneuver {id}
+            {labels.get(id) ?? `Maneuver ${id}`}
           </Link>
         );
       },

@@ -1,4 +1,4 @@
-import { Text } from "@mantine/core";
+import { SegmentedControl, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useSubmitRuns } from "../api/commands";
@@ -9,20 +9,14 @@ import {
   predictionsQuery,
   runQuery,
 } from "../api/queries";
-import type { Aircraft, Maneuver, ModalTable, Prediction, Run, RunRequest } from "../api/types";
+import type { Aircraft, Maneuver, ModalTable, Prediction, Run } from "../api/types";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { RunForm } from "../components/RunForm";
+import { firstDraft, runRequest } from "../components/runRequest";
 import { excitedInputs, named } from "../lib/channels";
-import {
-  bandOf,
-  EMPTY_DRAFT,
-  freeDerivatives,
-  holdAllBut,
-  STARTS,
-  type RunDraft,
-} from "../lib/runDraft";
+import type { RunDraft } from "../lib/runDraft";
 import { useDraft } from "../lib/useDraft";
 
 const route = getRouteApi("/maneuvers/$id/new-run");
@@ -94,8 +88,15 @@ function Form({ maneuver, aircraft, tables, predictions, like }: FormProps) {
   const maneuvers = [maneuver.id, ...(view.also ?? []).filter((id) => id !== maneuver.id)];
 
   const send = () => {
-    const requests = maneuvers.flatMap((id) =>
-      draft.methods.map((method) => request(draft, method, id, excitedInputs(maneuver), like)),
+    const [first, ...others] = maneuvers;
+    const separate = view.together === true && first !== undefined ? [first] : maneuvers;
+    const requests = separate.flatMap((id) =>
+      draft.methods.map((method) =>
+        runRequest(draft, method, id, excitedInputs(maneuver), {
+          like,
+          together: view.together === true ? others : undefined,
+        }),
+      ),
     );
     submit.mutate(requests, {
       onSuccess: (runs) => {
@@ -128,9 +129,28 @@ function Form({ maneuver, aircraft, tables, predictions, like }: FormProps) {
         ]}
         aside={
           maneuvers.length > 1 && (
-            <Text size="sm" className="quiet">
-              and {maneuvers.length - 1} more {maneuvers.length === 2 ? "maneuver" : "maneuvers"}
-            </Text>
+            <>
+              <Text size="sm" className="quiet">
+                and {maneuvers.length - 1} more {maneuvers.length === 2 ? "maneuver" : "maneuvers"}
+              </Text>
+              <SegmentedControl
+                aria-label="Runs for several maneuvers"
+                data={[
+                  { value: "each", label: "A run each" },
+                  { value: "together", label: "One run over all" },
+                ]}
+                value={view.together === true ? "together" : "each"}
+                onChange={(choice) =>
+                  void navigate({
+                    search: (previous) => ({
+                      ...previous,
+                      together: choice === "together" ? true : undefined,
+                    }),
+                    replace: true,
+                  })
+                }
+              />
+            </>
           )
         }
       />
@@ -148,87 +168,4 @@ function Form({ maneuver, aircraft, tables, predictions, like }: FormProps) {
       />
     </>
   );
-}
-
-function request(
-  draft: RunDraft,
-  method: RunRequest["method"],
-  maneuver: number,
-  excited: string[],
-  like?: Run,
-): RunRequest {
-  const band = bandOf(draft);
-  return {
-    author: "",
-    maneuver_id: maneuver,
-    method,
-    structure: {
-      modes: draft.modes,
-      inputs: draft.inputs,
-      outputs: draft.outputs,
-      free: freeDerivatives(draft, draft.inputs.length > 0 ? draft.inputs : excited),
-      fixed: like?.structure.fixed ?? {},
-      free_delays: draft.freeDelays,
-      also_free: like?.structure.also_free ?? [],
-      axis: "longitudinal",
-    },
-    settings: {
-      start: draft.start,
-      band_hz: "band" in band ? band.band : null,
-      max_iterations: draft.maxIterations,
-      noise: like?.settings.noise === "full" ? "full" : "diagonal",
-      start_run_id: draft.start === "run" ? like?.id : null,
-      priors: Object.fromEntries(
-        Object.entries(like?.settings.priors ?? {}).map(([name, [value = 0, spread = 1]]) => [
-          name,
-          [value, spread] as [number, number],
-        ]),
-      ),
-      prior_spread: like?.settings.prior_spread ?? null,
-      together_with: like?.settings.together_with ?? [],
-    },
-    modal_table_id: draft.modalTable,
-    damping_table_id: draft.dampingTable,
-    prediction_id: draft.prediction,
-  };
-}
-
-interface Beginning extends Omit<FormProps, "aircraft"> {
-  methods?: RunDraft["methods"];
-}
-
-/** The choices of an earlier run, or defaults that suit the maneuver. */
-function firstDraft({ maneuver, tables, predictions, like, methods }: Beginning): RunDraft {
-  const modal = tables.find((one) => one.kind === "FEM");
-  const sources = {
-    modalTable: modal?.id ?? null,
-    dampingTable: tables.find((one) => one.kind === "GVT")?.id ?? null,
-    prediction: predictions[0]?.id ?? null,
-  };
-  if (like === undefined) {
-    const symmetric = modal?.numbers.filter((_, place) => modal.symmetric[place]) ?? [];
-    return {
-      ...EMPTY_DRAFT,
-      ...sources,
-      modes: symmetric.slice(0, 2),
-      ...(methods && methods.length > 0 ? { methods } : {}),
-    };
-  }
-  const { structure, settings } = like;
-  const draft: RunDraft = {
-    methods: [like.method],
-    modes: structure.modes,
-    inputs: structure.inputs,
-    outputs: structure.outputs,
-    held: [],
-    start: STARTS.find((one) => one === settings.start) ?? "best",
-    band: [String(settings.band_hz?.[0] ?? ""), String(settings.band_hz?.[1] ?? "")],
-    freeDelays: structure.free_delays,
-    maxIterations: settings.max_iterations,
-    modalTable: like.modal_table_id ?? sources.modalTable,
-    dampingTable: like.damping_table_id,
-    prediction: like.prediction_id ?? sources.prediction,
-  };
-  const inputs = draft.inputs.length > 0 ? draft.inputs : excitedInputs(maneuver);
-  return holdAllBut(draft, inputs, structure.free ?? null);
 }

@@ -1,0 +1,108 @@
+import { Accordion, NumberInput, Select, SimpleGrid, Switch, TagsInput } from "@mantine/core";
+import type { RunDraft } from "../lib/runDraft";
+import { integer, number } from "../lib/urlState";
+
+const SPREADS = [
+  { value: "none", label: "None" },
+  { value: "0.25", label: "25 %" },
+  { value: "0.5", label: "50 %" },
+  { value: "1", label: "100 %" },
+];
+
+interface Props {
+  draft: RunDraft;
+  outputs: readonly string[];
+  onChange: (part: Partial<RunDraft>) => void;
+}
+
+/** Choices that most runs leave as they are. */
+export function AdvancedChoices({ draft, outputs, onChange }: Props) {
+  const spread = draft.priorSpread === null ? "none" : String(draft.priorSpread);
+  const spreads = SPREADS.some((one) => one.value === spread)
+    ? SPREADS
+    : [...SPREADS, { value: spread, label: `${100 * Number(spread)} %` }];
+  const offered = [
+    ...outputs.flatMap((name) => [`delay_${name}`, `scale_${name}`]),
+    ...draft.modes.flatMap((mode) => [`omega_${mode}`, `zeta_${mode}`]),
+  ];
+  const changed =
+    draft.freeDelays ||
+    draft.alsoFree.length > 0 ||
+    draft.noise === "full" ||
+    draft.priorSpread !== null;
+  return (
+    <Accordion
+      variant="contained"
+      className="panel"
+      order={2}
+      defaultValue={changed ? "advanced" : null}
+      data-testid="advanced"
+    >
+      <Accordion.Item value="advanced">
+        <Accordion.Control>Priors, noise and further free quantities</Accordion.Control>
+        <Accordion.Panel>
+          <SimpleGrid cols={{ base: 1, sm: 2 }} spacing="md">
+            <Select
+              label="Prior spread"
+              description="Holds each free derivative near the prediction, with this share of its value as σ"
+              allowDeselect={false}
+              data-testid="run-prior"
+              data={spreads}
+              value={spread}
+              onChange={(share) => {
+                onChange({ priorSpread: number(share) ?? null });
+              }}
+            />
+            <Select
+              label="Noise"
+              description="Whether the residuals of different outputs may be correlated"
+              allowDeselect={false}
+              data-testid="run-noise"
+              data={[
+                { value: "diagonal", label: "Outputs independent" },
+                { value: "full", label: "Outputs correlated" },
+              ]}
+              value={draft.noise}
+              onChange={(noise) => {
+                onChange({ noise: noise === "full" ? "full" : "diagonal" });
+              }}
+            />
+            <TagsInput
+              size="xs"
+              label="Further free quantities"
+              description="Delays, scale factors, mode frequencies and dampings, e.g. delay_q, omega_7, shape_az_cf_7"
+              data-testid="run-also-free"
+              placeholder={draft.alsoFree.length === 0 ? "none" : undefined}
+              clearable
+              limit={40}
+              data={offered}
+              value={draft.alsoFree}
+              onChange={(alsoFree) => {
+                onChange({ alsoFree });
+              }}
+            />
+            <NumberInput
+              label="Iterations at most"
+              description="The estimation usually ends long before"
+              min={1}
+              max={1000}
+              allowDecimal={false}
+              value={draft.maxIterations}
+              onChange={(count) => {
+                onChange({ maxIterations: integer(count) ?? 100 });
+              }}
+            />
+            <Switch
+              label="Free time delays"
+              description="Estimates a time delay of every output too"
+              checked={draft.freeDelays}
+              onChange={(event) => {
+                onChange({ freeDelays: event.currentTarget.checked });
+              }}
+            />
+          </SimpleGrid>
+        </Accordion.Panel>
+      </Accordion.Item>
+    </Accordion>
+  );
+}

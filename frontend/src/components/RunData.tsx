@@ -1,0 +1,122 @@
+import { Group, MultiSelect, NumberInput, Select, Stack, Switch, TextInput } from "@mantine/core";
+import type { Maneuver, Prediction } from "../api/types";
+import { excitedInputs, named } from "../lib/channels";
+import { bandOf, STARTS, type RunDraft, type Start } from "../lib/runDraft";
+import { integer } from "../lib/urlState";
+import { Section } from "./Section";
+
+const START_NAMES: Record<Start, string> = {
+  best: "Likeliest of the candidates",
+  "equation-error": "Equation error estimate",
+  prediction: "Prediction",
+  "residualized-prediction": "Residualized prediction",
+  run: "Estimates of the earlier run",
+};
+
+interface Props {
+  maneuver: Maneuver;
+  outputs: string[];
+  predictions: Prediction[];
+  draft: RunDraft;
+  /** Whether there is an earlier run whose estimates can be the start. */
+  fromRun: boolean;
+  onChange: (part: Partial<RunDraft>) => void;
+}
+
+/** Which channels and lines are fitted, and where the iteration starts. */
+export function RunData({ maneuver, outputs, predictions, draft, fromRun, onChange }: Props) {
+  const inputs = draft.inputs.length > 0 ? draft.inputs : excitedInputs(maneuver);
+  const band = bandOf(draft);
+  return (
+    <Section title="Data" note="Nothing picked stands for all that the maneuver has.">
+      <Stack gap="sm">
+        <MultiSelect
+          label="Inputs"
+          placeholder={draft.inputs.length === 0 ? inputs.join(", ") : undefined}
+          searchable
+          clearable
+          data-testid="run-inputs"
+          data={[...new Set([...excitedInputs(maneuver), ...named(maneuver.channels, "input")])]}
+          value={draft.inputs}
+          onChange={(chosen) => {
+            onChange({ inputs: chosen });
+          }}
+        />
+        <MultiSelect
+          label="Outputs"
+          placeholder={draft.outputs.length === 0 ? "all suitable" : undefined}
+          searchable
+          clearable
+          data-testid="run-outputs"
+          data={outputs}
+          value={draft.outputs}
+          onChange={(chosen) => {
+            onChange({ outputs: chosen });
+          }}
+        />
+        <Group grow align="flex-start">
+          {(["from", "to"] as const).map((end, place) => (
+            <TextInput
+              key={end}
+              label={`Band ${end} [Hz]`}
+              placeholder="excited band"
+              inputMode="decimal"
+              error={"fault" in band}
+              value={draft.band[place]}
+              onChange={(event) => {
+                const next: [string, string] = [...draft.band];
+                next[place] = event.currentTarget.value;
+                onChange({ band: next });
+              }}
+            />
+          ))}
+        </Group>
+        <Group grow align="flex-start">
+          <Select
+            label="Start"
+            allowDeselect={false}
+            data-testid="run-start"
+            data={STARTS.filter((start) => start !== "run" || fromRun).map((start) => ({
+              value: start,
+              label: START_NAMES[start],
+            }))}
+            value={draft.start}
+            onChange={(start) => {
+              onChange({ start: STARTS.find((one) => one === start) ?? "best" });
+            }}
+          />
+          <Select
+            label="Prediction"
+            placeholder="none"
+            clearable
+            data={predictions.map((one) => ({ value: String(one.id), label: one.source }))}
+            value={draft.prediction === null ? null : String(draft.prediction)}
+            onChange={(id) => {
+              onChange({ prediction: integer(id) ?? null });
+            }}
+          />
+        </Group>
+        <Group grow align="flex-end">
+          <NumberInput
+            label="Iterations at most"
+            min={1}
+            max={500}
+            allowDecimal={false}
+            value={draft.maxIterations}
+            onChange={(count) => {
+              onChange({ maxIterations: integer(count) ?? 100 });
+            }}
+          />
+          <Switch
+            label="Estimate time delays too"
+            mb={6}
+            checked={draft.freeDelays}
+            onChange={(event) => {
+              onChange({ freeDelays: event.currentTarget.checked });
+            }}
+          />
+        </Group>
+      </Stack>
+    </Section>
+  );
+}
