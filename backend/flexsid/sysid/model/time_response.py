@@ -11,7 +11,7 @@ from scipy import fft
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 
-_CLEAR_OF_NYQUIST = 0.8  # beyond this share of it, taking a filter out would amplify noise
+_MOST_AMPLIFIED = 3.0  # beyond, taking the inputs' filters out would bring up their noise
 
 
 def time_response(
@@ -48,9 +48,12 @@ def time_response(
     length = fft.next_fast_len(2 * n, real=True)
     spectrum = fft.rfft(inputs, n=length, axis=0)
     omega = 2.0 * np.pi * rate_hz * np.arange(spectrum.shape[0]) / length
-    band = (omega > 0.0) & (omega < _CLEAR_OF_NYQUIST * np.pi * rate_hz)  # trim is left out
-    w = omega[band]
-    u = spectrum[band] * correct(w)
+    w = omega[1:]  # trim is left out
+    corrections = correct(w)
+    beyond = np.flatnonzero(np.abs(corrections).max(axis=1) > _MOST_AMPLIFIED)
+    stop = beyond[0] if beyond.size else w.size
+    w, band = w[:stop], slice(1, 1 + stop)
+    u = spectrum[band] * corrections[:stop]
     y = np.zeros((spectrum.shape[0], len(model.outputs)), dtype=complex)
     y[band] = (model.response(derivatives, w) @ u[:, :, None])[:, :, 0] * sense(w)
     return fft.irfft(y, n=length, axis=0)[:n]
