@@ -71,13 +71,19 @@ class PredictionDetail(Prediction):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunParameter:
-    """An estimate with its label."""
+    """An estimate with its label.
+
+    ``cramer_rao`` is the bound for white residuals, ``insensitivity`` the standard
+    error that was left if all other parameters were known.
+    """
 
     name: str
     label: str
     value: float
     std_error: float | None
     start: float | None
+    cramer_rao: float | None
+    insensitivity: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -255,6 +261,8 @@ def run_answer(run: EstimationRun) -> Run:
                 value=parameter.value,
                 std_error=parameter.std_error,
                 start=parameter.start,
+                cramer_rao=parameter.cramer_rao,
+                insensitivity=parameter.insensitivity,
             )
             for parameter in result.parameters
         ],

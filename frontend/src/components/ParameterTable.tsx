@@ -1,4 +1,4 @@
-import { Text, Tooltip } from "@mantine/core";
+import { Text } from "@mantine/core";
 import type { Parameter } from "../api/types";
 import { fixed, relativeError, significant, withError } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
@@ -65,17 +65,18 @@ const columns: Column<Parameter>[] = [
     header: "",
     render: (one) =>
       isWeak(one) && (
-        <Tooltip
-          label={
+        <Text
+          span
+          size="xs"
+          c="orange"
+          title={
             one.std_error == null
               ? "Not identifiable from this record"
               : "Not distinguishable from zero: |value| < 2σ"
           }
         >
-          <Text span size="xs" c="orange" tabIndex={0}>
-            {one.std_error == null ? "not identifiable" : "< 2σ"}
-          </Text>
-        </Tooltip>
+          {one.std_error == null ? "not identifiable" : "< 2σ"}
+        </Text>
       ),
   },
 ];
