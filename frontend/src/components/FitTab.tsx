@@ -24,12 +24,13 @@ export function FitTab({ run, view, onChange }: RunTabProps) {
     }),
   );
   return (
-    <div className="split" style={{ gridTemplateColumns: "330px minmax(0, 1fr)" }}>
+    <div className="split" style={{ gridTemplateColumns: "minmax(330px, 400px) minmax(0, 1fr)" }}>
       <Stack gap="sm">
         <BlockPicker run={run} view={view} onChange={onChange} />
         <div className="panel">
           <FitTable
             values={own}
+            quality={quality.filter((one) => one.block === block.name)}
             selected={output}
             onSelect={(name) => {
               onChange({ output: name });

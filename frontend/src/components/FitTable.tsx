@@ -1,16 +1,31 @@
 import { UnstyledButton } from "@mantine/core";
 import { fixed } from "../lib/format";
 
+interface Quality {
+  output: string;
+  theil: number | null;
+  whiteness: number | null;
+}
+
 interface Props {
   /** R² by output. */
   values: Record<string, number>;
+  /** What else is known of the fit of an output. */
+  quality?: readonly Quality[];
   selected?: string;
   onSelect?: (name: string) => void;
   label?: string;
 }
 
-/** R² of each output as number and bar; an output can be picked to see its fit. */
-export function FitTable({ values, selected, onSelect, label = "Fit by output" }: Props) {
+/** R² of each output as number and bar, Theil's coefficient and whiteness; an output can be picked to see its fit. */
+export function FitTable({
+  values,
+  quality = [],
+  selected,
+  onSelect,
+  label = "Fit by output",
+}: Props) {
+  const of = (name: string) => quality.find((one) => one.output === name);
   return (
     <table className="data-table" aria-label={label} data-testid="fit-table">
       <thead>
@@ -20,6 +35,14 @@ export function FitTable({ values, selected, onSelect, label = "Fit by output" }
             R²
           </th>
           <th scope="col" aria-hidden="true" />
+          <th scope="col" className="end">
+            <span title="Theil's inequality coefficient: 0 is a perfect fit, 1 none">Theil</span>
+          </th>
+          <th scope="col" className="end">
+            <span title="Probability that white residuals would be as much alike from line to line">
+              White
+            </span>
+          </th>
         </tr>
       </thead>
       <tbody>
@@ -47,6 +70,8 @@ export function FitTable({ values, selected, onSelect, label = "Fit by output" }
                 <span style={{ width: `${100 * Math.max(0, Math.min(1, value))}%` }} />
               </span>
             </td>
+            <td className="end">{fixed(of(name)?.theil, 3)}</td>
+            <td className="end">{fixed(of(name)?.whiteness, 2)}</td>
           </tr>
         ))}
       </tbody>

@@ -1,4 +1,4 @@
-import { Group, MultiSelect, NumberInput, Select, Stack, Switch, TextInput } from "@mantine/core";
+import { Group, MultiSelect, Select, Stack, TextInput } from "@mantine/core";
 import type { Maneuver, Prediction } from "../api/types";
 import { excitedInputs, named } from "../lib/channels";
 import { bandOf, STARTS, type RunDraft, type Start } from "../lib/runDraft";
@@ -74,6 +74,7 @@ export function RunData({ maneuver, outputs, predictions, draft, fromRun, onChan
         <Group grow align="flex-start">
           <Select
             label="Start"
+            description="Where the iteration begins"
             allowDeselect={false}
             data-testid="run-start"
             data={STARTS.filter((start) => start !== "run" || fromRun).map((start) => ({
@@ -87,32 +88,13 @@ export function RunData({ maneuver, outputs, predictions, draft, fromRun, onChan
           />
           <Select
             label="Prediction"
+            description="Used by starts and priors"
             placeholder="none"
             clearable
             data={predictions.map((one) => ({ value: String(one.id), label: one.source }))}
             value={draft.prediction === null ? null : String(draft.prediction)}
             onChange={(id) => {
               onChange({ prediction: integer(id) ?? null });
-            }}
-          />
-        </Group>
-        <Group grow align="flex-end">
-          <NumberInput
-            label="Iterations at most"
-            min={1}
-            max={500}
-            allowDecimal={false}
-            value={draft.maxIterations}
-            onChange={(count) => {
-              onChange({ maxIterations: integer(count) ?? 100 });
-            }}
-          />
-          <Switch
-            label="Estimate time delays too"
-            mb={6}
-            checked={draft.freeDelays}
-            onChange={(event) => {
-              onChange({ freeDelays: event.currentTarget.checked });
             }}
           />
         </Group>

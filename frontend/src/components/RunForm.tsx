@@ -6,6 +6,7 @@ import type { Maneuver, ModalTable, Prediction } from "../api/types";
 import { excitedInputs } from "../lib/channels";
 import { draftFault, freeDerivatives, holdAllBut, type RunDraft } from "../lib/runDraft";
 import { integer } from "../lib/urlState";
+import { AdvancedChoices } from "./AdvancedChoices";
 import { DerivativeGrid } from "./DerivativeGrid";
 import { Loaded } from "./Loaded";
 import { MethodPicker } from "./MethodPicker";
@@ -123,6 +124,7 @@ export function RunForm({ maneuver, tables, predictions, draft, onChange, ...pro
             }}
           />
         </Section>
+        <AdvancedChoices draft={draft} outputs={props.outputs} onChange={set} />
         {props.footer}
         <Group gap="md">
           <Button

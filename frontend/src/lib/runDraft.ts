@@ -92,5 +92,8 @@ export function draftFault(draft: RunDraft): string | null {
   if (/prediction/.test(draft.start) && draft.prediction === null) {
     return "Choose the prediction to start from.";
   }
+  if (draft.priorSpread !== null && draft.prediction === null) {
+    return "Choose the prediction that the priors stand at.";
+  }
   return null;
 }
