@@ -78,7 +78,7 @@ serve: install
 
 test: lint types rules page-checks browser
 	$(say) 'running the tests'
-	@$(BIN)/python -m pytest --numprocesses auto --dist loadgroup
+	@$(BIN)/python -m pytest --numprocesses auto
 
 lint: install
 	$(say) 'style and spelling'

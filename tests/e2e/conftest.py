@@ -46,16 +46,18 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture(scope="session")
-def campaign() -> Path:
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Database with the demonstration campaign, made again only when its makers change."""
-    cache = ROOT / ".cache" / "e2e"
-    kept = cache / f"{_hash_of_makers()}.db"
+    kept = ROOT / ".cache" / "e2e" / f"{_hash_of_makers()}.db"
     if not kept.is_file():
-        shutil.rmtree(cache, ignore_errors=True)
-        cache.mkdir(parents=True)
-        made = cache / "making.db"
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        for outdated in kept.parent.glob("*.db"):
+            outdated.unlink(missing_ok=True)
+        made = tmp_path_factory.mktemp("campaign") / "made.db"
         _run("demo", "--no-serve", "--database", f"sqlite:///{made}")
-        made.rename(kept)
+        # Moved into place whole, for another process may have made the same.
+        shutil.move(made, kept.with_suffix(f".{os.getpid()}"))
+        kept.with_suffix(f".{os.getpid()}").rename(kept)
     return kept
 
 

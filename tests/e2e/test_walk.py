@@ -12,7 +12,7 @@ SCREENSHOTS = Path(__file__).parent / "screenshots"
 ESTIMATION_MS = 120_000
 FIGURE_MS = 30_000
 
-pytestmark = [pytest.mark.e2e, pytest.mark.xdist_group("e2e")]
+pytestmark = pytest.mark.e2e
 
 
 def test_an_analyst_walks_from_campaign_to_comparison(page: Page):
