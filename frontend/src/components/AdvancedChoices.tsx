@@ -34,6 +34,7 @@ export function AdvancedChoices({ draft, outputs, onChange }: Props) {
     <Accordion
       variant="contained"
       className="panel"
+      bg="var(--page-surface)"
       order={2}
       defaultValue={changed ? "advanced" : null}
       data-testid="advanced"
