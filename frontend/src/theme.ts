@@ -16,7 +16,7 @@ const steel: MantineColorsTuple = [
 
 export const theme = createTheme({
   primaryColor: "steel",
-  primaryShade: { light: 8, dark: 5 },
+  primaryShade: { light: 8, dark: 7 },
   colors: { steel },
   fontFamily: '"Inter Variable", system-ui, "Segoe UI", sans-serif',
   fontFamilyMonospace: 'ui-monospace, "SF Mono", "DejaVu Sans Mono", monospace',

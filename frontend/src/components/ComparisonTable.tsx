@@ -1,4 +1,4 @@
-import { Text, Tooltip } from "@mantine/core";
+import { Text } from "@mantine/core";
 import type { Comparison, ComparisonRow } from "../api/types";
 import { fixed, withError } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
@@ -24,17 +24,18 @@ export function ComparisonTable({ sources, rows }: Pick<Comparison, "sources" | 
         row.consistent == null ? (
           <span className="quiet">–</span>
         ) : (
-          <Tooltip
-            label={
+          <Text
+            span
+            size="sm"
+            c={row.consistent ? "var(--page-good)" : "var(--page-warn)"}
+            title={
               row.consistent
                 ? "All pairs of runs agree within 2σ"
                 : "At least one pair of runs differs by more than 2σ"
             }
           >
-            <Text span size="sm" c={row.consistent ? "teal" : "orange"} tabIndex={0}>
-              {row.consistent ? "yes" : "no"}
-            </Text>
-          </Tooltip>
+            {row.consistent ? "yes" : "no"}
+          </Text>
         ),
     },
     ...sources.map((source, place): Column<ComparisonRow> => ({

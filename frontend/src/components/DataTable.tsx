@@ -36,7 +36,9 @@ export function DataTable<Row>(props: Props<Row>) {
     <div
       className="table-scroll"
       style={{ maxHeight: props.maxHeight }}
-      tabIndex={props.maxHeight === undefined ? undefined : 0}
+      role="region"
+      aria-label={label}
+      tabIndex={0}
     >
       <table className="data-table" aria-label={label} data-testid={testId}>
         <thead>

@@ -68,7 +68,7 @@ const columns: Column<Parameter>[] = [
         <Text
           span
           size="xs"
-          c="orange"
+          c="var(--page-warn)"
           title={
             one.std_error == null
               ? "Not identifiable from this record"

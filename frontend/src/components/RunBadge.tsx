@@ -10,11 +10,16 @@ const COLORS: Record<RunState, string> = {
   cancelled: "yellow",
 };
 
+/** Tint behind text of the page's own color, for contrast in both themes. */
+const tint = (color: string) =>
+  `light-dark(var(--mantine-color-${color}-1), color-mix(in srgb, var(--mantine-color-${color}-9) 55%, #242424))`;
+
 /** A run's state as color and word. */
 export function StateBadge({ state }: { state: RunState }) {
   return (
     <Badge
-      color={COLORS[state]}
+      bg={tint(COLORS[state])}
+      c="var(--mantine-color-text)"
       tt="none"
       leftSection={state === "running" ? <Loader size={9} color={COLORS[state]} /> : undefined}
       data-testid="run-state"
@@ -41,7 +46,11 @@ export function RunBadge({
       title={`${method} run ${run.id}: ${run.state}`}
       style={{ textDecoration: "none" }}
     >
-      <Badge color={COLORS[run.state]} style={{ cursor: "pointer" }}>
+      <Badge
+        bg={tint(COLORS[run.state])}
+        c="var(--mantine-color-text)"
+        style={{ cursor: "pointer" }}
+      >
         {method}
       </Badge>
     </Link>

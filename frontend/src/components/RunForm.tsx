@@ -137,7 +137,7 @@ export function RunForm({ maneuver, tables, predictions, draft, onChange, ...pro
             {draft.methods.length > 1 ? `Submit ${draft.methods.length} methods` : "Submit run"}
           </Button>
           {fault !== null && (
-            <Text size="sm" c="red">
+            <Text size="sm" c="var(--page-warn)">
               {fault}
             </Text>
           )}
