@@ -35,10 +35,19 @@ class Covariance:
         return words
 
 
+@dataclass(frozen=True, slots=True)
+class FinalLines:
+    """The lines of one maneuver at the estimate."""
+
+    model: LineModel
+    sensitivity: Sensitivity
+    residuals: np.ndarray
+    weights: np.ndarray
+    theta: Float[np.ndarray, " n_theta"]
+
+
 def covariance(
-    models: Sequence[LineModel],
-    theta: Float[np.ndarray, " n_theta"],
-    weights: Sequence[np.ndarray],
+    lines: Sequence[FinalLines],
     information: Float[np.ndarray, "n_theta n_theta"],
     prior_information: Float[np.ndarray, " n_theta"],
     inflation: float,
@@ -47,12 +56,8 @@ def covariance(
 
     Parameters
     ----------
-    models
-        Of every maneuver.
-    theta
-        The estimate.
-    weights
-        Inverse density of every maneuver's lines, corrected for the parameters fitted.
+    lines
+        Of every maneuver, weighted with the density corrected for the parameters fitted.
     information
         Normal matrix with these weights, priors included.
     prior_information
@@ -74,45 +79,32 @@ def covariance(
     floored = np.maximum(values, _WEAKEST * values[-1])
     inverse = (vectors / floored) @ vectors.T / outer
     middle = np.diag(prior_information)
-    for model, W in zip(models, weights, strict=True):
-        middle = middle + inflation * _score_covariance(model, theta, W)
+    for final in lines:
+        middle = middle + inflation * _score_covariance(final)
     corrected = 0.5 * inverse @ middle @ inverse
     return Covariance(0.5 * _symmetric(inverse), _symmetric(corrected), vectors[:, lacking])
 
 
-def _score_covariance(
-    model: LineModel, theta: Float[np.ndarray, " n_theta"], weights: np.ndarray
-) -> Float[np.ndarray, "n_theta n_theta"]:
+def _score_covariance(final: FinalLines) -> Float[np.ndarray, "n_theta n_theta"]:
     """Twice the covariance of Re sum J^H W nu for the residuals as they are."""
-    experiment = model.experiment
-    response = model.respond(theta)
-    sensitivity = model.sensitivity(theta, response)
+    experiment, W = final.model.experiment, final.weights
     if experiment.source is not None and experiment.gain is not None:
-        return _shared(model, sensitivity, weights, experiment.source, experiment.gain, theta)
-    nu = experiment.measured - response.outputs
-    S = _density(experiment, nu)
-    if weights.ndim == 2:
-        middle = weights[:, :, None] * S * weights[:, None, :]
-    else:
-        middle = weights @ S @ weights
-    return model.normal_equations(sensitivity, nu, middle)[0]
+        return _shared(final, experiment.source, experiment.gain)
+    S = _density(experiment, final.residuals)
+    middle = W[:, :, None] * S * W[:, None, :] if W.ndim == 2 else W @ S @ W
+    return final.model.normal_equations(final.sensitivity, final.residuals, middle)[0]
 
 
 def _shared(
-    model: LineModel,
-    sensitivity: Sensitivity,
-    weights: np.ndarray,
-    source: Experiment,
-    gain: np.ndarray,
-    theta: Float[np.ndarray, " n_theta"],
+    final: FinalLines, source: Experiment, gain: np.ndarray
 ) -> Float[np.ndarray, "n_theta n_theta"]:
     """The same where lines share the noise of source lines."""
-    J = model.jacobian(sensitivity)
-    weighted = weights[:, :, None] * J if weights.ndim == 2 else weights @ J
+    J, W = final.model.jacobian(final.sensitivity), final.weights
+    weighted = W[:, :, None] * J if W.ndim == 2 else W @ J
     n_y, n_theta = J.shape[1:]
     A = (gain.conj().T @ weighted.reshape(J.shape[0], -1)).reshape(-1, n_y, n_theta)
-    nu = source.measured - LineModel(source, model.parameters).respond(theta).outputs
-    S = _density(source, nu)
+    response = LineModel(source, final.model.parameters).respond(final.theta)
+    S = _density(source, source.measured - response.outputs)
     return np.real(A.reshape(-1, n_theta).conj().T @ (S @ A).reshape(-1, n_theta))
 
 

@@ -13,16 +13,22 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from scipy import linalg
+from scipy.linalg import lapack
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation import noise
-from flexsid.sysid.estimation.covariance import covariance
+from flexsid.sysid.estimation.covariance import FinalLines, covariance
 from flexsid.sysid.estimation.estimate import Estimate, FittedLines, Outcome, Step
-from flexsid.sysid.estimation.experiment import Experiment, LineModel, Response
+from flexsid.sysid.estimation.experiment import (
+    Experiment,
+    LineModel,
+    Response,
+    Sensitivity,
+)
 from flexsid.sysid.estimation.parameters import Parameters
 
 Report = Callable[[int, float], None]
+_NEAR = 20  # standard errors: steps below count as near the optimum
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,7 +40,7 @@ class FitSettings:
     """
 
     max_iterations: int = 50
-    tolerance: float = 1e-3
+    tolerance: float = 1e-2
     noise: str = "diagonal"
     priors: Mapping[str, tuple[float, float]] | None = None
 
@@ -46,6 +52,22 @@ class _State:
     theta: np.ndarray
     responses: list[Response]
     residuals: list[np.ndarray]
+    densities: list[np.ndarray]
+    cost: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Expansion:
+    """Normal matrix, gradient and sensitivities around a state.
+
+    ``gradients`` (n_theta, any) are those of single outputs, scaled so that their outer
+    product is what letting S follow takes off the curvature; None for a full S.
+    """
+
+    N: np.ndarray
+    g: np.ndarray
+    gradients: np.ndarray | None
+    sensitivities: list[Sensitivity]
 
 
 def maximize(
@@ -103,128 +125,123 @@ class _Problem:
         self.prior_mean, self.prior_information = _prior(parameters, settings)
 
     def at(self, theta: np.ndarray) -> _State:
+        """Everything at theta; the cost is infinite where the model has no response."""
         responses = [model.respond(theta) for model in self.models]
         residuals = [
             e.measured - r.outputs for e, r in zip(self.experiments, responses, strict=True)
         ]
-        return _State(theta, responses, residuals)
-
-    def densities(self, state: _State) -> list[np.ndarray]:
-        return [
+        if not all(np.isfinite(nu).all() for nu in residuals):
+            return _State(theta, responses, residuals, [], np.inf)
+        densities = [
             noise.residual_density(nu, e.measured, e.group, len(e.group_names), self.settings.noise)
-            for e, nu in zip(self.experiments, state.residuals, strict=True)
+            for e, nu in zip(self.experiments, residuals, strict=True)
         ]
+        offset = theta - self.prior_mean
+        cost = float(self.prior_information @ offset**2)
+        for nu, S, e in zip(residuals, densities, self.experiments, strict=True):
+            cost += noise.negative_log_likelihood(nu, S, e.group)
+        return _State(theta, responses, residuals, densities, cost)
 
     def weights(self, densities: list[np.ndarray]) -> list[np.ndarray]:
         return [
             noise.line_weights(S, e.group) for S, e in zip(densities, self.experiments, strict=True)
         ]
 
-    def cost(self, state: _State, densities: list[np.ndarray]) -> float:
-        """Negative log likelihood with these densities, constants dropped."""
-        offset = state.theta - self.prior_mean
-        total = float(self.prior_information @ offset**2)
-        for nu, S, e in zip(state.residuals, densities, self.experiments, strict=True):
-            total += noise.weighted_square(nu, noise.line_weights(S, e.group))
-            total += noise.log_determinant(S, e.group)
-        return total
-
     def run(self, report: Report) -> Estimate:
         state = self.at(self.parameters.start)
-        if not all(np.isfinite(nu).all() for nu in state.residuals):
+        if not np.isfinite(state.cost):
             raise NotIdentifiable(
                 "the model has no finite response at the starting values; start from a "
                 "prediction or from equation error",
                 code="bad-start",
             )
-        densities = self.densities(state)
-        steps = [Step(0, self.cost(state, densities), np.inf)]
+        steps = [Step(0, state.cost, np.inf)]
         damping = 1e-4
         outcome = Outcome.ITERATION_LIMIT
         for iteration in range(1, self.settings.max_iterations + 1):
-            N, g, curvature = self.quadratic(state, self.weights(densities))
-            found = self._step(state, N, g, curvature, steps[-1].cost, damping)
+            near = steps[-1].step < _NEAR
+            around = self.expand(state, self.weights(state.densities))
+            found = self._step(state, around, damping, near=near)
             if found is None:
-                outcome = Outcome.CONVERGED if _gradient_is_small(N, g) else Outcome.DIVERGED
+                small = _gradient_is_small(around.N, around.g)
+                outcome = Outcome.CONVERGED if small else Outcome.DIVERGED
                 break
             trial, damping = found
-            size = _size_in_std_errors(N, trial.theta - state.theta)
-            state, densities = trial, self.densities(trial)
-            steps.append(Step(iteration, self.cost(state, densities), size))
-            report(iteration, steps[-1].cost)
+            size = _size_in_std_errors(around.N, trial.theta - state.theta)
+            state = trial
+            steps.append(Step(iteration, state.cost, size))
+            report(iteration, state.cost)
             if size < self.settings.tolerance and damping <= 1e-3:
                 outcome = Outcome.CONVERGED
                 break
-        return self._estimate(state, densities, steps, outcome)
+        return self._estimate(state, steps, outcome)
 
-    def quadratic(
-        self, state: _State, weights: list[np.ndarray]
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
-        """Normal matrix, gradient, and what letting S follow takes off the curvature.
+    def expand(self, state: _State, weights: list[np.ndarray]) -> _Expansion:
+        """Expand the cost around a state.
 
         With a diagonal S concentrated out the cost is sum M ln c_o, whose curvature
         lacks 2/M g_o g_o^T of every output o. Without this term the relaxation of S
         converges only linearly where the model is of too low an order.
         """
-        N, g = (
-            np.diag(self.prior_information),
-            self.prior_information * (self.prior_mean - state.theta),
-        )
-        columns = []
+        N = np.diag(self.prior_information)
+        g = self.prior_information * (self.prior_mean - state.theta)
+        columns, sensitivities = [], []
         for model, response, nu, W in zip(
             self.models, state.responses, state.residuals, weights, strict=True
         ):
             sensitivity = model.sensitivity(state.theta, response)
+            sensitivities.append(sensitivity)
             n_part, g_part = model.normal_equations(sensitivity, nu, W)
             N, g = N + n_part, g + g_part
             if W.ndim == 2:
                 counts = np.bincount(model.experiment.group)
                 gradients = model.output_gradients(sensitivity, nu, W)
                 columns.extend(gradients * np.sqrt(2.0 / counts)[:, None, None])
-        if not columns:
-            return N, g, None
-        stacked = np.concatenate(columns, axis=1)
-        return N, g, stacked @ stacked.T
+        stacked = np.concatenate(columns, axis=1) if columns else None
+        return _Expansion(N, g, stacked, sensitivities)
 
     def _step(
-        self,
-        state: _State,
-        N: np.ndarray,
-        g: np.ndarray,
-        curvature: np.ndarray | None,
-        before: float,
-        damping: float,
+        self, state: _State, around: _Expansion, damping: float, *, near: bool
     ) -> tuple[_State, float] | None:
-        scale = np.sqrt(np.maximum(np.diag(N), np.finfo(float).tiny))
-        outer = np.outer(scale, scale)
-        candidates = [N / outer] if curvature is None else [(N - curvature) / outer, N / outer]
-        diagonal = np.diag_indices(scale.size)
+        """Best trial with the least damping that lowers the cost.
+
+        With S concentrated out the curvature is exact near the optimum; far from it either
+        matrix may lead further, so both are tried.
+        """
+        scale = np.sqrt(np.maximum(np.diag(around.N), np.finfo(float).tiny))
+        candidates = [around.N / np.outer(scale, scale)]
+        if around.gradients is not None:
+            scaled = around.gradients / scale[:, None]
+            candidates.insert(0, candidates[0] - scaled @ scaled.T)
         while damping < 1e9:
-            for scaled in candidates:
-                damped = scaled.copy()
-                damped[diagonal] += damping
-                try:
-                    factor = linalg.cho_factor(damped, check_finite=False)
-                except linalg.LinAlgError:
+            best = state
+            for matrix in candidates:
+                delta = _damped_step(matrix, around.g / scale, damping)
+                if delta is None:
                     continue
-                delta = linalg.cho_solve(factor, g / scale, check_finite=False) / scale
-                trial = self.at(state.theta + delta)
-                if all(np.isfinite(nu).all() for nu in trial.residuals):
-                    after = self.cost(trial, self.densities(trial))
-                    if after <= before + 1e-12 * abs(before):
-                        return trial, max(0.1 * damping, 1e-12)
+                trial = self.at(state.theta + delta / scale)
+                if trial.cost <= best.cost + 1e-12 * abs(best.cost):
+                    best = trial
+                    if near:
+                        break
+            if best is not state:
+                return best, max(0.1 * damping, 1e-12)
             damping *= 10.0
         return None
 
-    def _estimate(
-        self, state: _State, densities: list[np.ndarray], steps: list[Step], outcome: Outcome
-    ) -> Estimate:
+    def _estimate(self, state: _State, steps: list[Step], outcome: Outcome) -> Estimate:
         n_theta = state.theta.size
         n_data = sum(2 * e.measured.size for e in self.experiments)
         inflation = n_data / (n_data - n_theta)
-        weights = [W / inflation for W in self.weights(densities)]
-        N = self.quadratic(state, weights)[0]
-        found = covariance(self.models, state.theta, weights, N, self.prior_information, inflation)
+        weights = [W / inflation for W in self.weights(state.densities)]
+        around = self.expand(state, weights)
+        lines = [
+            FinalLines(model, sensitivity, nu, W, state.theta)
+            for model, sensitivity, nu, W in zip(
+                self.models, around.sensitivities, state.residuals, weights, strict=True
+            )
+        ]
+        found = covariance(lines, around.N, self.prior_information, inflation)
         weak = found.weak_directions(self.parameters.names)
         message = _MESSAGES[outcome].format(iterations=len(steps) - 1)
         if weak:
@@ -235,7 +252,7 @@ class _Problem:
                 + "; ".join(weak)
                 + ". Hold some of them fixed, or give a prior."
             )
-        lines = tuple(
+        fitted = tuple(
             FittedLines(
                 name, e.model.outputs, e.omega[pick], e.measured[pick], response.outputs[pick]
             )
@@ -248,7 +265,7 @@ class _Problem:
             start=self.parameters.start,
             covariance=found.plain,
             corrected_covariance=found.corrected,
-            lines=lines,
+            lines=fitted,
             steps=tuple(steps),
             outcome=outcome,
             message=message,
@@ -278,6 +295,14 @@ def _prior(
         mean[index] = value
         information[index] = 0.5 / sigma**2
     return mean, information
+
+
+def _damped_step(matrix: np.ndarray, g: np.ndarray, damping: float) -> np.ndarray | None:
+    """Solve with the diagonal raised, None where the matrix is still not positive."""
+    damped = matrix.copy()
+    damped[np.diag_indices(g.size)] += damping
+    factor, info = lapack.dpotrf(damped, lower=False, overwrite_a=True)
+    return None if info != 0 else lapack.dpotrs(factor, g, lower=False)[0]
 
 
 def _size_in_std_errors(N: np.ndarray, delta: np.ndarray) -> float:

@@ -68,19 +68,18 @@ def line_weights(density: np.ndarray, group: np.ndarray) -> np.ndarray:
     return np.linalg.solve(density, np.broadcast_to(np.eye(density.shape[1]), density.shape))[group]
 
 
-def log_determinant(density: np.ndarray, group: np.ndarray) -> float:
-    """Sum over lines of ln |S|."""
+def negative_log_likelihood(
+    residuals: Complex[np.ndarray, "n_omega n_y"], density: np.ndarray, group: np.ndarray
+) -> float:
+    """Sum over lines of nu^H S^-1 nu + ln |S|, constants dropped (Eq. 19)."""
     counts = np.bincount(group, minlength=density.shape[0])
     if density.ndim == 2:
-        return float(counts @ np.log(density).sum(axis=1))
-    return float(counts @ np.linalg.slogdet(density)[1])
-
-
-def weighted_square(residuals: Complex[np.ndarray, "n_omega n_y"], weights: np.ndarray) -> float:
-    """Sum over lines of nu^H W nu."""
-    if weights.ndim == 2:
-        return float(np.sum(weights * np.abs(residuals) ** 2))
-    return float(np.einsum("ki,kij,kj->", residuals.conj(), weights, residuals).real)
+        power = np.real(residuals) ** 2 + np.imag(residuals) ** 2
+        misfit = float(np.sum(power / density[group]))
+        return misfit + float(counts @ np.log(density).sum(axis=1))
+    weighted = line_weights(density, group) @ residuals[:, :, None]
+    misfit = float(np.vdot(residuals, weighted[:, :, 0]).real)
+    return misfit + float(counts @ np.linalg.slogdet(density)[1])
 
 
 def smoothed_density(
