@@ -12,7 +12,7 @@ from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.storage.store import Store
 
 BringAlong = Callable[[Store, str], None]
-"""Adds an aircraft that comes with the software to a store, by its name."""
+"""Adds an aircraft that comes with the software, by its name, unless it is there."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -25,9 +25,10 @@ def bring_in(
     """Import files and say what came in."""
     upload = read_upload([Path(file) for file in files], None if mapping is None else Path(mapping))
     with opened(settings) as store:
-        if upload.builtin is not None:
-            bring_along(store, upload.builtin)
-        imported = keep_upload(store, upload, aircraft_id)
+        with store.transaction():
+            if upload.builtin is not None:
+                bring_along(store, upload.builtin)
+            imported = keep_upload(store, upload, aircraft_id)
         n_channels = (
             0
             if imported.maneuver is None

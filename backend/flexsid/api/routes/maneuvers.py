@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, File, Form, Query, Response, UploadFile, status
 
 from flexsid.api.answers import ManeuverDetail, ManeuverList, extend
-from flexsid.api.context import Context, TheContext, TheStore
+from flexsid.api.context import TheContext, TheStore
 from flexsid.api.wire import After, Identity, Json, Limit
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.maneuver import Maneuver
@@ -114,9 +114,10 @@ def upload_maneuver(
         upload = read_upload(received.files, received.mapping, received.names)
         if upload.mapping.maneuver is None:
             raise BadInput("the mapping describes no maneuver", code="bad-mapping", key="maneuver")
-        if upload.builtin is not None:
-            _bring_along(context, upload.builtin)
-        kept = keep_upload(context.store, upload, aircraft_id).maneuver
+        with context.store.transaction():
+            if upload.builtin is not None and context.bring_along is not None:
+                context.bring_along(context.store, upload.builtin)
+            kept = keep_upload(context.store, upload, aircraft_id).maneuver
     assert kept is not None
     location = {"Location": f"/api/v1/maneuvers/{kept.id}"}
     return Json(_detail(context.store, kept), status.HTTP_201_CREATED, location)
@@ -162,8 +163,3 @@ def _text_of(mapping: UploadFile) -> str:
     except UnicodeDecodeError as error:
         raise BadInput("the mapping is not text; expected TOML", code="bad-mapping") from error
     raise BadInput("the mapping is larger than 1 MB; expected a short TOML", code="bad-mapping")
-
-
-def _bring_along(context: Context, name: str) -> None:
-    if context.bring_along is not None and not context.store.aircraft.find(name=name):
-        context.bring_along(context.store, name)

@@ -1,0 +1,185 @@
+"""What the command line does, prints and refuses."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from flexsid.cli.main import main
+from flexsid.storage.store import Store
+
+ESTIMATE = ["run", "--maneuver", "1", "--method", "EE", "--modes", "7,9"]
+
+
+@pytest.fixture(autouse=True)
+def own_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Have what the command sets set before, so that it is undone."""
+    for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+        monkeypatch.setenv(name, "1")
+    monkeypatch.delenv("FLEXSID_DATABASE", raising=False)
+    monkeypatch.chdir(tmp_path)
+
+
+def refused(capsys: pytest.CaptureFixture[str], code: int, *arguments: str) -> str:
+    assert main(arguments) == code
+    printed = capsys.readouterr()
+    assert printed.err.startswith("flexsid: ")
+    assert printed.err.count("\n") == 1
+    return printed.err
+
+
+def test_a_run_is_carried_out_and_printed(flown_url: str, capsys) -> None:
+    assert main([*ESTIMATE, "--wait", "--database", flown_url]) == 0
+    printed = capsys.readouterr().out
+    assert "run 2: EE of maneuver 1, converged" in printed
+    assert "Cm_alpha" in printed
+    assert "R²" in printed
+
+
+def test_a_run_can_be_printed_as_json_or_left_to_a_server(flown_url: str, capsys) -> None:
+    assert main([*ESTIMATE, "--wait", "--json", "--database", flown_url]) == 0
+    run = json.loads(capsys.readouterr().out)
+    assert (run["state"], run["method"]) == ("succeeded", "EE")
+    assert main([*ESTIMATE, "--database", flown_url]) == 0
+    assert "run 3 is queued" in capsys.readouterr().out
+
+
+def test_a_run_is_exported(flown_url: str, capsys, tmp_path: Path) -> None:
+    for name in ("run.json", "run.csv"):
+        output = str(tmp_path / name)
+        assert main(["export", "1", "--output", output, "--database", flown_url]) == 0
+    whole = json.loads((tmp_path / "run.json").read_text())
+    names = [parameter["name"] for parameter in whole["run"]["result"]["parameters"]]
+    assert len(whole["covariance"]) == len(names)
+    assert whole["lines"][0]["measured_real"]
+    with (tmp_path / "run.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["name"] for row in rows] == names
+    assert float(rows[0]["std_error"]) > 0
+
+
+def test_files_are_imported(database_url: str, capsys, tmp_path: Path) -> None:
+    mapping = tmp_path / "m.toml"
+    mapping.write_text(
+        """
+        [aircraft]
+        builtin = "FLEX-28"
+        [flight]
+        number = 7
+        [maneuver]
+        label = "multisine"
+        [maneuver.condition]
+        airspeed = { value = 20.0, unit = "m/s" }
+        density = { value = 1.2, unit = "kg/m3" }
+        fuel_fraction = { value = 0.5 }
+        [time]
+        column = "t_s"
+        [[channels]]
+        column = "bfs"
+        unit = "deg"
+        role = "input"
+        [[channels]]
+        column = "q"
+        unit = "deg/s"
+        role = "output"
+        """
+    )
+    recording = tmp_path / "m.csv"
+    recording.write_text(
+        "t_s,bfs,q\n" + "".join(f"{k / 50:.2f},{k % 3},{k % 5}\n" for k in range(20))
+    )
+    command = ["import", str(recording), "--mapping", str(mapping), "--database", database_url]
+    assert main(command) == 0
+    assert "maneuver 1: multisine, flight 7 of FLEX-28" in capsys.readouterr().out
+    assert "imported" in refused(capsys, 1, *command)
+    recording.write_text("t_s,bfs,q\n0.00,x,1\n")
+    assert "m.csv" in refused(capsys, 2, *command)
+
+
+def test_what_is_wrong_is_said_in_one_line(flown_url: str, capsys) -> None:
+    to = ["--database", flown_url]
+    maneuver = ["run", "--method", "EE", "--maneuver"]
+    assert "no maneuver 99" in refused(capsys, 1, *maneuver, "99", *to)
+    assert "mode 99" in refused(capsys, 2, *maneuver, "1", "--modes", "99", *to)
+    assert "--modes" in refused(capsys, 2, *maneuver, "1", "--modes", "seven", *to)
+    assert "--band" in refused(capsys, 2, *maneuver, "1", "--band", "1", *to)
+    assert "no run 99" in refused(capsys, 1, "export", "99", "--output", "a.json", *to)
+    assert ".csv" in refused(capsys, 2, "export", "1", "--output", "a.xls", *to)
+    assert "written" in refused(capsys, 1, "export", "1", "--output", "no/folder/a.json", *to)
+    assert "nowhere.csv" in refused(capsys, 2, "import", "nowhere.csv", *to)
+    assert "address" in refused(capsys, 2, "migrate", "--database", "nonsense")
+
+
+def test_the_environment_names_database_and_port(monkeypatch, capsys, tmp_path: Path) -> None:
+    assert main(["migrate"]) == 0
+    assert (tmp_path / "var" / "flexsid.db").is_file()
+    monkeypatch.setenv("FLEXSID_DATABASE", f"sqlite:///{tmp_path}/other.db")
+    assert main(["migrate"]) == 0
+    assert (tmp_path / "other.db").is_file()
+    assert "schema 0001" in capsys.readouterr().out
+    monkeypatch.setenv("FLEXSID_PORT", "eighty")
+    assert "FLEXSID_PORT" in refused(capsys, 2, "migrate")
+
+
+def test_a_run_that_fails_says_why(flown_url: str, capsys, monkeypatch) -> None:
+    monkeypatch.setattr("flexsid.workflow.estimation.keep", lambda *_: 1 / 0)
+    error = refused(capsys, 1, *ESTIMATE, "--wait", "--database", flown_url)
+    assert "run 2 failed" in error
+
+
+def test_the_server_serves_carries_out_runs_and_stops_at_once(flown_url: str) -> None:
+    with closing(socket.socket()) as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    server = subprocess.Popen(
+        [
+            sys.executable,
+            "-c",
+            "import sys; from flexsid.cli.main import main; sys.exit(main(sys.argv[1:]))",
+            *("serve", "--database", flown_url),
+        ],
+        env={
+            **os.environ,
+            "FLEXSID_PORT": str(port),
+            "PYTHONPATH": os.pathsep.join(sys.path),
+        },
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert server.stdout is not None
+    assert f"http://127.0.0.1:{port}" in server.stdout.readline()
+    # A run that another process leaves in the database is carried out, too.
+    assert main([*ESTIMATE, "--database", flown_url]) == 0
+    deadline = time.monotonic() + 60
+    store = Store.open(flown_url)
+    while store.runs.get(2).state.value != "succeeded":
+        assert time.monotonic() < deadline, store.runs.get(2)
+        time.sleep(0.05)
+    store.close()
+    health = f"http://127.0.0.1:{port}/api/v1/health"
+    with urllib.request.urlopen(health) as answer:
+        assert json.load(answer)["status"] == "ok"
+    start = time.monotonic()
+    server.send_signal(signal.SIGTERM)
+    server.wait(timeout=10)
+    assert time.monotonic() - start < 3.0
+    server.stdout.close()
+
+
+def test_a_port_that_is_taken_is_said_so(flown_url: str, capsys, monkeypatch) -> None:
+    with closing(socket.socket()) as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        monkeypatch.setenv("FLEXSID_PORT", str(taken.getsockname()[1]))
+        assert "FLEXSID_PORT" in refused(capsys, 1, "serve", "--database", flown_url)
