@@ -7,15 +7,18 @@ import { isOver } from "../api/types";
 import { significant } from "../lib/format";
 import { ProblemAlert } from "./ProblemAlert";
 
-/** Follows a job until it is over, then has its run read again. */
+/** Follows a job until it is over; its run is read again whenever the state changes. */
 export function JobProgress({ id }: { id: number }) {
   const job = useQuery(jobQuery(id));
   const cancel = useCancelJob();
   const cache = useQueryClient();
-  const over = job.data !== undefined && isOver(job.data.state);
+  const state = job.data?.state;
+  const over = state !== undefined && isOver(state);
+  useEffect(() => {
+    void cache.invalidateQueries({ queryKey: runQuery(id).queryKey });
+  }, [state, cache, id]);
   useEffect(() => {
     if (!over) return;
-    void cache.invalidateQueries({ queryKey: runQuery(id).queryKey });
     void cache.invalidateQueries({ queryKey: ["runs"] });
     void cache.invalidateQueries({ queryKey: ["maneuvers"] });
   }, [over, cache, id]);
