@@ -53,6 +53,7 @@ def fly(
     noise: bool = True,
     start_s: float = 0.0,
     label: str | None = None,
+    n_periods: int = 1,
 ) -> FlownManeuver:
     """Fly a flight test aid in closed loop from trim and record all channels.
 
@@ -76,13 +77,16 @@ def fly(
         Flight time at which the record starts. [s]
     label
         What the maneuver is called; made from the condition when left out.
+    n_periods
+        How often the excitation is repeated without a pause.
     """
     truth = load_truth()
     aircraft = describe_aircraft(truth)
     multisine = design(fta, peak_deg)
-    duration_s = TRIM_S + multisine.period_s + SETTLE_S
+    excited_s = n_periods * multisine.period_s
+    duration_s = TRIM_S + excited_s + SETTLE_S
     excitation = np.zeros((round(duration_s * RATE_HZ), len(multisine.inputs)))
-    during = _during(multisine.period_s)
+    during = _during(excited_s)
     n_excited = during.stop - during.start
     excitation[during] = multisine.sample(np.arange(n_excited) / RATE_HZ)
 
@@ -114,6 +118,7 @@ def fly(
             period_s=multisine.period_s,
             harmonics=multisine.harmonics(),
             start_s=start_s + TRIM_S,
+            n_periods=n_periods,
         ),
         max_input_correlation=correlation,
         channels=(
@@ -141,10 +146,10 @@ def design(fta: int, peak_deg: float) -> Multisine:
     )
 
 
-def _during(period_s: float) -> slice:
+def _during(excited_s: float) -> slice:
     """Samples of a fast channel while the surfaces are excited."""
     first = round(TRIM_S * RATE_HZ)
-    return slice(first, first + round(period_s * RATE_HZ))
+    return slice(first, first + round(excited_s * RATE_HZ))
 
 
 def _average(aircraft: Aircraft, states: list[FlownChannel]) -> Condition:

@@ -65,8 +65,13 @@ def fly_truth(
         truth.controller,
         np.stack([feel.gyro(airframe, "nose_gyro"), feel.attitude(airframe, "egi_att")]),
     )
-    rows = np.stack([_row(truth, airframe, sensor) for sensor in sensors])
+    rows = sensor_rows(truth, airframe, sensors)
     return TrueFlight(condition, derivatives, motion, motion.sense(rows))
+
+
+def sensor_rows(truth: Truth, airframe: Airframe, sensors: Sequence[Sensor]) -> np.ndarray:
+    """What sensors feel of states and surfaces, (n_sensors, n_w)."""
+    return np.stack([_row(truth, airframe, sensor) for sensor in sensors])
 
 
 def _row(truth: Truth, airframe: Airframe, sensor: Sensor) -> np.ndarray:

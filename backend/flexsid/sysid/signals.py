@@ -44,6 +44,7 @@ class FrequencyResponse:
     ``std`` is the standard deviation of the complex error, root of E|error|^2, where
     known: magnitudes scatter by std / sqrt(2). ``noise_gain`` says how the noise of
     each line of the spectra enters each response, for errors are shared by neighbours.
+    ``condition`` (n_omega) is how far the inputs could be told apart at each line.
     """
 
     omega: Float[np.ndarray, " n_omega"]
@@ -52,3 +53,4 @@ class FrequencyResponse:
     inputs: tuple[str, ...]
     std: Float[np.ndarray, "n_omega n_y n_u"] | None = None
     noise_gain: Complex[np.ndarray, "n_omega n_lines"] | None = None
+    condition: Float[np.ndarray, " n_omega"] | None = None

@@ -8,6 +8,9 @@ import numpy as np
 from jaxtyping import Complex, Float
 from scipy import fft
 
+from flexsid.sysid.spectra.quadrature import correct_ends
+
+_MANY_LINES = 128  # from here on a chirp-z transform is cheaper than a matrix
 _LARGEST_MATRIX = 2_000_000  # elements; 32 MB for sine and cosine
 
 
@@ -16,6 +19,8 @@ def finite_fourier_transform(
     rate_hz: float,
     omega: Float[np.ndarray, " n_omega"],
     start_s: float = 0.0,
+    *,
+    end_corrected: bool = False,
 ) -> Complex[np.ndarray, "n_omega n_channels"]:
     """Transform sampled channels at arbitrary frequencies.
 
@@ -30,6 +35,9 @@ def finite_fourier_transform(
     start_s
         Time of the first sample, so that channels of different clocks keep
         their phase relation. [s]
+    end_corrected
+        For records that start or end away from trim: integrate the cubic through
+        the samples from the first sample to the last instead of summing them.
 
     Returns
     -------
@@ -45,8 +53,9 @@ def finite_fourier_transform(
     -----
     The Euler sum is exact for a band-limited transient that starts and ends at
     trim, which a whole recorded maneuver is. Lines that fall on a grid of
-    n/(m period) are read from a zero-padded fast transform; others cost one
-    product with a cached trigonometric matrix.
+    n/(m period) are read from a zero-padded fast transform; many lines at equal
+    spacing come from a chirp-z transform; others cost one product with a cached
+    trigonometric matrix.
     """
     omega = np.asarray(omega, dtype=float)
     if omega.size and (omega.min() < 0 or omega.max() > np.pi * rate_hz * (1 + 1e-12)):
@@ -60,8 +69,12 @@ def finite_fourier_transform(
     if grid is not None:
         length, bins = grid
         transform = fft.rfft(samples, n=length, axis=0)[bins] / rate_hz
+    elif _is_dense(omega):
+        transform = _by_chirp(samples, rate_hz, omega)
     else:
         transform = _by_matrix(samples, rate_hz, omega)
+    if end_corrected:
+        transform = correct_ends(transform, samples, rate_hz, omega)
     if start_s:
         transform *= np.exp(-1j * omega * start_s)[:, None]
     return transform
@@ -87,6 +100,34 @@ def _grid_of(
     if length > 8 * n_samples or np.max(np.abs(bins - near)) > 1e-6:
         return None
     return length, near.astype(int)
+
+
+def _is_dense(omega: Float[np.ndarray, " n_omega"]) -> bool:
+    if omega.size < _MANY_LINES:
+        return False
+    spacing = (omega[-1] - omega[0]) / (omega.size - 1)
+    even = omega[0] + spacing * np.arange(omega.size)
+    return bool(spacing > 0 and np.max(np.abs(omega - even)) < 1e-9 * omega[-1])
+
+
+def _by_chirp(
+    samples: Float[np.ndarray, "n_samples n_channels"],
+    rate_hz: float,
+    omega: Float[np.ndarray, " n_omega"],
+) -> Complex[np.ndarray, "n_omega n_channels"]:
+    """Chirp-z transform: with nk = (n^2 + k^2 - (k - n)^2) / 2 the sum is a convolution."""
+    n, m = samples.shape[0], omega.size
+    step = (omega[-1] - omega[0]) / (m - 1) / rate_hz
+    place = np.arange(max(n, m))
+    chirp = np.exp(-0.5j * step * place**2)
+    length = fft.next_fast_len(n + m - 1)
+    kernel = np.zeros(length, dtype=complex)
+    kernel[:m] = chirp[:m].conj()
+    kernel[length - n + 1 :] = chirp[1:n][::-1].conj()
+    start = chirp[:n] * np.exp(-1j * omega[0] / rate_hz * place[:n])
+    spread = fft.fft(samples * start[:, None], length, axis=0)
+    joined = fft.ifft(spread * fft.fft(kernel)[:, None], axis=0)[:m]
+    return joined * chirp[:m, None] / rate_hz
 
 
 def _by_matrix(

@@ -85,7 +85,7 @@ def bare_airframe_responses(
     omega = outputs.omega
     low = max(omega[own[0]] for own in lines)
     high = min(omega[own[-1]] for own in lines)
-    columns, gains, kept = [], [], []
+    columns, gains, kept, conditions = [], [], [], []
     for j, own in enumerate(lines):
         wanted = omega[own][(omega[own] >= low) & (omega[own] <= high)]
         parts = [_interpolate(omega[lines[m]], ratios[m], command[m], wanted) for m in range(n_u)]
@@ -93,6 +93,9 @@ def bare_airframe_responses(
         unit = np.broadcast_to(np.eye(n_u)[:, [j]], (wanted.size, n_u, 1))
         mixture = np.linalg.solve(responses[:, :n_u], unit)
         columns.append(responses[:, n_u:] @ mixture)
+        surfaces = responses[:, :n_u]
+        size = np.linalg.norm(surfaces, axis=1, keepdims=True)
+        conditions.append(np.linalg.cond(surfaces / size))
         gain = np.zeros((wanted.size, omega.size), dtype=complex)
         for m, part in enumerate(parts):
             gain[:, lines[m]] = mixture[:, m] * part.gain
@@ -107,6 +110,7 @@ def bare_airframe_responses(
             (names[j],),
             None if noise is None else _spread(noise[j], gains[j])[:, :, None],
             gains[j],
+            conditions[j],
         )
         for j in range(n_u)
     }

@@ -1,0 +1,64 @@
+"""How far channels or regressors say the same: correlation, variance inflation, condition."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Inexact
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Collinearity:
+    """Correlation matrix and what it does to a regression on these columns.
+
+    ``inflation`` is the factor by which the variance of a coefficient grows over
+    that with uncorrelated columns; infinite for columns that repeat each other, NaN
+    for one that never moves. ``condition`` is that of the columns at unit length.
+    """
+
+    correlation: Inexact[np.ndarray, "n n"]
+    inflation: Float[np.ndarray, " n"]
+    condition: float
+
+
+def collinearity(
+    columns: Inexact[np.ndarray, "n_rows n"], *, remove_mean: bool = True
+) -> Collinearity:
+    """Judge columns of samples, or of spectra (complex).
+
+    Parameters
+    ----------
+    columns
+        One column per channel or regressor.
+    remove_mean
+        True for samples; the lines of a spectrum have no mean to remove.
+
+    Notes
+    -----
+    Columns of spectra are regressed on with real coefficients, so that variance
+    inflation and condition are those of the stacked real and imaginary parts; the
+    complex correlation also tells of channels that differ by a phase.
+    """
+    n = columns.shape[1]
+    moved = columns - columns.mean(axis=0) if remove_mean and columns.size else columns
+    size = np.linalg.norm(moved, axis=0)
+    # what is left of a constant after subtracting its mean is rounding
+    still = size <= 1e-12 * np.linalg.norm(columns, axis=0)
+    unit = np.divide(moved, size, out=np.zeros_like(moved), where=~still)
+    correlation = unit.conj().T @ unit
+    correlation[still, :] = np.nan
+    correlation[:, still] = np.nan
+    inflation = np.full(n, np.nan)
+    kept = unit[:, ~still]
+    if not kept.shape[1]:
+        return Collinearity(correlation, inflation, float("nan"))
+    real = np.concatenate([np.real(kept), np.imag(kept)])
+    values, vectors = np.linalg.eigh(real.T @ real)
+    least = values[-1] * np.finfo(float).eps * max(real.shape)
+    with np.errstate(divide="ignore"):
+        condition = float(np.sqrt(values[-1] / values[0])) if values[0] > least else float("inf")
+    usable = np.where(values > least, values, least)
+    grown = (vectors**2 / usable).sum(axis=1)
+    inflation[~still] = np.where(grown > 1e8, np.inf, grown)
+    return Collinearity(correlation, inflation, condition)

@@ -1,0 +1,121 @@
+"""What repetition tells: coherence over periods, and responses of several maneuvers as one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+from scipy import stats
+
+from flexsid.errors import BadInput
+from flexsid.sysid.signals import FrequencyResponse
+
+
+def coherence(
+    reference: Complex[np.ndarray, "n_repeats n_omega"],
+    outputs: Complex[np.ndarray, "n_repeats n_omega n_y"],
+) -> Float[np.ndarray, "n_omega n_y"]:
+    """Share of every output that repeats with the excitation, from 0 to 1.
+
+    Parameters
+    ----------
+    reference
+        Excitation of each line, period by period or maneuver by maneuver.
+    outputs
+        Outputs at the same lines.
+
+    Raises
+    ------
+    BadInput
+        If there are fewer than two repetitions: one always has coherence 1.
+    """
+    if reference.shape[0] < 2:
+        raise BadInput(
+            "coherence compares repetitions; one period of one maneuver has none, use its "
+            "standard errors",
+            code="no-repetition",
+        )
+    cross = np.sum(reference.conj()[:, :, None] * outputs, axis=0)
+    power = np.sum(np.abs(reference) ** 2, axis=0)[:, None] * np.sum(np.abs(outputs) ** 2, axis=0)
+    return np.divide(np.abs(cross) ** 2, power, out=np.zeros(power.shape), where=power > 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Combination:
+    """Responses of several maneuvers as one.
+
+    ``disagreement`` (n_omega, n_y, n_u) is the root mean square distance of the
+    maneuvers from the combination in their own standard deviations, about 1 where
+    they agree; ``probability`` that chance alone would make them differ as much.
+    """
+
+    response: FrequencyResponse
+    disagreement: Float[np.ndarray, "n_omega n_y n_u"]
+    probability: float
+
+
+def combine(responses: Sequence[FrequencyResponse]) -> Combination:
+    """Average responses by inverse variance at the lines of the first.
+
+    Parameters
+    ----------
+    responses
+        Of the same outputs and inputs, with standard deviations. Where lines differ
+        the others are interpolated; a line outside the others' span is dropped.
+
+    Raises
+    ------
+    BadInput
+        If outputs or inputs differ, a standard deviation is missing, or the
+        maneuvers share no frequency.
+    """
+    first = responses[0]
+    for response in responses:
+        if (response.outputs, response.inputs) != (first.outputs, first.inputs):
+            raise BadInput(
+                "responses of different outputs or inputs cannot be averaged; choose the same "
+                "of every maneuver",
+                code="different-responses",
+            )
+    low = max(response.omega[0] for response in responses)
+    high = min(response.omega[-1] for response in responses)
+    omega = first.omega[(first.omega >= low) & (first.omega <= high)]
+    if not omega.size:
+        raise BadInput("the maneuvers excite bands without a common frequency", code="empty-band")
+    values = np.stack([_at(r.omega, r.values, omega) for r in responses])
+    std = np.stack([_at(r.omega, _std(r), omega) for r in responses])
+    weight = 1.0 / std**2
+    mean = np.sum(weight * values, axis=0) / np.sum(weight, axis=0)
+    distance = np.sum(np.abs(values - mean) ** 2 * weight, axis=0)
+    freedom = len(responses) - 1
+    # |error|^2 / variance of a circular variable is chi-square of 2 degrees, halved
+    probability = 1.0
+    if freedom:
+        total = 2.0 * float(np.median(distance)) / stats.chi2.median(2 * freedom)
+        effective = 2 * freedom * omega.size
+        probability = float(stats.chi2.sf(total * effective, effective))
+    return Combination(
+        FrequencyResponse(
+            omega, mean, first.outputs, first.inputs, 1.0 / np.sqrt(np.sum(weight, axis=0))
+        ),
+        np.sqrt(distance / max(freedom, 1)),
+        probability,
+    )
+
+
+def _std(response: FrequencyResponse) -> np.ndarray:
+    if response.std is None:
+        raise BadInput(
+            "a response without standard deviation cannot be weighed against others",
+            code="no-uncertainty",
+        )
+    return response.std
+
+
+def _at(omega: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Linear between lines."""
+    place = np.clip(np.searchsorted(omega, wanted), 1, omega.size - 1)
+    share = ((wanted - omega[place - 1]) / (omega[place] - omega[place - 1]))[:, None, None]
+    return (1.0 - share) * values[place - 1] + share * values[place]

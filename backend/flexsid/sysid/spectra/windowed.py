@@ -1,0 +1,102 @@
+"""Windowed spectra: responses from sweeps, doublets and whatever has no lines of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+from scipy import fft
+
+from flexsid.errors import BadInput
+from flexsid.sysid.signals import FrequencyResponse
+
+_OVERLAP = 0.5
+_INDEPENDENT = 0.947  # Hann windows at half overlap are nearly independent (Welch 1967)
+
+
+@dataclass(frozen=True, slots=True)
+class WindowedResponse:
+    """H1 responses with the coherence of every output with all inputs together."""
+
+    response: FrequencyResponse
+    coherence: Float[np.ndarray, "n_omega n_y"]
+    n_windows: int
+
+
+def windowed_responses(
+    inputs: Float[np.ndarray, "n_samples n_u"],
+    outputs: Float[np.ndarray, "n_samples n_y"],
+    rate_hz: float,
+    window_s: float,
+    input_names: tuple[str, ...],
+    output_names: tuple[str, ...],
+) -> WindowedResponse:
+    """Responses of all outputs to all inputs from averaged windows.
+
+    Parameters
+    ----------
+    inputs, outputs
+        Samples on one clock. [channel units]
+    rate_hz
+        Samples per second. [Hz]
+    window_s
+        Length of a Hann window; windows overlap by half. [s]
+    input_names, output_names
+        Of the columns.
+
+    Raises
+    ------
+    BadInput
+        If there are not more windows than inputs.
+
+    Notes
+    -----
+    H1 takes the inputs as exact, and is biased under feedback where the noise is not
+    small against the excitation. The standard deviation is that of a regression
+    on as many independent windows.
+    """
+    length = round(window_s * rate_hz)
+    step = max(1, round(length * (1.0 - _OVERLAP)))
+    starts = range(0, inputs.shape[0] - length + 1, step)
+    n_u, count = inputs.shape[1], len(starts)
+    freedom = count * _INDEPENDENT - n_u
+    if freedom < 1:
+        raise BadInput(
+            f"{count} windows of {window_s:g} s cannot tell {n_u} inputs apart; choose windows "
+            f"shorter than {inputs.shape[0] / rate_hz * 2 / (n_u + 3):.3g} s or fewer inputs",
+            code="too-few-windows",
+            windows=count,
+        )
+    u = _windows(inputs, starts, length)
+    z = _windows(outputs, starts, length)
+    S_uu = np.einsum("sfi,sfj->fij", u.conj(), u)
+    S_uz = np.einsum("sfi,sfj->fij", u.conj(), z)
+    S_zz = np.sum(np.abs(z) ** 2, axis=0)
+    # surfaces that hardly moved at a line leave it without an answer
+    scale = np.sqrt(np.maximum(np.einsum("fii->fi", S_uu).real, np.finfo(float).tiny))
+    unit = S_uu / (scale[:, :, None] * scale[:, None, :])
+    inverse = np.linalg.pinv(unit, hermitian=True) / (scale[:, :, None] * scale[:, None, :])
+    H = inverse @ S_uz  # (n_omega, n_u, n_y)
+    explained = np.einsum("fij,fij->fj", S_uz.conj(), H).real
+    share = np.divide(explained, S_zz, out=np.zeros_like(S_zz), where=S_zz > 0)
+    gamma = np.clip(share, 0.0, 1.0)
+    rest = S_zz * (1.0 - gamma) / freedom
+    variance = rest[:, :, None] * np.einsum("fii->fi", inverse).real[:, None, :]
+    omega = 2.0 * np.pi * fft.rfftfreq(length, 1.0 / rate_hz)
+    response = FrequencyResponse(
+        omega[1:],
+        H.transpose(0, 2, 1)[1:],
+        output_names,
+        input_names,
+        np.sqrt(np.maximum(variance, 0.0))[1:],
+    )
+    return WindowedResponse(response, gamma[1:], count)
+
+
+def _windows(
+    samples: Float[np.ndarray, "n_samples n"], starts: range, length: int
+) -> Complex[np.ndarray, "n_windows n_omega n"]:
+    window = np.sin(np.pi * np.arange(length) / length) ** 2
+    cut = np.stack([samples[first : first + length] for first in starts])
+    return fft.rfft((cut - cut.mean(axis=1, keepdims=True)) * window[:, None], axis=1)

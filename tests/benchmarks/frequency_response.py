@@ -1,0 +1,85 @@
+"""How good and how fast frequency responses are: ``python tests/benchmarks/frequency_response.py``.
+
+Flies FLEX-28 without noise and compares the bare-airframe responses of all outputs at
+all own lines with the equations it was flown by; then with noise, for the share of
+points within two standard errors; then times the transform against a plain loop.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from flexsid.demo.flights import fly
+from flexsid.demo.true_responses import keep_and_measure, relative_errors
+from flexsid.storage.migrate import upgrade
+from flexsid.storage.store import Store
+from flexsid.sysid.signals import FrequencyResponse
+from flexsid.sysid.spectra.fourier import finite_fourier_transform, unit_lines
+from flexsid.sysid.spectra.response import own_line_ratios
+
+N_CHANNELS, N_SAMPLES, N_LINES, RATE_HZ = 80, 6000, 65, 200.0
+
+
+def coverage(responses: dict[str, FrequencyResponse], ratio: float) -> float:
+    """Share of magnitudes within two standard errors of the truth."""
+    error = relative_errors(responses, ratio)
+    relative = [
+        (r.std / np.abs(r.values))[:, :, 0].ravel() for r in responses.values() if r.std is not None
+    ]
+    sigma = np.concatenate(relative) * np.abs(1.0 + error) / np.sqrt(2.0)
+    return float(np.mean(np.abs(np.abs(1.0 + error) - 1.0) <= 2.0 * sigma))
+
+
+def best_time(work: Callable[[], object], repeats: int = 7) -> float:
+    """Shortest of several times. [s]"""
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def transform_times() -> tuple[float, float]:
+    """Ours, and a plain loop over the lines. [s]"""
+    samples = np.random.default_rng(0).standard_normal((N_SAMPLES, N_CHANNELS))
+    omega = unit_lines(np.arange(6, 6 + N_LINES), N_SAMPLES / RATE_HZ)
+    time_s = np.arange(N_SAMPLES) / RATE_HZ
+
+    def plain_loop() -> np.ndarray:
+        return np.stack([np.exp(-1j * w * time_s) @ samples / RATE_HZ for w in omega])
+
+    found = finite_fourier_transform(samples, RATE_HZ, omega)
+    assert np.allclose(found, plain_loop(), atol=1e-9)
+    ours = best_time(lambda: finite_fourier_transform(samples, RATE_HZ, omega))
+    return ours, best_time(plain_loop, 3)
+
+
+def main() -> None:
+    """Print one figure per line."""
+    with TemporaryDirectory() as folder:
+        address = f"sqlite:///{folder}/benchmark.db"
+        upgrade(address)
+        store = Store.open(address)
+        for ratio, peak_deg in ((0.65, 2.0), (1.09, 1.2)):
+            quiet = fly(airspeed_ratio=ratio, peak_deg=peak_deg, noise=False)
+            measured = keep_and_measure(store, quiet)
+            found = np.median(np.abs(relative_errors(measured.responses(), ratio)))
+            own = own_line_ratios(measured.inputs, measured.true_outputs(), measured.owner)
+            naive = np.median(np.abs(relative_errors(own, ratio)))
+            noisy = keep_and_measure(store, fly(airspeed_ratio=ratio, peak_deg=peak_deg, seed=1))
+            print(f"median_error_{ratio:.2f} {found:.2e} of {len(measured.outputs.names)} outputs")
+            print(f"own_line_ratio_{ratio:.2f} {naive:.2e}, {naive / found:.0f} times as much")
+            print(f"coverage_{ratio:.2f} {coverage(noisy.responses(), ratio):.3f}")
+        store.close()
+    ours, loop = transform_times()
+    print(f"transform {1e3 * ours:.2f} ms, plain loop {1e3 * loop:.1f} ms")
+    print(f"transform_vs_loop {loop / ours:.1f}")
+
+
+if __name__ == "__main__":
+    main()
