@@ -259,9 +259,8 @@ def _with_delays(
     """Start the free delays where the sensors' redundancy puts them, where it can."""
     first = task.maneuvers[0]
     lines = first.measured
-    some = next(iter(candidates.values()))
     try:
-        delays = find_delays(first.model, lines.inputs, lines.outputs, lines.instruments, some)
+        delays = find_delays(first.model, lines.inputs, lines.outputs, lines.instruments)
     except NotIdentifiable:
         return candidates
     if np.max(np.abs(delays)) > _LONGEST_DELAY_S:

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import lapack
 
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.experiment import Experiment, LineModel, Sensitivity
 
 _WEAKEST = 1e-13  # of the strongest direction of the scaled information
+_SAFE = 1e-11  # reciprocal condition from which on no direction is weak
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,15 +76,26 @@ def covariance(
     """
     scale = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
     outer = np.outer(scale, scale)
-    values, vectors = np.linalg.eigh(information / outer)
-    lacking = values < _WEAKEST * values[-1]
-    floored = np.maximum(values, _WEAKEST * values[-1])
-    inverse = (vectors / floored) @ vectors.T / outer
+    scaled_inverse, lacking = _invert(information / outer)
+    inverse = scaled_inverse / outer
     middle = np.diag(prior_information)
     for final in lines:
         middle = middle + inflation * _score_covariance(final)
     corrected = 0.5 * inverse @ middle @ inverse
-    return Covariance(0.5 * _symmetric(inverse), _symmetric(corrected), vectors[:, lacking])
+    return Covariance(0.5 * _symmetric(inverse), _symmetric(corrected), lacking)
+
+
+def _invert(
+    scaled: Float[np.ndarray, "n_theta n_theta"],
+) -> tuple[Float[np.ndarray, "n_theta n_theta"], Float[np.ndarray, "n_theta n_lacking"]]:
+    """Inverse of an information matrix of unit diagonal, and the directions it lacks."""
+    factor, info = lapack.dpotrf(scaled, lower=False)
+    if info == 0 and lapack.dpocon(factor, np.linalg.norm(scaled, 1), uplo="U")[0] > _SAFE:
+        upper = np.triu(lapack.dpotri(factor, lower=False)[0])
+        return upper + np.triu(upper, 1).T, np.empty((scaled.shape[0], 0))
+    values, vectors = np.linalg.eigh(scaled)
+    floored = np.maximum(values, _WEAKEST * values[-1])
+    return (vectors / floored) @ vectors.T, vectors[:, values < _WEAKEST * values[-1]]
 
 
 def _score_covariance(final: FinalLines) -> Float[np.ndarray, "n_theta n_theta"]:

@@ -7,11 +7,12 @@ the residual of equation error, which needs no iteration.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.sysid.estimation.equation_error import equation_error
-from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.equation_error import aerodynamic_coefficients, regressors
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import FrequencyData
@@ -19,6 +20,7 @@ from flexsid.sysid.signals import FrequencyData
 _ITERATIONS = 40
 _LARGEST_STEP_RAD = 0.3  # at the highest line: beyond that a delay may slip by a whole turn
 _COMMON_S = np.arange(-0.02, 0.0801, 0.002)
+_ENOUGH_LINES = 100
 
 
 def find_delays(
@@ -26,7 +28,6 @@ def find_delays(
     inputs: FrequencyData,
     outputs: FrequencyData,
     instruments: Complex[np.ndarray, "n_omega n_y"],
-    parameters: Parameters,
 ) -> Float[np.ndarray, " n_y"]:
     """Delay of every output beyond its instrument's. [s]
 
@@ -34,30 +35,33 @@ def find_delays(
     ----------
     model, inputs, outputs, instruments
         As for equation error.
-    parameters
-        Which derivatives are free in the scan; extras are left out.
 
     Notes
     -----
     Departure: the paper converges the derivatives first and restarts with delays;
-    that fails where delays reach a large part of a period of the highest mode.
+    that fails where delays reach a large part of a period of the highest mode. A
+    delay common to all sensors turns the reconstructed motion and nothing else, so
+    that the scan costs one small regression for each delay tried. Some hundred lines
+    are enough for a start.
     """
-    relative = relative_delays(model, outputs, instruments)
-    omega = outputs.omega
-    derivatives = Parameters(
-        parameters.names[: parameters.rows.size],
-        parameters.start[: parameters.rows.size],
-        parameters.base,
-        parameters.rows,
-        parameters.columns,
-        (),
-    )
+    some = slice(None, None, max(1, outputs.omega.size // _ENOUGH_LINES))
+    omega = outputs.omega[some]
+    z = FrequencyData(omega, outputs.pick(model.outputs).values[some], model.outputs)
+    u = FrequencyData(omega, inputs.values[some], inputs.names)
+    relative = relative_delays(model, z, instruments[some])
+    shifted = instruments[some] * np.exp(-1j * np.outer(omega, relative))
+    motion = reconstruct_motion(model, z, shifted, noise=_level(z))
     costs = []
     for common in _COMMON_S:
-        shifted = instruments * np.exp(-1j * omega[:, None] * (relative + common))
-        motion = reconstruct_motion(model, outputs, shifted, noise=_noise(outputs))
-        fit = equation_error(model, motion, inputs, derivatives, compensate=False)
-        costs.append(sum(np.log(max(1.0 - float(b.r_squared()[0]), 1e-12)) for b in fit.lines))
+        turned = replace(motion, values=motion.values * np.exp(1j * omega * common)[:, None])
+        X = regressors(model, turned, u)
+        C = aerodynamic_coefficients(model, turned)
+        X, C = X / np.linalg.norm(X, axis=0), C / np.linalg.norm(C, axis=0)
+        stacked = np.concatenate([np.real(X), np.imag(X)])
+        target = np.concatenate([np.real(C), np.imag(C)])
+        q, _ = np.linalg.qr(stacked)
+        left = 1.0 - np.sum((q.T @ target) ** 2, axis=0)
+        costs.append(float(np.sum(np.log(np.maximum(left, 1e-12)))))
     return relative + _parabola_minimum(_COMMON_S, np.array(costs))
 
 
@@ -67,9 +71,9 @@ def relative_delays(
     instruments: Complex[np.ndarray, "n_omega n_y"],
 ) -> Float[np.ndarray, " n_y"]:
     """Delays of the outputs against each other, of zero mean, by variable projection. [s]"""
-    z = outputs.values / _noise(outputs)
+    z = outputs.values / _level(outputs)
     omega = outputs.omega
-    rows = instruments[:, :, None] * model.sensors.response(omega) / _noise(outputs)[:, None]
+    rows = instruments[:, :, None] * model.sensors.response(omega) / _level(outputs)[:, None]
     rows = rows / np.linalg.norm(rows, axis=1)[:, None, :]
     tau = np.zeros(z.shape[1])
     damping = 1e-3
@@ -93,7 +97,7 @@ def relative_delays(
     return tau - tau.mean()
 
 
-def _noise(outputs: FrequencyData) -> Float[np.ndarray, " n_y"]:
+def _level(outputs: FrequencyData) -> Float[np.ndarray, " n_y"]:
     return np.sqrt(np.mean(np.abs(outputs.values) ** 2, axis=0))
 
 

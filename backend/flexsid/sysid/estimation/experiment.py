@@ -45,7 +45,7 @@ class Response:
 
     motion: Complex[np.ndarray, "n_omega n_r"]
     outputs: Complex[np.ndarray, "n_omega n_y"]
-    dynamics: Complex[np.ndarray, "n_omega n_r n_r"]
+    unit_motion: Complex[np.ndarray, "n_omega n_r n_r"]
     sensors: Complex[np.ndarray, "n_omega n_y n_r"]
 
 
@@ -71,6 +71,9 @@ class LineModel:
         self.rows = model.row_factors()
         self.columns = model.column_factors()
         self.scale = self.rows[parameters.rows] * self.columns[parameters.columns]
+        self._scale_pairs = np.outer(self.scale, self.scale)
+        self._upper = np.triu_indices(self.rows.size)
+        self._places = _places_of_pairs(parameters, self.rows.size, self.columns.size)
 
     def respond(self, theta: Float[np.ndarray, " n_theta"]) -> Response:
         """Outputs at theta: one small solve per line."""
@@ -82,15 +85,15 @@ class LineModel:
         K[:, :, 2:] -= self.s[:, None, None] * forces[:, n_r : n_r + n]
         sensors = self._apply_extras(theta, K)
         load = self.experiment.inputs @ forces[:, n_r + n :].T
-        motion = np.linalg.solve(K, load[:, :, None])[:, :, 0]
+        # The inverse itself is wanted: its columns are the motion under unit forces.
+        unit_motion = np.linalg.inv(K)
+        motion = np.matmul(unit_motion, load[:, :, None])[:, :, 0]
         outputs = np.matmul(sensors, motion[:, :, None])[:, :, 0]
-        return Response(motion, outputs, K, sensors)
+        return Response(motion, outputs, unit_motion, sensors)
 
     def sensitivity(self, theta: Float[np.ndarray, " n_theta"], response: Response) -> Sensitivity:
         """Factored sensitivities of the outputs around a response."""
-        forces = np.linalg.solve(
-            response.dynamics.transpose(0, 2, 1), response.sensors.transpose(0, 2, 1)
-        ).transpose(0, 2, 1)
+        forces = np.matmul(response.sensors, response.unit_motion)
         variables = np.concatenate(
             [
                 response.motion,
@@ -201,19 +204,13 @@ class LineModel:
         n_r: int,
     ) -> tuple[Float[np.ndarray, "n_theta n_theta"], Float[np.ndarray, " n_theta"]]:
         rows, columns = self.parameters.rows, self.parameters.columns
-        n_w, p = w.shape[1], rows.size
-        upper = np.triu_indices(n_r)
+        p = rows.size
         outer = (w.conj()[:, :, None] * w[:, None, :]).reshape(w.shape[0], -1)
-        blocks = A[:, upper[0], upper[1]]
+        blocks = A[:, self._upper[0], self._upper[1]]
         product = np.real(blocks).T @ np.real(outer) - np.imag(blocks).T @ np.imag(outer)
-        four = np.empty((n_r, n_r, n_w, n_w))
-        four[upper] = product.reshape(-1, n_w, n_w)
-        four[upper[1], upper[0]] = four[upper].transpose(0, 2, 1)
-        full = four.transpose(0, 2, 1, 3).reshape(n_r * n_w, n_r * n_w)
-        place = rows * n_w + columns
         size = p + A.shape[1] - n_r
         N = np.empty((size, size))
-        N[:p, :p] = full[np.ix_(place, place)] * self.scale[:, None] * self.scale
+        np.multiply(product.ravel()[self._places], self._scale_pairs, out=N[:p, :p])
         gradient = np.real(b[:, :n_r].T @ w.conj())
         g = np.concatenate([gradient[rows, columns] * self.scale, np.real(b[:, n_r:]).sum(axis=0)])
         if N.shape[0] > p:
@@ -248,3 +245,16 @@ class LineModel:
             extras = np.real(np.einsum("kye,ky->ey", sensitivity.extras[lines].conj(), pull))
             parts.append(np.concatenate([derivatives * self.scale[:, None], extras]))
         return np.stack(parts)
+
+
+def _places_of_pairs(parameters: Parameters, n_r: int, n_w: int) -> np.ndarray:
+    """Where the sum of conj(w_j) w_j' A_ii' of every pair of derivatives is kept.
+
+    Only i <= i' is computed; the rest follows from A being Hermitian.
+    """
+    number = np.zeros((n_r, n_r), dtype=int)
+    number[np.triu_indices(n_r)] = np.arange(n_r * (n_r + 1) // 2)
+    i, j = parameters.rows[:, None], parameters.columns[:, None]
+    k, m = parameters.rows[None, :], parameters.columns[None, :]
+    pair = np.where(i <= k, number[i, k], number[k, i])
+    return pair * n_w**2 + np.where(i <= k, j * n_w + m, m * n_w + j)

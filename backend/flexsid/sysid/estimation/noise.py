@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Complex
 
+_SEGMENT = 5  # lines
 _RELATIVE_FLOOR = 1e-20  # of the measured power: keeps weights finite on noise-free data
 
 
@@ -83,24 +84,25 @@ def negative_log_likelihood(
 
 
 def smoothed_density(
-    residuals: Complex[np.ndarray, "n_omega n_y"],
-    group: np.ndarray,
-    n_groups: int,
-    half_width: int = 12,
+    residuals: Complex[np.ndarray, "n_omega n_y"], group: np.ndarray, n_groups: int
 ) -> Complex[np.ndarray, "n_omega n_y n_y"]:
     """Full density that may change with frequency, from neighbouring lines.
 
     The estimator weights with one density per group; what the residuals really
     are (coloured, correlated between outputs by noise on the measured inputs)
-    is read from the lines around each line, own line included.
+    is read from about twelve lines on either side, in segments of five.
     """
-    product = residuals[:, :, None] * residuals.conj()[:, None, :]
-    result = np.empty_like(product)
+    result = np.empty((*residuals.shape, residuals.shape[1]), dtype=complex)
     for g in range(n_groups):
         lines = np.flatnonzero(group == g)
-        total = np.concatenate([np.zeros_like(product[:1]), np.cumsum(product[lines], axis=0)])
-        position = np.arange(lines.size)
-        low = np.maximum(position - half_width, 0)
-        high = np.minimum(position + half_width + 1, lines.size)
-        result[lines] = (total[high] - total[low]) / (high - low)[:, None, None]
+        first = np.arange(0, lines.size, _SEGMENT)
+        ends = np.append(first[1:], lines.size)
+        nu = residuals[lines]
+        sums = np.stack([nu[a:b].T @ nu[a:b].conj() for a, b in zip(first, ends, strict=True)])
+        total = np.concatenate([np.zeros_like(sums[:1]), np.cumsum(sums, axis=0)])
+        at = np.arange(first.size)
+        low, high = np.maximum(at - 2, 0), np.minimum(at + 3, first.size)
+        count = ends[high - 1] - first[low]
+        density = (total[high] - total[low]) / count[:, None, None]
+        result[lines] = density[np.arange(lines.size) // _SEGMENT]
     return result
