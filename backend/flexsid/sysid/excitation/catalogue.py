@@ -1,27 +1,116 @@
-"""Flight test aids of Table 1 that the workbench flies: how many harmonics per input."""
+"""Flight test aids of Table 1: 24 designs, their inputs and their harmonics per input."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+from jaxtyping import Int
+
 from flexsid.sysid.excitation.multisine import Multisine, allot_harmonics, design_multisine
 
 
 @dataclass(frozen=True, slots=True)
 class FlightTestAid:
-    """One row of Table 1; the counts are harmonics per input."""
+    """One row of Table 1, numbered by its lowest amplitude; the counts are per input.
+
+    ``periods`` is the duration in units of T; ``axis`` tells how the surfaces move.
+    """
 
     number: int
     harmonics_per_input: int
     targets: str
+    axis: str = "symmetric"
+    periods: int = 1
+    surfaces: int = 5
+    throttles: int = 0
+    throttle_harmonics: int = 0
+
+    @property
+    def numbers(self) -> tuple[int, int, int]:
+        """Numbers of the low, medium and high amplitude."""
+        return self.number, self.number + 1, self.number + 2
+
+    def input_names(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Surfaces in the order in which harmonics are dealt, and throttles.
+
+        Neighbours on the wing are not neighbours here (Sec. V.C).
+        """
+        order = ("bf", "wf3", "wf1", "wf4", "wf2")
+        sides = {"symmetric": "s", "antisymmetric": "a", "independent": "lr"}[self.axis]
+        surfaces = tuple(f"{name}{side}" for side in sides for name in order)
+        throttles = {0: (), 1: ("throttle",), 2: ("throttle_l", "throttle_r")}[self.throttles]
+        return surfaces, throttles
+
+    def harmonics(self, first: int = 1) -> dict[str, Int[np.ndarray, " n_tones"]]:
+        """Deal harmonics of the design's own duration; throttles have the lowest.
+
+        Parameters
+        ----------
+        first
+            Lowest harmonic of the surfaces; throttles have 1 and what follows it.
+        """
+        surfaces, throttles = self.input_names()
+        low = allot_harmonics(throttles, self.throttle_harmonics, 1)
+        above = max(first, 1 + len(throttles) * self.throttle_harmonics)
+        return allot_harmonics(surfaces, self.harmonics_per_input, above) | low
+
+
+def _rows(
+    axis: str, surfaces: int, rows: tuple[tuple[int, int, int, int, int, str], ...]
+) -> tuple[FlightTestAid, ...]:
+    return tuple(
+        FlightTestAid(number, count, targets, axis, periods, surfaces, throttles, low)
+        for number, periods, throttles, count, low, targets in rows
+    )
 
 
 CATALOGUE: dict[int, FlightTestAid] = {
     aid.number: aid
     for aid in (
-        FlightTestAid(503, 25, "short period and first elastic mode"),
-        FlightTestAid(506, 65, "short period and first elastic modes"),
+        *_rows(
+            "symmetric",
+            5,
+            (
+                (500, 1, 0, 12, 0, "SP"),
+                (503, 1, 0, 25, 0, "SP LE"),
+                (506, 1, 0, 65, 0, "SP LE HE"),
+                (509, 4, 0, 25, 0, "PH SP"),
+                (512, 4, 0, 51, 0, "PH SP LE"),
+                (515, 4, 0, 66, 0, "PH SP LE HE"),
+                (518, 4, 1, 24, 4, "PH SP"),
+                (521, 4, 1, 50, 4, "PH SP LE"),
+                (524, 4, 1, 66, 2, "PH SP LE HE"),
+            ),
+        ),
+        *_rows(
+            "antisymmetric",
+            5,
+            (
+                (530, 1, 0, 13, 0, "DR RS"),
+                (533, 1, 0, 25, 0, "DR RS LE"),
+                (536, 1, 0, 65, 0, "DR RS LE HE"),
+                (539, 4, 1, 10, 2, "DR RS"),
+                (542, 4, 1, 22, 2, "DR RS LE"),
+                (545, 4, 1, 64, 2, "DR RS LE HE"),
+            ),
+        ),
+        *_rows(
+            "independent",
+            10,
+            (
+                (550, 1, 0, 7, 0, "DR SP RS"),
+                (553, 1, 0, 13, 0, "DR SP RS LE"),
+                (556, 1, 0, 33, 0, "DR SP RS LE HE"),
+                (559, 4, 0, 13, 0, "PH DR SP RS"),
+                (562, 4, 0, 25, 0, "PH DR SP RS LE"),
+                (565, 4, 0, 66, 0, "PH DR SP RS LE HE"),
+                (568, 4, 2, 13, 2, "PH DR SP RS"),
+                (571, 4, 2, 25, 2, "PH DR SP RS LE"),
+                (574, 4, 2, 66, 2, "PH DR SP RS LE HE"),
+            ),
+        ),
     )
 }
 
