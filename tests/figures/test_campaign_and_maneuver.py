@@ -14,6 +14,7 @@ from flexsid.figures.spectrum import spectrum
 from flexsid.figures.time_history import time_history
 from flexsid.records.maneuver import Role
 from flexsid.records.views import (
+    Blanked,
     Bode,
     ChannelHistories,
     ChannelTrace,
@@ -170,23 +171,30 @@ def test_bode_is_in_display_units_with_modes_named(drawable, numbers):
         Bode(
             maneuver_id=7,
             inputs=("bfs", "wf4s"),
-            measured=(response(spread=np.array([0.01, 0.1, 0.5, np.nan])),),
+            measured=(
+                replace(
+                    response(spread=np.array([0.01, 0.1, 0.5, 0.1])),
+                    blanked=(Blanked(frequency_hz=2.0, reason="noise"),),
+                ),
+            ),
             models=(response(run_id=4),),
             modes=(ModeMarker(name="SW1B", frequency_hz=4.0),),
         )
     )
     drawable(spec)
     magnitude, phase, model, _ = spec["data"]
-    assert numbers(magnitude["y"]) == pytest.approx([0.0] * 4, abs=1e-9), "1 g/deg is 0 dB"
-    assert numbers(phase["y"]) == pytest.approx([0.0, -180.0, -360.0, -540.0])
+    decibel, degrees = numbers(magnitude["y"]), numbers(phase["y"])
+    assert decibel[:2] == pytest.approx([0.0] * 2, abs=1e-9), "1 g/deg is 0 dB"
+    assert degrees[:2] == pytest.approx([0.0, -180.0])
     assert "g/deg" in spec["layout"]["yaxis"]["title"]["text"]
     assert spec["layout"]["xaxis"]["type"] == "log"
     assert magnitude["mode"] == "markers"
     assert model["mode"] == "lines"
-    # two standard errors of 1 % are 0.17 dB; poor lines fade and show no bars
+    # two standard errors of 1 % are 0.17 dB; what is blanked is listed with its reason
     assert magnitude["error_y"]["array"][0] == pytest.approx(0.1737, rel=1e-3)
-    assert magnitude["error_y"]["array"][2:] == [0.0, 0.0]
-    assert magnitude["marker"]["opacity"] == [1.0, 1.0, 0.25, 0.25]
+    assert decibel[2] is None
+    assert spec["layout"]["meta"]["blanked"][0]["reason"] == "noise"
+    assert spec["layout"]["meta"]["blanked"][0]["frequency_hz"] == 2.0
     assert spec["layout"]["shapes"][0]["x0"] == 4.0
     assert spec["layout"]["annotations"][0]["text"] == "SW1B"
     assert spec["layout"]["annotations"][0]["x"] == pytest.approx(np.log10(4.0))

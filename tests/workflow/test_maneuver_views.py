@@ -14,7 +14,6 @@ from flexsid.figures.time_history import time_history as draw_time_history
 from flexsid.records.aircraft import Combination
 from flexsid.records.maneuver import Channel, Excitation, Maneuver, Role
 from flexsid.workflow import views
-from flexsid.workflow.views.maneuver import correlation
 
 RATE_HZ = 100.0
 TRIM_S = 2.0
@@ -89,12 +88,6 @@ def test_only_the_excitation_decides_correlation(store, flown):
     assert value.samples.shape == (500, 3), "on the slowest clock, without trim"
     assert value.correlation[0, 1] == pytest.approx(0.5**0.5, rel=1e-6)
     assert value.correlation[0, 2] == pytest.approx(0.0, abs=1e-9)
-
-
-def test_a_channel_at_rest_has_no_correlation():
-    value = correlation(np.array([[1.0, 2.0], [1.0, 3.0], [1.0, 5.0]]))
-    assert np.isnan(value[0]).all()
-    assert value[1, 1] == pytest.approx(1.0)
 
 
 def test_spectrum_is_at_the_lines_by_their_owners(store, flown):

@@ -1,6 +1,6 @@
 """Finished values to plotly figures as plain data: nothing is computed, nothing is loaded."""
 
-from flexsid.figures.bode import bode
+from flexsid.figures.bode import View, bode
 from flexsid.figures.derivatives import derivatives
 from flexsid.figures.envelope import envelope
 from flexsid.figures.fit import fit
@@ -14,6 +14,7 @@ from flexsid.figures.time_check import time_check
 from flexsid.figures.time_history import time_history
 
 __all__ = [
+    "View",
     "bode",
     "derivatives",
     "envelope",

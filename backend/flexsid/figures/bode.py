@@ -1,6 +1,8 @@
-"""Frequency responses: magnitude over phase per output, inputs overlaid (Figs 5, 6 and 15)."""
+"""Frequency responses: magnitude over phase per output, inputs overlaid (Figs 5, 6, 11 and 15)."""
 
 from __future__ import annotations
+
+from typing import Literal
 
 import numpy as np
 
@@ -8,32 +10,57 @@ from flexsid.figures import quantities, style
 from flexsid.figures.spec import Spec, axis, column, empty, layout_key, rows, title, vertical_mark
 from flexsid.records.views import Bode, Response
 
+View = Literal["bode", "nichols", "nyquist"]
+
 _DASHES = ("solid", "dash", "dot", "dashdot")
+_RIGID_DASH = "longdashdot"
 _DB = 20.0 / np.log(10.0)  # dB per unit of relative change
-_POOR = 0.3  # relative standard error beyond which a line says little
 _N_SIGMA = 2.0
+_MOST_LISTED = 400
 
 
-def bode(value: Bode) -> Spec:
-    """Draw measured responses as markers with ±2 standard errors, models as lines."""
+def bode(value: Bode, view: View = "bode") -> Spec:
+    """Draw measured responses as markers with ±2 standard errors, models as lines.
+
+    ``nichols`` draws magnitude over phase, ``nyquist`` the complex plane.
+    """
     shown = value.measured + value.models
     outputs = tuple(dict.fromkeys(response.output for response in shown))
     if not outputs:
         return empty("No frequency response: choose an output and an input that was excited")
-    layout = _layout(outputs, value)
-    looks = style.of_inputs(value.inputs)
-    run_ids = tuple(dict.fromkeys(model.run_id for model in value.models))
+    per_output = 2 if view == "bode" else 1
+    if view == "bode":
+        layout = _layout(outputs, value)
+    else:
+        layout = _plane_layout(outputs, value, view)
+    layout["meta"] = {
+        "rows": per_output * len(outputs) * (1 if view == "bode" else 2),
+        "blanked": _blanked(value),
+        "agreement": value.agreement,
+    }
     data: list[Spec] = []
     for response in shown:
-        first = 2 * outputs.index(response.output) + 1
-        legend = first == 1
-        if response.run_id is None:
-            data += _measured(response, first, legend, looks.get(response.input, style.of_index(0)))
+        first = per_output * outputs.index(response.output) + 1
+        drawing = _drawing(response, value)
+        if view == "bode":
+            data += _pair(response, first, drawing)
         else:
-            colour, _ = looks.get(response.input, style.of_index(0))
-            dash = _DASHES[run_ids.index(response.run_id) % len(_DASHES)]
-            data += _model(response, first, legend, {"color": colour, "dash": dash, "width": 1.8})
+            data.append(_locus(response, first, drawing, view))
     return {"data": data, "layout": layout}
+
+
+def _blanked(value: Bode) -> list[Spec]:
+    return [
+        {
+            "output": response.output,
+            "input": response.input,
+            "maneuver_id": response.maneuver_id,
+            "frequency_hz": point.frequency_hz,
+            "reason": point.reason,
+        }
+        for response in value.measured
+        for point in response.blanked
+    ][:_MOST_LISTED]
 
 
 def _layout(outputs: tuple[str, ...], value: Bode) -> Spec:
@@ -42,16 +69,12 @@ def _layout(outputs: tuple[str, ...], value: Bode) -> Spec:
         "xaxis": {**title("Frequency [Hz]"), "type": "log", "anchor": axis(count)},
         "showlegend": True,
         "hovermode": "closest",
-        "meta": {"rows": count},
     }
     domains = rows([1.4, 1.0] * len(outputs))
     for index, name in enumerate(outputs):
         shown = [r for r in value.measured + value.models if r.output == name]
-        inputs = {_over(response) for response in shown}
-        output = quantities.of_channel(name, shown[0].output_unit)
-        over = inputs.pop() if len(inputs) == 1 else "input unit"
         layout[layout_key(2 * index + 1)] = {
-            **title(f"|{output.label}/δ|<br>[dB re {quantities.per(output.unit, over)}]"),
+            **title(_magnitude_title(name, shown)),
             "domain": domains[2 * index],
         }
         layout[layout_key(2 * index + 2)] = {
@@ -59,12 +82,47 @@ def _layout(outputs: tuple[str, ...], value: Bode) -> Spec:
             "domain": domains[2 * index + 1],
             "dtick": _phase_step(shown),
         }
-    marks = [
-        vertical_mark(mode.frequency_hz, quantities.text(mode.name), log=True)
-        for mode in value.modes
-    ]
-    layout["shapes"] = [shape for shape, _ in marks]
-    layout["annotations"] = [name for _, name in marks]
+    layout["shapes"], layout["annotations"] = [], []
+    for place, mode in enumerate(value.modes):
+        shape, name = vertical_mark(mode.frequency_hz, quantities.text(mode.name), log=True)
+        if mode.run_id is not None:
+            shape["line"] |= {"color": style.VERMILION, "dash": "dash"}
+            # the same mode, in vacuo and in flight, is close by: its name stands lower
+            name |= {
+                "font": {"size": 11, "color": style.VERMILION},
+                "yshift": -14 * (1 + place % 3),
+            }
+        layout["shapes"].append(shape)
+        layout["annotations"].append(name)
+    return layout
+
+
+def _magnitude_title(name: str, shown: list[Response]) -> str:
+    inputs = {_over(response) for response in shown}
+    output = quantities.of_channel(name, shown[0].output_unit)
+    over = inputs.pop() if len(inputs) == 1 else "input unit"
+    return f"|{output.label}/δ|<br>[dB re {quantities.per(output.unit, over)}]"
+
+
+def _plane_layout(outputs: tuple[str, ...], value: Bode, view: View) -> Spec:
+    """One plane per output; every plane has its own axes."""
+    layout: Spec = {"showlegend": True, "hovermode": "closest"}
+    for index, domain in enumerate(rows([1.0] * len(outputs))):
+        name, number = outputs[index], index + 1
+        shown = [r for r in value.measured + value.models if r.output == name]
+        across, up = "Phase [deg]", _magnitude_title(name, shown)
+        if view == "nyquist":
+            output = quantities.of_channel(name, shown[0].output_unit)
+            unit = quantities.per(output.unit, _over(shown[0]))
+            across, up = f"Re({output.label}/δ) [{unit}]", f"Im({output.label}/δ)<br>[{unit}]"
+        layout[layout_key(number, "x")] = {**title(across), "anchor": axis(number)}
+        layout[layout_key(number)] = {
+            **title(up),
+            "domain": domain,
+            "anchor": axis(number, "x"),
+        }
+        if view == "nyquist":  # circles shall look like circles
+            layout[layout_key(number)] |= {"scaleanchor": axis(number, "x")}
     return layout
 
 
@@ -79,35 +137,52 @@ def _over(response: Response) -> str:
     return quantities.of_channel(response.input, response.input_unit).unit
 
 
-def _curves(response: Response) -> tuple[np.ndarray, np.ndarray, str]:
-    shown = quantities.ratio(
-        quantities.of_channel(response.output, response.output_unit),
-        quantities.of_channel(response.input, response.input_unit),
-    )
-    with np.errstate(divide="ignore"):
-        decibel = 20.0 * np.log10(response.magnitude * shown.factor)
-    return decibel, np.rad2deg(response.phase_rad), shown.unit
+def _drawing(response: Response, value: Bode) -> Spec:
+    """Colour says the input; symbol the maneuver, dashes the run."""
+    colour, symbol = style.of_inputs(value.inputs).get(response.input, style.of_index(0))
+    if response.run_id is None:
+        flown = tuple(dict.fromkeys(r.maneuver_id for r in value.measured))
+        if len(flown) > 1:
+            _, symbol = style.of_index(flown.index(response.maneuver_id))
+        return {"mode": "markers", "marker": {"color": colour, "symbol": symbol, "size": 5}}
+    runs = tuple(dict.fromkeys(model.run_id for model in value.models))
+    dash = _RIGID_DASH if response.rigid else _DASHES[runs.index(response.run_id) % len(_DASHES)]
+    width = 1.2 if response.rigid else 1.8
+    return {"mode": "lines", "line": {"color": colour, "dash": dash, "width": width}}
 
 
-def _pair(response: Response, first: int, legend: bool, drawing: Spec) -> list[Spec]:
-    decibel, degrees, unit = _curves(response)
+def _shared(response: Response, first: int, drawing: Spec) -> Spec:
     name = quantities.of_channel(response.input).label
-    if response.run_id is not None:
+    if response.label:
         name = f"{name} {quantities.text(response.label)}"
-    shared = {
+    return {
         "type": "scatter",
         "name": name,
-        "legendgroup": f"{response.input} {response.run_id}",
-        "x": column(response.frequency_hz, exact=True),
+        "legendgroup": f"{response.input} {response.run_id} {response.label}",
+        "showlegend": first == 1,
+        "yaxis": axis(first),
         "meta": {"output": response.output, "input": response.input, "run_id": response.run_id},
         **drawing,
     }
-    return [
+
+
+def _seen(response: Response, values: np.ndarray) -> np.ndarray:
+    """Values with the blanked points left out."""
+    blanked = np.isin(response.frequency_hz, [point.frequency_hz for point in response.blanked])
+    return np.where(blanked, np.nan, values)
+
+
+def _pair(response: Response, first: int, drawing: Spec) -> list[Spec]:
+    factor, unit = _scale(response)
+    with np.errstate(divide="ignore"):
+        decibel = _seen(response, 20.0 * np.log10(response.magnitude * factor))
+    degrees = _seen(response, np.rad2deg(response.phase_rad))
+    shared = _shared(response, first, drawing) | {"x": column(response.frequency_hz, exact=True)}
+    name = shared["name"]
+    pair: list[Spec] = [
         {
             **shared,
             "y": column(decibel),
-            "yaxis": axis(first),
-            "showlegend": legend,
             "hovertemplate": f"%{{x:.3f}} Hz<br>%{{y:.1f}} dB re {unit}<extra>{name}</extra>",
         },
         {
@@ -118,24 +193,44 @@ def _pair(response: Response, first: int, legend: bool, drawing: Spec) -> list[S
             "hovertemplate": f"%{{x:.3f}} Hz<br>%{{y:.1f}} deg<extra>{name}</extra>",
         },
     ]
-
-
-def _measured(response: Response, first: int, legend: bool, look: tuple[str, str]) -> list[Spec]:
-    colour, symbol = look
-    marker: Spec = {"color": colour, "symbol": symbol, "size": 5}
-    relative = response.relative_std
-    if relative is None:
-        return _pair(response, first, legend, {"mode": "markers", "marker": marker})
-    poor = ~(relative <= _POOR)
-    marker["opacity"] = np.where(poor, 0.25, 1.0).tolist()
-    pair = _pair(response, first, legend, {"mode": "markers", "marker": marker})
-    reach = np.where(poor, 0.0, _N_SIGMA * relative)
-    for trace, size in zip(pair, (_DB * reach, np.rad2deg(reach)), strict=True):
-        trace["error_y"] = {
-            "type": "data", "array": column(size), "color": colour, "thickness": 1, "width": 0,
-        }  # fmt: skip
+    if response.relative_std is not None and response.run_id is None:
+        reach = np.nan_to_num(_seen(response, _N_SIGMA * response.relative_std), posinf=0.0)
+        colour = drawing["marker"]["color"]
+        for trace, size in zip(pair, (_DB * reach, np.rad2deg(reach)), strict=True):
+            trace["error_y"] = {
+                "type": "data", "array": column(size), "color": colour,
+                "thickness": 1, "width": 0,
+            }  # fmt: skip
     return pair
 
 
-def _model(response: Response, first: int, legend: bool, line: Spec) -> list[Spec]:
-    return _pair(response, first, legend, {"mode": "lines", "line": line})
+def _locus(response: Response, number: int, drawing: Spec, view: View) -> Spec:
+    """Curve in a plane, lines in order of frequency; the frequency is in the hover text."""
+    factor, unit = _scale(response)
+    size = _seen(response, response.magnitude * factor)
+    if view == "nyquist":
+        x, y = size * np.cos(response.phase_rad), size * np.sin(response.phase_rad)
+        text = f"%{{x:.3g}}, %{{y:.3g}} {unit}"
+    else:
+        with np.errstate(divide="ignore"):
+            x, y = np.rad2deg(response.phase_rad), 20.0 * np.log10(size)
+        text = f"%{{x:.1f}} deg, %{{y:.1f}} dB re {unit}"
+    shared = _shared(response, number, drawing)
+    if response.run_id is None:
+        shared |= {"mode": "lines+markers", "line": {"width": 0.6}}
+    return {
+        **shared,
+        "x": column(x),
+        "y": column(y),
+        "xaxis": axis(number, "x"),
+        "customdata": [round(f, 4) for f in response.frequency_hz.tolist()],
+        "hovertemplate": f"%{{customdata}} Hz<br>{text}<extra>{shared['name']}</extra>",
+    }
+
+
+def _scale(response: Response) -> tuple[float, str]:
+    shown = quantities.ratio(
+        quantities.of_channel(response.output, response.output_unit),
+        quantities.of_channel(response.input, response.input_unit),
+    )
+    return shown.factor, shown.unit

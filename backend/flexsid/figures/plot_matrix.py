@@ -14,7 +14,11 @@ _GAP = 0.01
 
 
 def plot_matrix(value: PlotMatrix) -> Spec:
-    """Draw names on the diagonal, cross plots above it, coefficients below."""
+    """Draw names on the diagonal, cross plots above it, coefficients below.
+
+    Spectra show real and imaginary parts in one cloud, their coefficient as magnitude
+    and phase.
+    """
     count = len(value.names)
     if count < 2:
         return empty("A plot matrix takes at least two channels")
@@ -22,13 +26,21 @@ def plot_matrix(value: PlotMatrix) -> Spec:
         quantities.of_channel(name, unit)
         for name, unit in zip(value.names, value.units, strict=True)
     ]
-    keep = np.linspace(0, len(value.samples) - 1, min(_POINTS, len(value.samples))).astype(int)
-    shown = value.samples[keep] * np.array([quantity.factor for quantity in known])
+    rows = np.concatenate([np.real(value.samples), np.imag(value.samples)])
+    if not np.iscomplexobj(value.samples):
+        rows = value.samples
+    keep = np.linspace(0, len(rows) - 1, min(_POINTS, len(rows))).astype(int)
+    shown = rows[keep] * np.array([quantity.factor for quantity in known])
     layout: Spec = {
         "showlegend": False,
         "hovermode": "closest",
         "annotations": [],
-        "meta": {"rows": count},
+        "meta": {
+            "rows": count,
+            "names": list(value.names),
+            "inflation": [] if value.inflation is None else column(value.inflation),
+            "condition": value.condition if np.isfinite(value.condition) else None,
+        },
     }
     data: list[Spec] = []
     for row in range(count):
@@ -94,12 +106,15 @@ def _name(quantity: quantities.Quantity, centre: tuple[float, float]) -> Spec:
     return _text(f"<b>{quantity.label}</b><br>[{quantity.unit}]", centre, {"size": 14})
 
 
-def _coefficient(value: float, centre: tuple[float, float]) -> Spec:
+def _coefficient(value: complex, centre: tuple[float, float]) -> Spec:
     if not np.isfinite(value):  # a channel that never moves has no correlation
         return _text("–", centre, {"size": 13})
+    text = f"{np.real(value):z.2f}"
+    if np.iscomplexobj(value):
+        text = f"{abs(value):.2f} ∠{np.degrees(np.angle(value)):z.0f}°"
     if abs(value) > LIMIT:
-        return _text(f"<b>{value:.2f} !</b>", centre, {"size": 13, "color": style.FLAG})
-    return _text(f"{value:z.2f}", centre, {"size": 13})
+        return _text(f"<b>{text} !</b>", centre, {"size": 13, "color": style.FLAG})
+    return _text(text, centre, {"size": 13})
 
 
 def _text(text: str, centre: tuple[float, float], font: Spec) -> Spec:

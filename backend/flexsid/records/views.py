@@ -6,7 +6,7 @@ are plain numpy; a number that does not exist is NaN in an array, None in a fiel
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -61,6 +61,9 @@ class Spectra:
 
     ``owners`` names, line by line, the input whose excitation has that line, empty
     where none has; ``inputs`` are all inputs of the maneuver, which fixes their colours.
+    ``noise`` (M, n_channels) is the level that the scatter about smooth closed-loop
+    responses betrays. ``background`` (K, n_channels) at ``background_hz`` (K,) is the
+    whole spectrum up to the Nyquist frequency.
     """
 
     maneuver_id: int
@@ -70,33 +73,54 @@ class Spectra:
     names: tuple[str, ...]
     units: tuple[str, ...]
     magnitude: np.ndarray
+    noise: np.ndarray | None = None
+    background_hz: np.ndarray | None = None
+    background: np.ndarray | None = None
+    band_hz: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlotMatrix:
-    """Channels against each other: ``samples`` (n, c) and ``correlation`` (c, c)."""
+    """Channels against each other: ``samples`` (n, c) and ``correlation`` (c, c).
+
+    Complex in the frequency domain. ``inflation`` (c,) is the variance inflation
+    factor of each column, ``condition`` the condition number of all together.
+    """
 
     maneuver_id: int
     names: tuple[str, ...]
     units: tuple[str, ...]
     samples: np.ndarray
     correlation: np.ndarray
+    inflation: np.ndarray | None = None
+    condition: float = float("nan")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ModeMarker:
-    """A named frequency, e.g. of SW1B at the fuel of the maneuver."""
+    """A named frequency: of SW1B in vacuo at the fuel of the maneuver, or of a run's pole."""
 
     name: str
     frequency_hz: float
+    run_id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Blanked:
+    """A point of a response that is not shown, and why."""
+
+    frequency_hz: float
+    reason: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Response:
     """Output over input: ``magnitude`` [unit / unit] and unwrapped ``phase_rad``, both (M,).
 
-    ``relative_std`` (M,) is the standard error of H over |H|, which is also that of
-    the phase in radians. ``run_id`` is None for measured data.
+    ``relative_std`` (M,) is the standard error of the magnitude over the magnitude,
+    which is also that of the phase in radians. ``run_id`` is None for measured data,
+    ``maneuver_id`` for an average of several. ``rigid`` is a model whose sensors see
+    no structure (C_e = 0).
     """
 
     output: str
@@ -108,18 +132,26 @@ class Response:
     phase_rad: np.ndarray
     relative_std: np.ndarray | None = None
     run_id: int | None = None
+    maneuver_id: int | None = None
     label: str = ""
+    rigid: bool = False
+    blanked: tuple[Blanked, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Bode:
-    """Measured frequency responses with the models laid over them."""
+    """Measured frequency responses with the models laid over them.
+
+    ``agreement`` is, by input, the probability that maneuvers which were averaged
+    differ as much by chance.
+    """
 
     maneuver_id: int
     inputs: tuple[str, ...]  # all of the maneuver: fixes their colours
     measured: tuple[Response, ...]
     models: tuple[Response, ...]
     modes: tuple[ModeMarker, ...]
+    agreement: dict[str, float] = field(default_factory=dict[str, float])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

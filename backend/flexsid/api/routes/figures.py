@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
+from fastapi.responses import Response
 
 from flexsid import figures
 from flexsid.api.context import TheStore
 from flexsid.api.routes.maneuvers import Filters
-from flexsid.api.wire import Json, split_ids, split_names
+from flexsid.api.export import Form, sent
+from flexsid.api.wire import split_ids, split_names
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow import views
 
@@ -32,9 +34,9 @@ class Figure:
 
 
 @router.get("/envelope", response_model=Figure)
-def draw_envelope(store: TheStore, filters: Filters) -> Json:
+def draw_envelope(store: TheStore, filters: Filters, form: Form = "json") -> Response:
     """Draw where the maneuvers of a list were flown."""
-    return Json(figures.envelope(views.envelope(store, **filters)))
+    return sent(figures.envelope(views.envelope(store, **filters)), form)
 
 
 @router.get("/time-history", response_model=Figure)
@@ -45,28 +47,46 @@ def draw_time_history(
     start_s: _Seconds = None,
     stop_s: _Seconds = None,
     points: int = views.POINTS,
-) -> Json:
+    form: Form = "json",
+) -> Response:
     """Draw channels against time, thinned to what a screen shows; inputs by default."""
     chosen = split_names(channels) or ()
-    return Json(
+    return sent(
         figures.time_history(
             views.time_history(store, maneuver_id, chosen, start_s, stop_s, points)
-        )
+        ),
+        form,
     )
 
 
 @router.get("/spectrum", response_model=Figure)
-def draw_spectrum(store: TheStore, maneuver_id: _Id, channels: _Names = None) -> Json:
+def draw_spectrum(
+    store: TheStore,
+    maneuver_id: _Id,
+    channels: _Names = None,
+    full: Annotated[bool, Query(description="The whole spectrum behind the lines.")] = False,
+    form: Form = "json",
+) -> Response:
     """Draw Fourier magnitudes at the excited lines, coloured by owner; inputs by default."""
     chosen = split_names(channels) or ()
-    return Json(figures.spectrum(views.spectrum(store, maneuver_id, chosen)))
+    return sent(figures.spectrum(views.spectrum(store, maneuver_id, chosen, full=full)), form)
 
 
 @router.get("/plot-matrix", response_model=Figure)
-def draw_plot_matrix(store: TheStore, maneuver_id: _Id, channels: _Names = None) -> Json:
+def draw_plot_matrix(
+    store: TheStore,
+    maneuver_id: _Id,
+    channels: _Names = None,
+    domain: views.Domain = "time",
+    modes: Annotated[
+        str | None, Query(description="Regressors of equation error with these modes instead.")
+    ] = None,
+    form: Form = "json",
+) -> Response:
     """Draw channels against each other with their correlation; inputs by default."""
     chosen = split_names(channels) or ()
-    return Json(figures.plot_matrix(views.plot_matrix(store, maneuver_id, chosen)))
+    value = views.plot_matrix(store, maneuver_id, chosen, domain, split_ids(modes, "modes"))
+    return sent(figures.plot_matrix(value), form)
 
 
 @router.get("/bode", response_model=Figure)
@@ -76,7 +96,14 @@ def draw_bode(
     output: Annotated[str, Query(description="Outputs separated by commas.")],
     inputs: _Names = None,
     run_id: _Ids = None,
-) -> Json:
+    beside: Annotated[
+        str | None, Query(description="Ids of further maneuvers, laid over this one.")
+    ] = None,
+    average: Annotated[bool, Query(description="All maneuvers as one response.")] = False,
+    rigid: Annotated[bool, Query(description="Models also with sensors blind to modes.")] = False,
+    view: figures.View = "bode",
+    form: Form = "json",
+) -> Response:
     """Draw frequency responses, with the models of runs over them."""
     value = views.bode(
         store,
@@ -84,38 +111,45 @@ def draw_bode(
         split_names(output) or (),
         split_names(inputs) or (),
         split_ids(run_id, "run_id"),
+        split_ids(beside, "beside"),
+        average=average,
+        rigid=rigid,
     )
-    return Json(figures.bode(value))
+    return sent(figures.bode(value, view), form)
 
 
 @router.get("/fit", response_model=Figure)
-def draw_fit(store: TheStore, run_id: _Id, output: _Names = None, block: _Block = None) -> Json:
+def draw_fit(
+    store: TheStore, run_id: _Id, output: _Names = None, block: _Block = None, form: Form = "json"
+) -> Response:
     """Draw fitted over measured lines."""
-    return Json(figures.fit(views.fit(store, run_id, split_names(output) or (), block)))
+    return sent(figures.fit(views.fit(store, run_id, split_names(output) or (), block)), form)
 
 
 @router.get("/residual", response_model=Figure)
-def draw_residual(store: TheStore, run_id: _Id, block: _Block = None) -> Json:
+def draw_residual(
+    store: TheStore, run_id: _Id, block: _Block = None, form: Form = "json"
+) -> Response:
     """Draw what the model left over, per output and frequency."""
-    return Json(figures.residual(views.residual(store, run_id, block)))
+    return sent(figures.residual(views.residual(store, run_id, block)), form)
 
 
 @router.get("/parameter-correlation", response_model=Figure)
-def draw_parameter_correlation(store: TheStore, run_id: _Id) -> Json:
+def draw_parameter_correlation(store: TheStore, run_id: _Id, form: Form = "json") -> Response:
     """Draw how the estimates depend on each other."""
-    return Json(figures.parameter_correlation(views.parameter_correlation(store, run_id)))
+    return sent(figures.parameter_correlation(views.parameter_correlation(store, run_id)), form)
 
 
 @router.get("/poles", response_model=Figure)
-def draw_poles(store: TheStore, run_id: _Id) -> Json:
+def draw_poles(store: TheStore, run_id: _Id, form: Form = "json") -> Response:
     """Draw the poles of the identified model beside those of its modes in vacuo."""
-    return Json(figures.poles(views.poles(store, run_id)))
+    return sent(figures.poles(views.poles(store, run_id)), form)
 
 
 @router.get("/iterations", response_model=Figure)
-def draw_iterations(store: TheStore, run_id: _Id) -> Json:
+def draw_iterations(store: TheStore, run_id: _Id, form: Form = "json") -> Response:
     """Draw how the cost fell."""
-    return Json(figures.iterations(views.iterations(store, run_id)))
+    return sent(figures.iterations(views.iterations(store, run_id)), form)
 
 
 @router.get("/time-check", response_model=Figure)
@@ -125,10 +159,13 @@ def draw_time_check(
     outputs: _Names = None,
     maneuver_id: Annotated[int | None, Query(ge=1, le=LARGEST_ID)] = None,
     points: Annotated[int, Query(ge=100, le=20_000)] = views.POINTS,
-) -> Json:
+    form: Form = "json",
+) -> Response:
     """Draw recorded outputs and what the identified model makes of the recorded inputs."""
     chosen = split_names(outputs) or ()
-    return Json(figures.time_check(views.time_check(store, run_id, chosen, maneuver_id, points)))
+    return sent(
+        figures.time_check(views.time_check(store, run_id, chosen, maneuver_id, points)), form
+    )
 
 
 @router.get("/derivatives", response_model=Figure)
@@ -137,7 +174,8 @@ def draw_derivatives(
     run_ids: Annotated[str, Query(description="Ids separated by commas.")],
     prediction_ids: _Ids = None,
     coefficient: Annotated[str | None, Query(description="CZ, Cm, CQ7 ...")] = None,
-) -> Json:
+    form: Form = "json",
+) -> Response:
     """Draw derivatives by method and prediction with ±2 standard errors."""
     value = views.derivatives(
         store,
@@ -145,4 +183,4 @@ def draw_derivatives(
         split_ids(prediction_ids, "prediction_ids"),
         coefficient,
     )
-    return Json(figures.derivatives(value))
+    return sent(figures.derivatives(value), form)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex
+from jaxtyping import Complex, Float
 
 _WINDOW = 7  # lines in a local fit
 _DEGREE = 5
@@ -77,3 +77,35 @@ def line_noise(
         ]
         result.append(np.array(levels).reshape(at.size, -1))
     return result
+
+
+def noise_about_responses(
+    omega: Float[np.ndarray, " n_omega"],
+    owner: np.ndarray,
+    values: Complex[np.ndarray, "n_omega n_channels"],
+    command: Complex[np.ndarray, " n_omega"],
+) -> Float[np.ndarray, "n_omega n_channels"] | None:
+    """Noise level of spectra at every line; None where no input owns enough lines.
+
+    Parameters
+    ----------
+    omega
+        Lines. [rad/s]
+    owner
+        Index of the input that owns each line.
+    values
+        Spectra; NaN where a channel has no number.
+    command
+        Excitation of each line's owner.
+    """
+    places, powers = [], []
+    for index in np.unique(owner):
+        own = np.flatnonzero(owner == index)
+        scatter = local_scatter(values[own] / command[own][:, None])
+        if scatter is not None:
+            residual = scatter.values * command[own][scatter.lines][:, None]
+            places.append(omega[own][scatter.lines])
+            powers.append(np.abs(residual) ** 2)
+    if not places:
+        return None
+    return np.sqrt(line_noise(places, powers, [omega])[0])

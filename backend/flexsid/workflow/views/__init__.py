@@ -1,7 +1,8 @@
 """Read from the store what figures draw: finished numbers, nothing drawn."""
 
 from flexsid.workflow.views.campaign import envelope
-from flexsid.workflow.views.maneuver import POINTS, plot_matrix, spectrum, time_history
+from flexsid.workflow.views.maneuver import POINTS, spectrum, time_history
+from flexsid.workflow.views.plot_matrix import Domain, plot_matrix
 from flexsid.workflow.views.response import bode
 from flexsid.workflow.views.run import (
     derivatives,
@@ -15,6 +16,7 @@ from flexsid.workflow.views.time_check import time_check
 
 __all__ = [
     "POINTS",
+    "Domain",
     "bode",
     "derivatives",
     "envelope",

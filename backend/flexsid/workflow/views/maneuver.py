@@ -1,4 +1,4 @@
-"""What a maneuver looked like: its channels in time, against each other, and by frequency."""
+"""What a maneuver looked like: its channels in time and by frequency."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.views import ChannelHistories, PlotMatrix, Spectra
+from flexsid.records.views import ChannelHistories, Spectra
 from flexsid.storage.store import Store
+from flexsid.sysid.spectra.scatter import noise_about_responses
 from flexsid.workflow.interval import excitation_interval
 from flexsid.workflow.transforms import Lines, maneuver_lines, spectra_of
-from flexsid.workflow.views.channels import input_names, on_one_clock, read_channels, sampling
+from flexsid.workflow.views.channels import input_names, read_channels, sampling
 
 POINTS = 1000  # about as many as a screen has columns
 _MOST_POINTS = 20_000
+_BACKGROUND = 2000  # points of a whole spectrum
 _FIRST_LINE = 2.0  # cycles per record below which a line is mostly drift
 _CLEAR_OF_NYQUIST = 0.4  # of the sampling rate, clear of the anti-alias filter's skirt
 
@@ -54,62 +56,72 @@ def time_history(
     )
 
 
-def plot_matrix(store: Store, maneuver_id: int, channels: Sequence[str] = ()) -> PlotMatrix:
-    """Read channels against each other while the excitation ran; the inputs by default.
-
-    Trim before and after would only add points at rest, which hide correlation.
-    """
-    maneuver = store.maneuvers.get(maneuver_id)
-    chosen = channels or input_names(store, maneuver)
-    excitation = maneuver.excitation
-    interval = None if excitation is None else excitation_interval(excitation)
-    traces = read_channels(store, maneuver, chosen, interval)
-    together = on_one_clock(traces) if traces else ()
-    samples = (
-        np.stack([trace.values for trace in together], axis=1) if together else np.zeros((0, 0))
-    )
-    return PlotMatrix(
-        maneuver_id=maneuver_id,
-        names=tuple(trace.name for trace in together),
-        units=tuple(trace.unit for trace in together),
-        samples=samples,
-        correlation=correlation(samples),
-    )
-
-
-def correlation(samples: np.ndarray) -> np.ndarray:
-    """Pairwise correlation coefficients of columns; NaN for a column that never moves."""
-    moved = samples - samples.mean(axis=0) if samples.size else samples
-    product = moved.T @ moved
-    scale = np.sqrt(np.outer(np.diag(product), np.diag(product)))
-    return np.divide(product, scale, out=np.full(product.shape, np.nan), where=scale > 0)
-
-
-def spectrum(store: Store, maneuver_id: int, channels: Sequence[str] = ()) -> Spectra:
+def spectrum(
+    store: Store, maneuver_id: int, channels: Sequence[str] = (), *, full: bool = False
+) -> Spectra:
     """Transform channels at the maneuver's lines; the inputs by default.
 
     A slow channel says nothing above its Nyquist frequency and has no number there.
+    With ``full`` the whole spectrum of the record stands behind the lines.
     """
     maneuver = store.maneuvers.get(maneuver_id)
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     inputs = input_names(store, maneuver)
     rates = sampling(store, maneuver, channels or inputs)
     lines = _lines(maneuver, min((rate_hz for rate_hz, _ in rates.values()), default=0.0))
-    magnitude = np.full((lines.omega.size, len(rates)), np.nan)
+    values = np.full((lines.omega.size, len(rates)), np.nan, dtype=complex)
     for column, (name, (rate_hz, _)) in enumerate(rates.items()):
         seen = lines.omega <= np.pi * rate_hz
         below = Lines(lines.omega[seen], lines.owner[seen], lines.inputs)
-        data = spectra_of(store, maneuver, aircraft, (name,), below)
-        magnitude[seen, column] = np.abs(data.values[:, 0])
+        values[seen, column] = spectra_of(store, maneuver, aircraft, (name,), below).values[:, 0]
+    background_hz, background = _background(store, maneuver, tuple(rates)) if full else (None, None)
+    frequency_hz = lines.omega / (2.0 * np.pi)
     return Spectra(
         maneuver_id=maneuver_id,
         inputs=inputs,
-        frequency_hz=lines.omega / (2.0 * np.pi),
+        frequency_hz=frequency_hz,
         owners=tuple(lines.inputs[owner] if owner >= 0 else "" for owner in lines.owner),
         names=tuple(rates),
         units=tuple(unit for _, unit in rates.values()),
-        magnitude=magnitude,
+        magnitude=np.abs(values),
+        noise=_noise(store, maneuver, lines, values),
+        background_hz=background_hz,
+        background=background,
+        band_hz=(float(frequency_hz[0]), float(frequency_hz[-1])) if frequency_hz.size else None,
     )
+
+
+def _noise(store: Store, maneuver: Maneuver, lines: Lines, values: np.ndarray) -> np.ndarray | None:
+    """Noise of every line, from how responses to the excitation scatter; None if unknown."""
+    recorded = {c.name: c.rate_hz for c in store.channels.find(maneuver_id=maneuver.id)}
+    names = [f"{n}_command" if f"{n}_command" in recorded else n for n in lines.inputs]
+    if not names or (lines.owner < 0).any() or not recorded.keys() >= set(names):
+        return None
+    if lines.omega[-1] > np.pi * min(recorded[name] for name in names):
+        return None
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    commands = spectra_of(store, maneuver, aircraft, tuple(names), lines).values
+    own = commands[np.arange(lines.omega.size), lines.owner]
+    return noise_about_responses(lines.omega, lines.owner, values, own)
+
+
+def _background(
+    store: Store, maneuver: Maneuver, names: tuple[str, ...]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Spectrum of whole records; of the bins that share a point the largest is kept."""
+    traces = read_channels(store, maneuver, names)
+    top_hz = max(0.5 / (trace.time_s[1] - trace.time_s[0]) for trace in traces)
+    edges = np.linspace(0.0, top_hz, _BACKGROUND + 1)
+    found = np.full((_BACKGROUND, len(traces)), np.nan)
+    for column, trace in enumerate(traces):
+        step_s = trace.time_s[1] - trace.time_s[0]
+        size = np.abs(np.fft.rfft(trace.values - trace.values.mean())) * step_s
+        place = np.arange(1, size.size) / (trace.values.size * step_s)
+        bins = np.clip(np.searchsorted(edges, place, side="right") - 1, 0, _BACKGROUND - 1)
+        largest = np.zeros(_BACKGROUND)
+        np.maximum.at(largest, bins, size[1:])
+        found[:, column] = np.where(largest > 0, largest, np.nan)
+    return 0.5 * (edges[1:] + edges[:-1]), found
 
 
 def _lines(maneuver: Maneuver, rate_hz: float) -> Lines:

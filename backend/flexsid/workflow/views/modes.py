@@ -30,6 +30,21 @@ def mode_markers(
     return tuple(mark for mark in markers if band_hz[0] <= mark.frequency_hz <= band_hz[1])
 
 
+def identified_markers(run: EstimationRun, band_hz: tuple[float, float]) -> tuple[ModeMarker, ...]:
+    """Natural frequencies of the oscillatory poles of a run's model within a band."""
+    poles = () if run.result is None else run.result.poles
+    markers = (
+        ModeMarker(
+            name=f"{pole.name or 'pole'} {run.method.value} {run.id}",
+            frequency_hz=float(np.hypot(pole.real, pole.imag)) / (2.0 * np.pi),
+            run_id=run.id,
+        )
+        for pole in poles
+        if pole.imag > 0
+    )
+    return tuple(mark for mark in markers if band_hz[0] <= mark.frequency_hz <= band_hz[1])
+
+
 def modal_poles(store: Store, run: EstimationRun) -> tuple[Pole, ...]:
     """Poles in vacuo of the modes in a run's model. [rad/s]"""
     if not run.structure.modes:
