@@ -23,6 +23,8 @@ export const campaignView = view((search) => ({
 }));
 export type CampaignView = ReturnType<typeof campaignView>;
 
+export const BODE_PLANES = ["bode", "nichols", "nyquist"] as const;
+
 export const MANEUVER_TABS = ["time", "spectra", "inputs", "bode", "runs"] as const;
 
 export const maneuverView = view((search) => ({
@@ -34,6 +36,17 @@ export const maneuverView = view((search) => ({
   outputs: words(search.outputs),
   inputs: words(search.inputs),
   models: integers(search.models),
+  /** Further maneuvers over this one in the Bode plot, or averaged with it. */
+  beside: integers(search.beside),
+  average: flag(search.average),
+  /** Models also with sensors blind to the structure. */
+  rigid: flag(search.rigid),
+  plane: oneOf(search.plane, BODE_PLANES),
+  /** The whole spectrum behind the lines. */
+  full: flag(search.full),
+  domain: oneOf(search.domain, ["time", "frequency"] as const),
+  /** Modes whose equation-error regressors are compared instead of channels. */
+  regressors: integers(search.regressors),
   selected: integers(search.selected),
 }));
 export type ManeuverView = ReturnType<typeof maneuverView>;
@@ -52,6 +65,7 @@ export const RUN_TABS = [
   "parameters",
   "fit",
   "residuals",
+  "time",
   "correlation",
   "poles",
   "iterations",
@@ -63,6 +77,9 @@ export const runView = view((search) => ({
   block: text(search.block),
   output: text(search.output),
   sort: text(search.sort),
+  /** Outputs of the check in time, and the maneuver that it is made with. */
+  outputs: words(search.outputs),
+  against: integer(search.against),
 }));
 export type RunView = ReturnType<typeof runView>;
 

@@ -3012,6 +3012,8 @@ export interface operations {
     draw_envelope: {
         parameters: {
             query?: {
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
                 aircraft_id?: number | null;
                 flight_id?: number | null;
                 /** @description Number of the flight-test aid. */
@@ -3064,6 +3066,8 @@ export interface operations {
                 start_s?: number | null;
                 stop_s?: number | null;
                 points?: number;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
             };
             header?: never;
             path?: never;
@@ -3097,6 +3101,10 @@ export interface operations {
                 maneuver_id: number;
                 /** @description Names separated by commas. */
                 channels?: string | null;
+                /** @description The whole spectrum behind the lines. */
+                full?: boolean;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
             };
             header?: never;
             path?: never;
@@ -3130,6 +3138,11 @@ export interface operations {
                 maneuver_id: number;
                 /** @description Names separated by commas. */
                 channels?: string | null;
+                domain?: "time" | "frequency";
+                /** @description Regressors of equation error with these modes instead. */
+                modes?: string | null;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
             };
             header?: never;
             path?: never;
@@ -3167,6 +3180,15 @@ export interface operations {
                 inputs?: string | null;
                 /** @description Ids separated by commas. */
                 run_id?: string | null;
+                /** @description Ids of further maneuvers, laid over this one. */
+                beside?: string | null;
+                /** @description All maneuvers as one response. */
+                average?: boolean;
+                /** @description Models also with sensors blind to modes. */
+                rigid?: boolean;
+                view?: "bode" | "nichols" | "nyquist";
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
             };
             header?: never;
             path?: never;
@@ -3202,6 +3224,8 @@ export interface operations {
                 output?: string | null;
                 /** @description Block of lines; the run's first by default. */
                 block?: string | null;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
             };
             header?: never;
             path?: never;
@@ -3235,6 +3259,8 @@ export interface operations {
                 run_id: number;
                 /** @description Block of lines; the run's first by default. */
                 block?: string | null;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
             };
             header?: never;
             path?: never;
@@ -3266,6 +3292,8 @@ export interface operations {
         parameters: {
             query: {
                 run_id: number;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
             };
             header?: never;
             path?: never;
@@ -3297,6 +3325,8 @@ export interface operations {
         parameters: {
             query: {
                 run_id: number;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
             };
             header?: never;
             path?: never;
@@ -3328,6 +3358,8 @@ export interface operations {
         parameters: {
             query: {
                 run_id: number;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
             };
             header?: never;
             path?: never;
@@ -3363,6 +3395,8 @@ export interface operations {
                 outputs?: string | null;
                 maneuver_id?: number | null;
                 points?: number;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
             };
             header?: never;
             path?: never;
@@ -3399,6 +3433,8 @@ export interface operations {
                 prediction_ids?: string | null;
                 /** @description CZ, Cm, CQ7 ... */
                 coefficient?: string | null;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
             };
             header?: never;
             path?: never;

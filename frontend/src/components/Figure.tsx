@@ -10,7 +10,7 @@ import {
 } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
-import type { QueryValue } from "../api/client";
+import { address, type QueryValue } from "../api/client";
 import { figureQuery } from "../api/queries";
 import { figureHeight } from "../lib/figureLayout";
 import { FigureBoundary } from "./FigureBoundary";
@@ -82,6 +82,16 @@ export function Figure({ kind, params, title, height, revision, ...events }: Pro
                 >
                   SVG
                 </Menu.Item>
+                {(["csv", "mat"] as const).map((format) => (
+                  <Menu.Item
+                    key={format}
+                    component="a"
+                    href={address(`figures/${kind}`, { ...params, format })}
+                    download={`${["flexsid", kind, ...idsIn(params)].join("-")}.${format}`}
+                  >
+                    {format.toUpperCase()}
+                  </Menu.Item>
+                ))}
               </Menu.Dropdown>
             </Menu>
           )}

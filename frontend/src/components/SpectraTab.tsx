@@ -1,3 +1,4 @@
+import { Stack, Switch } from "@mantine/core";
 import { excitedInputs } from "../lib/channels";
 import { ChannelPicker } from "./ChannelPicker";
 import { Empty } from "./Empty";
@@ -31,8 +32,8 @@ export function SpectraTab({ maneuver, view, onChange }: ManeuverTabProps) {
           <Figure
             kind="spectrum"
             title="Fourier magnitudes by excited input"
-            params={{ maneuver_id: maneuver.id, channels }}
-            revision={channels.join()}
+            params={{ maneuver_id: maneuver.id, channels, full: view.full }}
+            revision={`${channels.join()} ${String(view.full)}`}
           />
         )}
       </div>

@@ -5,11 +5,11 @@ import { maneuverQuery } from "../api/queries";
 import type { Maneuver } from "../api/types";
 import { ButtonLink } from "../components/ButtonLink";
 import { ConditionFacts } from "../components/ConditionFacts";
-import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
 import { BodeTab } from "../components/BodeTab";
 import { ManeuverRuns } from "../components/ManeuverRuns";
 import { PageHead } from "../components/PageHead";
+import { PlotMatrixTab } from "../components/PlotMatrixTab";
 import { SpectraTab } from "../components/SpectraTab";
 import { TimeHistoryTab } from "../components/TimeHistoryTab";
 import { MANEUVER_TABS, type ManeuverView } from "../views";
@@ -19,7 +19,7 @@ const route = getRouteApi("/maneuvers/$id");
 const TAB_NAMES: Record<(typeof MANEUVER_TABS)[number], string> = {
   time: "Time histories",
   spectra: "Spectra",
-  inputs: "Inputs",
+  inputs: "Correlation",
   bode: "Bode",
   runs: "Runs",
 };
@@ -88,14 +88,7 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
           <SpectraTab maneuver={maneuver} view={view} onChange={change} />
         </Tabs.Panel>
         <Tabs.Panel value="inputs" pt="md">
-          <div className="panel" style={{ padding: 12 }}>
-            <Figure
-              kind="plot-matrix"
-              title="Inputs against each other, with their correlation"
-              params={{ maneuver_id: maneuver.id }}
-              height={760}
-            />
-          </div>
+          <PlotMatrixTab maneuver={maneuver} view={view} onChange={change} />
         </Tabs.Panel>
         <Tabs.Panel value="bode" pt="md">
           <BodeTab maneuver={maneuver} view={view} onChange={change} />

@@ -14,6 +14,7 @@ import { Provenance } from "../components/Provenance";
 import { StateBadge } from "../components/RunBadge";
 import { RunActions } from "../components/RunActions";
 import { RunOutcome } from "../components/RunOutcome";
+import { TimeTab } from "../components/TimeTab";
 import { RUN_TABS, type RunView } from "../views";
 
 const route = getRouteApi("/runs/$id");
@@ -22,6 +23,7 @@ const TAB_NAMES: Record<(typeof RUN_TABS)[number], string> = {
   parameters: "Parameters",
   fit: "Fit",
   residuals: "Residuals",
+  time: "Time",
   correlation: "Correlation",
   poles: "Poles",
   iterations: "Iterations",
@@ -136,6 +138,9 @@ function Results({ run }: { run: Run }) {
       <Tabs.Panel value="residuals" pt="md">
         <BlockPicker run={run} view={view} onChange={change} />
         {panel("residual", "Residuals over frequency")}
+      </Tabs.Panel>
+      <Tabs.Panel value="time" pt="md">
+        <TimeTab run={run} view={view} onChange={change} />
       </Tabs.Panel>
       <Tabs.Panel value="correlation" pt="md">
         {panel("parameter-correlation", "Correlation of the estimates", 760)}

@@ -1,0 +1,109 @@
+import { SegmentedControl, Stack, Table, Text, TextInput } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { figureQuery } from "../api/queries";
+import { byRole, named } from "../lib/channels";
+import { integers } from "../lib/urlState";
+import { ChannelPicker } from "./ChannelPicker";
+import { Empty } from "./Empty";
+import { Figure } from "./Figure";
+import type { ManeuverTabProps } from "./TimeHistoryTab";
+
+interface Meta {
+  names?: string[];
+  inflation?: (number | null)[];
+  condition?: number | null;
+}
+
+/** Channels or equation-error regressors against each other, with what that costs a regression. */
+export function PlotMatrixTab({ maneuver, view, onChange }: ManeuverTabProps) {
+  const channels = view.channels ?? named(maneuver.channels, "input");
+  const modes = view.regressors;
+  const domain = modes === undefined ? (view.domain ?? "time") : "frequency";
+  const params = {
+    maneuver_id: maneuver.id,
+    channels: modes === undefined ? channels : undefined,
+    domain,
+    modes,
+  };
+  const count = modes === undefined ? channels.length : undefined;
+  return (
+    <div className="split">
+      <Stack gap="md">
+        <SegmentedControl
+          aria-label="Domain"
+          data={[
+            { value: "time", label: "Time" },
+            { value: "frequency", label: "Frequency" },
+          ]}
+          value={domain}
+          disabled={modes !== undefined}
+          onChange={(value) => {
+            onChange({ domain: value === "frequency" ? "frequency" : undefined });
+          }}
+        />
+        <TextInput
+          label="Regressors of modes"
+          description="Mode numbers; empty compares channels"
+          placeholder="7, 9"
+          defaultValue={modes?.join(", ") ?? ""}
+          onBlur={(event) => {
+            onChange({ regressors: integers(event.currentTarget.value) });
+          }}
+        />
+        {count !== undefined && (
+          <ChannelPicker
+            label="Channels"
+            groups={byRole(maneuver.channels)}
+            value={channels}
+            onChange={(names) => {
+              onChange({ channels: names });
+            }}
+          />
+        )}
+        <Inflation params={params} />
+      </Stack>
+      <div className="panel" style={{ padding: 12 }}>
+        {count !== undefined && count < 2 ? (
+          <Empty title="Nothing to compare">Tick two channels or more on the left.</Empty>
+        ) : (
+          <Figure
+            kind="plot-matrix"
+            title="Against each other, with their correlation"
+            params={params}
+            height={760}
+          />
+        )}
+      </div>
+    </div>
+  );
+}
+
+/** Variance inflation of every column beside the figure, from the same answer. */
+function Inflation({ params }: { params: Parameters<typeof figureQuery>[1] }) {
+  const figure = useQuery(figureQuery("plot-matrix", params));
+  const meta = figure.data?.layout.meta as Meta | undefined;
+  if (!Array.isArray(meta?.inflation) || meta.names === undefined) return null;
+  const factors = meta.inflation;
+  return (
+    <div data-testid="inflation">
+      <Text size="sm" fw={600}>
+        Variance inflation
+      </Text>
+      <Text size="xs" className="quiet numbers">
+        Condition number {meta.condition === null ? "infinite" : meta.condition?.toFixed(1)}
+      </Text>
+      <Table className="numbers" fz="xs">
+        <Table.Tbody>
+          {meta.names.map((name, place) => (
+            <Table.Tr key={name}>
+              <Table.Td>{name}</Table.Td>
+              <Table.Td ta="right" fw={(factors[place] ?? Infinity) > 10 ? 700 : undefined}>
+                {factors[place]?.toFixed(2) ?? "–"}
+              </Table.Td>
+            </Table.Tr>
+          ))}
+        </Table.Tbody>
+      </Table>
+    </div>
+  );
+}

@@ -1,0 +1,61 @@
+import { MultiSelect, Select, Stack, Text } from "@mantine/core";
+import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
+import { maneuverQuery, maneuversQuery } from "../api/queries";
+import { integer } from "../lib/urlState";
+import { Figure } from "./Figure";
+import type { RunTabProps } from "./FitTab";
+
+/** The identified model under the recorded inputs of its maneuver, or of another one. */
+export function TimeTab({ run, view, onChange }: RunTabProps) {
+  const own = useQuery(maneuverQuery(run.maneuver_id));
+  const all = useInfiniteQuery(maneuversQuery({}, "id", 500));
+  const maneuvers = (all.data?.pages ?? [])
+    .flatMap((page) => page.items)
+    .filter((one) => one.aircraft_id === own.data?.aircraft_id);
+  // Equation error keeps coefficients, not outputs: its model has the usual ones.
+  const outputs = run.method === "EE" ? [] : (run.blocks[0]?.outputs ?? []);
+  return (
+    <div className="split" style={{ gridTemplateColumns: "minmax(220px, 260px) minmax(0, 1fr)" }}>
+      <Stack gap="sm">
+        <Select
+          label="Recording"
+          description="Any maneuver of the aircraft; another one cross-checks the model"
+          data={maneuvers.map((one) => ({ value: String(one.id), label: one.label }))}
+          value={String(view.against ?? run.maneuver_id)}
+          allowDeselect={false}
+          searchable
+          onChange={(value) => {
+            const id = integer(value ?? undefined);
+            onChange({ against: id === run.maneuver_id ? undefined : id });
+          }}
+        />
+        {outputs.length > 0 && (
+          <MultiSelect
+            label="Outputs"
+            data={outputs}
+            value={view.outputs ?? outputs.slice(0, 4)}
+            searchable
+            onChange={(names) => {
+              onChange({ outputs: names.length > 0 ? names : undefined });
+            }}
+          />
+        )}
+        <Text size="xs" className="quiet">
+          The whole recorded band is compared, also above the lines that were fitted. Beyond flutter
+          the response shown is the one that stays bounded, as the closed loop flew it.
+        </Text>
+      </Stack>
+      <div className="panel" style={{ padding: 12 }}>
+        <Figure
+          kind="time-check"
+          title="Recorded and simulated"
+          params={{
+            run_id: run.id,
+            outputs: view.outputs?.join(","),
+            maneuver_id: view.against,
+          }}
+        />
+      </div>
+    </div>
+  );
+}
