@@ -17,7 +17,7 @@ from flexsid.errors import BadInput, FlexsidError
 from flexsid.settings import DEFAULT_DATABASE, Settings, read_settings
 
 _METHODS = ("OE", "FRE", "EE")
-_STARTS = ("equation-error", "prediction", "residualized-prediction")
+_STARTS = ("best", "equation-error", "prediction", "residualized-prediction")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -81,7 +81,21 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--outputs", default="", metavar="A,B", help="default: all that a model can use"
     )
+    run.add_argument("--free", metavar="A,B", help="derivatives to estimate; default: all")
+    run.add_argument(
+        "--also-free", default="", metavar="A,B", help="delay_q, scale_alpha, omega_7 and the like"
+    )
+    run.add_argument("--free-delays", action="store_true", help="free the delay of every output")
     run.add_argument("--start", choices=_STARTS, default=_STARTS[0], help="where to start from")
+    run.add_argument(
+        "--prior-spread",
+        type=float,
+        metavar="SHARE",
+        help="hold derivatives near the prediction, within this share of their size",
+    )
+    run.add_argument(
+        "--together-with", default="", metavar="ID,ID", help="maneuvers with the same derivatives"
+    )
     run.add_argument("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all")
     run.add_argument(
         "--wait", action="store_true", help="carry it out now, instead of leaving it to a server"

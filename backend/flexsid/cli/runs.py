@@ -35,9 +35,17 @@ def read_request(chosen: argparse.Namespace) -> EstimationRun:
             modes=tuple(_list(chosen.modes, int, "--modes")),
             inputs=tuple(_list(chosen.inputs, str, "--inputs")),
             outputs=tuple(_list(chosen.outputs, str, "--outputs")),
+            free=None if chosen.free is None else tuple(_list(chosen.free, str, "--free")),
             fixed={},
+            free_delays=chosen.free_delays,
+            also_free=tuple(_list(chosen.also_free, str, "--also-free")),
         ),
-        settings=RunSettings(start=Start(chosen.start), band_hz=band),
+        settings=RunSettings(
+            start=Start(chosen.start),
+            band_hz=band,
+            prior_spread=chosen.prior_spread,
+            together_with=tuple(_list(chosen.together_with, int, "--together-with")),
+        ),
     )
 
 
