@@ -1,6 +1,6 @@
-import { MultiSelect, Stack } from "@mantine/core";
-import { useQuery } from "@tanstack/react-query";
-import { runsQuery } from "../api/queries";
+import { MultiSelect, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
+import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
+import { figureQuery, maneuversQuery, runsQuery } from "../api/queries";
 import { excitedInputs } from "../lib/channels";
 import { integers } from "../lib/urlState";
 import { ChannelPicker } from "./ChannelPicker";
@@ -8,6 +8,16 @@ import { Empty } from "./Empty";
 import { Figure } from "./Figure";
 import { useOfferedChannels } from "./useOfferedChannels";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
+import { BODE_PLANES } from "../views";
+
+const PLANES = { bode: "Bode", nichols: "Nichols", nyquist: "Nyquist" };
+
+interface BlankedPoint {
+  output: string;
+  input: string;
+  frequency_hz: number;
+  reason: string;
+}
 
 /** Frequency responses from the excited inputs, with the models of runs drawn over them. */
 export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
@@ -16,9 +26,31 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
   const offered = useOfferedChannels(maneuver);
   const outputs = view.outputs ?? ["q"];
   const inputs = view.inputs ?? excited.slice(0, 3);
+  const params = {
+    maneuver_id: maneuver.id,
+    output: outputs,
+    inputs,
+    run_id: view.models,
+    beside: view.beside,
+    average: view.average,
+    rigid: view.rigid,
+    view: view.plane,
+  };
+  const campaign = useInfiniteQuery(maneuversQuery({}, "id", 200));
+  const others = (campaign.data?.pages ?? [])
+    .flatMap((page) => page.items)
+    .filter((item) => item.id !== maneuver.id && item.aircraft_id === maneuver.aircraft_id);
   return (
     <div className="split">
       <Stack gap="md">
+        <SegmentedControl
+          aria-label="Plane"
+          data={BODE_PLANES.map((plane) => ({ value: plane, label: PLANES[plane] }))}
+          value={view.plane ?? "bode"}
+          onChange={(value) => {
+            onChange({ plane: BODE_PLANES.find((plane) => plane === value) });
+          }}
+        />
         <MultiSelect
           label="Models"
           placeholder={view.models === undefined ? "Measured only" : undefined}
@@ -34,6 +66,35 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
           value={(view.models ?? []).map(String)}
           onChange={(ids) => {
             onChange({ models: integers(ids) });
+          }}
+        />
+        <Switch
+          label="Also rigid sensors"
+          description="Models as seen by sensors that do not flex: C_e = 0"
+          disabled={view.models === undefined}
+          checked={view.rigid === true}
+          onChange={(event) => {
+            onChange({ rigid: event.currentTarget.checked || undefined });
+          }}
+        />
+        <MultiSelect
+          label="Other maneuvers"
+          description="Their responses over this one's"
+          searchable
+          clearable
+          data={others.map((item) => ({ value: String(item.id), label: item.label }))}
+          value={(view.beside ?? []).map(String)}
+          onChange={(ids) => {
+            onChange({ beside: integers(ids) });
+          }}
+        />
+        <Switch
+          label="Average of all"
+          description="Weighed by what each maneuver is worth"
+          disabled={view.beside === undefined}
+          checked={view.average === true}
+          onChange={(event) => {
+            onChange({ average: event.currentTarget.checked || undefined });
           }}
         />
         <ChannelPicker
@@ -58,14 +119,52 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
         {outputs.length === 0 || inputs.length === 0 ? (
           <Empty title="Nothing to draw">Tick an input and an output on the left.</Empty>
         ) : (
-          <Figure
-            kind="bode"
-            title="Frequency responses of the bare airframe"
-            params={{ maneuver_id: maneuver.id, output: outputs, inputs, run_id: view.models }}
-            revision={[outputs, inputs].join("|")}
-          />
+          <>
+            <Figure
+              kind="bode"
+              title="Frequency responses of the bare airframe"
+              params={params}
+              revision={[outputs, inputs, view.plane].join("|")}
+            />
+            <NotDrawn params={params} />
+          </>
         )}
       </div>
     </div>
+  );
+}
+
+/** What is not drawn, with the reason, and whether averaged maneuvers agree. */
+function NotDrawn({ params }: { params: Parameters<typeof figureQuery>[1] }) {
+  const figure = useQuery({
+    ...figureQuery("bode", params),
+    enabled: String(params.output) !== "" && String(params.inputs) !== "",
+  });
+  const meta = figure.data?.layout.meta as
+    { blanked?: BlankedPoint[]; agreement?: Record<string, number> } | undefined;
+  const blanked = meta?.blanked ?? [];
+  const agreement = Object.entries(meta?.agreement ?? {});
+  return (
+    <>
+      {agreement.length > 0 && (
+        <Text size="xs" className="quiet numbers" px="sm" pb="xs">
+          Probability that the maneuvers differ as much by chance:{" "}
+          {agreement.map(([input, value]) => `${input} ${value.toPrecision(2)}`).join(", ")}
+        </Text>
+      )}
+      {blanked.length > 0 && (
+        <details data-testid="blanked" style={{ fontSize: 12, padding: "0 12px 12px" }}>
+          <summary>{blanked.length} points not drawn</summary>
+          <ul className="numbers">
+            {blanked.map((point) => (
+              <li key={[point.output, point.input, point.frequency_hz, point.reason].join(" ")}>
+                {point.output} over {point.input} at {point.frequency_hz.toFixed(3)} Hz:{" "}
+                {point.reason}
+              </li>
+            ))}
+          </ul>
+        </details>
+      )}
+    </>
   );
 }

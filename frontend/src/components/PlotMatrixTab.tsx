@@ -1,11 +1,12 @@
 import { SegmentedControl, Stack, Table, Text, TextInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { figureQuery } from "../api/queries";
-import { byRole, named } from "../lib/channels";
+import { named } from "../lib/channels";
 import { integers } from "../lib/urlState";
 import { ChannelPicker } from "./ChannelPicker";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
+import { useOfferedChannels } from "./useOfferedChannels";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 
 interface Meta {
@@ -16,6 +17,7 @@ interface Meta {
 
 /** Channels or equation-error regressors against each other, with what that costs a regression. */
 export function PlotMatrixTab({ maneuver, view, onChange }: ManeuverTabProps) {
+  const offered = useOfferedChannels(maneuver);
   const channels = view.channels ?? named(maneuver.channels, "input");
   const modes = view.regressors;
   const domain = modes === undefined ? (view.domain ?? "time") : "frequency";
@@ -53,7 +55,7 @@ export function PlotMatrixTab({ maneuver, view, onChange }: ManeuverTabProps) {
         {count !== undefined && (
           <ChannelPicker
             label="Channels"
-            groups={byRole(maneuver.channels)}
+            groups={offered()}
             value={channels}
             onChange={(names) => {
               onChange({ channels: names });

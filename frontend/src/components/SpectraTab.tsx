@@ -17,14 +17,24 @@ export function SpectraTab({ maneuver, view, onChange }: ManeuverTabProps) {
     );
   return (
     <div className="split">
-      <ChannelPicker
-        label="Channels"
-        groups={offered()}
-        value={channels}
-        onChange={(names) => {
-          onChange({ channels: names });
-        }}
-      />
+      <Stack gap="md">
+        <Switch
+          label="Whole spectrum"
+          description="Up to the Nyquist frequency, with the modelled band shaded"
+          checked={view.full === true}
+          onChange={(event) => {
+            onChange({ full: event.currentTarget.checked || undefined });
+          }}
+        />
+        <ChannelPicker
+          label="Channels"
+          groups={offered()}
+          value={channels}
+          onChange={(names) => {
+            onChange({ channels: names });
+          }}
+        />
+      </Stack>
       <div className="panel" style={{ padding: 12 }}>
         {channels.length === 0 ? (
           <Empty title="No channel picked">Tick one or more on the left.</Empty>
