@@ -96,6 +96,11 @@ def priors_of(
     spread = settings.prior_spread
     if spread is None:
         return dict(settings.priors)
+    if not spread > 0.0:
+        raise BadInput(
+            f"a prior spread of {spread:g} is no share of a derivative; give one above zero",
+            code="bad-prior",
+        )
     if not predicted:
         raise BadInput(
             "a prior spread needs a prediction that covers these modes and inputs; import one or "
