@@ -1,0 +1,72 @@
+"""Exact sensitivities and the normal matrix that needs no Jacobian."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.sysid.conftest import add_noise
+
+from flexsid.sysid.estimation.experiment import LineModel
+
+EXTRAS = ("delay_q", "delay_alpha", "scale_alpha", "omega_7", "zeta_9", "shape_az_cf_7")
+
+
+@pytest.fixture
+def line_model(make_case):
+    case = make_case(2, n_outputs=8)
+    u, y = case.spectra(1)
+    z = add_noise(y, 0.05, np.random.default_rng(2))
+    parameters = case.free(EXTRAS, off=0.2)
+    theta = parameters.start.copy()
+    theta[-len(EXTRAS) :] = [0.004, -0.002, 1.1, 1.05, 0.9, 1.2]
+    return LineModel(case.experiment(u, z), parameters), theta
+
+
+def test_sensitivities_equal_differences(line_model):
+    model, theta = line_model
+    J = model.jacobian(model.sensitivity(theta, model.respond(theta)))
+    for index, name in enumerate(model.parameters.names):
+        step = 1e-4 * max(abs(theta[index]), 1e-2)
+        shift = step * np.eye(theta.size)[index]
+
+        def at(times: float, shift: np.ndarray = shift) -> np.ndarray:
+            return model.respond(theta + times * shift).outputs
+
+        # Fourth order, so that the difference is good to 1e-8.
+        difference = (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * step)
+        size = np.abs(difference).max()
+        assert np.abs(J[:, :, index] - difference).max() < 1e-8 * size, name
+
+
+@pytest.mark.parametrize("kind", ["diagonal", "full"])
+def test_normal_matrix_equals_the_explicit_one(line_model, kind):
+    model, theta = line_model
+    response = model.respond(theta)
+    sensitivity = model.sensitivity(theta, response)
+    nu = model.experiment.measured - response.outputs
+    n_lines, n_y = nu.shape
+    rng = np.random.default_rng(3)
+    if kind == "diagonal":
+        weights = rng.uniform(0.5, 2.0, size=(n_lines, n_y))
+        matrices = weights[:, :, None] * np.eye(n_y)
+    else:
+        half = rng.normal(size=(n_lines, n_y, n_y)) + 1j * rng.normal(size=(n_lines, n_y, n_y))
+        weights = matrices = half @ half.conj().transpose(0, 2, 1) + np.eye(n_y)
+    N, g = model.normal_equations(sensitivity, nu, weights)
+    J = model.jacobian(sensitivity)
+    N_explicit = np.real(np.einsum("kyi,kyx,kxj->ij", J.conj(), matrices, J))
+    g_explicit = np.real(np.einsum("kyi,kyx,kx->i", J.conj(), matrices, nu))
+    scale = np.sqrt(np.diag(N_explicit))
+    assert np.abs((N - N_explicit) / np.outer(scale, scale)).max() < 1e-12
+    assert np.abs((g - g_explicit) / scale).max() < 1e-12 * np.abs(g_explicit / scale).max()
+
+
+def test_gradients_of_single_outputs_add_up(line_model):
+    model, theta = line_model
+    response = model.respond(theta)
+    sensitivity = model.sensitivity(theta, response)
+    nu = model.experiment.measured - response.outputs
+    weights = np.random.default_rng(4).uniform(0.5, 2.0, size=nu.shape)
+    _, g = model.normal_equations(sensitivity, nu, weights)
+    parts = model.output_gradients(sensitivity, nu, weights)
+    assert np.allclose(parts.sum(axis=(0, 2)), g, rtol=1e-10, atol=1e-10 * np.abs(g).max())
