@@ -1,0 +1,126 @@
+"""Checks before flight: orthogonality, peaks, and what the actuators make of a design."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexsid.errors import BadInput
+from flexsid.sysid.excitation.designer import peak_factors
+from flexsid.sysid.excitation.multisine import Multisine
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ActuatorLimits:
+    """Second-order actuator behind a delay and its limits; no limit where it is None.
+
+    [rad/s], [1], [s], [unit], [unit/s], [unit/s2] with the unit of the command.
+    """
+
+    natural_frequency: float
+    damping: float
+    delay_s: float = 0.0
+    position: float | None = None
+    rate: float | None = None
+    acceleration: float | None = None
+
+    def response(self, omega: Float[np.ndarray, " n_omega"]) -> Complex[np.ndarray, " n_omega"]:
+        """Deflection over command. [1]"""
+        s = 1j * omega / self.natural_frequency
+        return np.exp(-1j * omega * self.delay_s) / (1.0 + 2.0 * self.damping * s + s**2)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InputCheck:
+    """One input: command and true deflection at their largest. [unit], [unit/s], [unit/s2]"""
+
+    name: str
+    peak_factor: float
+    command_peak: float
+    start: float
+    deflection_peak: float
+    rate_peak: float
+    acceleration_peak: float
+    within_limits: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DesignChecks:
+    """``correlation`` is the largest between two inputs over one period."""
+
+    correlation: float
+    inputs: tuple[InputCheck, ...]
+
+
+def check_design(multisine: Multisine, rate_hz: float, actuator: ActuatorLimits) -> DesignChecks:
+    """Measure a design as it will be sampled and as the surfaces will move.
+
+    Parameters
+    ----------
+    multisine
+        At the amplitude that is meant.
+    rate_hz
+        Rate of the flight computer. [Hz]
+    actuator
+        What every surface has; its periodic response is exact, so limits that are
+        reached are seen before they act.
+    """
+    samples = multisine.sample(np.arange(round(multisine.period_s * rate_hz)) / rate_hz)
+    size = np.sqrt(np.sum(samples**2, axis=0))
+    correlation = np.abs(samples.T @ samples / np.outer(size, size) - np.eye(size.size)).max()
+    factors = peak_factors(multisine)
+    rows = []
+    for column, (name, tones) in enumerate(multisine.tones.items()):
+        omega = 2.0 * np.pi * tones.harmonics / multisine.period_s
+        n = 32 * int(tones.harmonics.max())
+        spectrum = np.zeros(n // 2 + 1, dtype=complex)
+        deflection = -0.5j * n * tones.amplitudes * np.exp(1j * tones.phases)
+        deflection = deflection * actuator.response(omega)
+        peaks = []
+        for order in range(3):
+            spectrum[tones.harmonics] = deflection * (1j * omega) ** order
+            peaks.append(float(np.abs(np.fft.irfft(spectrum, n)).max()))
+        limits = (actuator.position, actuator.rate, actuator.acceleration)
+        rows.append(
+            InputCheck(
+                name=name,
+                peak_factor=factors[name],
+                command_peak=float(np.abs(samples[:, column]).max()),
+                start=float(samples[0, column]),
+                deflection_peak=peaks[0],
+                rate_peak=peaks[1],
+                acceleration_peak=peaks[2],
+                within_limits=all(
+                    limit is None or peak <= limit
+                    for peak, limit in zip(peaks, limits, strict=True)
+                ),
+            )
+        )
+    return DesignChecks(correlation=float(correlation), inputs=tuple(rows))
+
+
+def require_within_limits(checks: DesignChecks, actuator: ActuatorLimits) -> None:
+    """Refuse a design that the actuators cannot follow.
+
+    Raises
+    ------
+    BadInput
+        With the first input that is outside, and by how much to reduce it.
+    """
+    named = (
+        ("deflection", "deflection_peak", actuator.position),
+        ("rate", "rate_peak", actuator.rate),
+        ("acceleration", "acceleration_peak", actuator.acceleration),
+    )
+    for row in checks.inputs:
+        for word, field, limit in named:
+            reached = getattr(row, field)
+            if limit is not None and reached > limit:
+                raise BadInput(
+                    f"{row.name} would need a {word} of {reached:.4g}, the actuator has"
+                    f" {limit:.4g}; reduce its amplitude by {limit / reached:.3g} or end its"
+                    " band lower",
+                    code="actuator-too-slow" if word != "deflection" else "deflection-limit",
+                )

@@ -1,0 +1,174 @@
+"""Designer: from what is wanted to phases, and the recipe that reproduces them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+
+import numpy as np
+from jaxtyping import Float
+
+from flexsid.errors import BadInput
+from flexsid.sysid.excitation.allotment import check_allotment
+from flexsid.sysid.excitation.extrema import judged_peak_factor
+from flexsid.sysid.excitation.multisine import Multisine, Tones
+from flexsid.sysid.excitation.norms import Lines
+from flexsid.sysid.excitation.peak_factor import start_at_zero
+from flexsid.sysid.excitation.phase_search import (
+    PATIENT,
+    QUICK,
+    THOROUGH,
+    Effort,
+    Found,
+    search_phases,
+)
+
+EFFORTS: dict[str, Effort] = {"quick": QUICK, "thorough": THOROUGH, "patient": PATIENT}
+
+_LEAST_POINTS = 64  # of the grid on which the largest deflection is found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InputWish:
+    """One input: its harmonics, its peak relative to the design's, and the power of each line.
+
+    ``power`` is relative and flat when left out.
+    """
+
+    name: str
+    harmonics: tuple[int, ...]
+    relative_peak: float = 1.0
+    power: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wish:
+    """What is wanted of a design; with its phases, the whole recipe.
+
+    ``peaks`` are the largest deflections of an input with relative peak 1 at the
+    three amplitudes, low to high, in the unit of the command.
+    """
+
+    duration_s: float
+    rate_hz: float
+    inputs: tuple[InputWish, ...]
+    peaks: tuple[float, float, float]
+    effort: str = "thorough"
+    seed: int = 0
+
+
+def design(
+    wish: Wish,
+    report: Callable[[str, float, float], None] | None = None,
+    processes: int = 1,
+) -> Multisine:
+    """Search the phases of every input and scale to the low amplitude.
+
+    Parameters
+    ----------
+    wish
+        What is wanted.
+    report
+        Told the input, its best relative peak factor so far, and the fraction of
+        the whole that is done; may raise to stop.
+    processes
+        More than one searches that many inputs at a time.
+
+    Raises
+    ------
+    BadInput
+        If the wish cannot be fulfilled; the message has the numbers.
+    """
+    check_wish(wish)
+    tasks = [
+        (_lines(own), EFFORTS[wish.effort], wish.seed + i) for i, own in enumerate(wish.inputs)
+    ]
+    weights = np.array([lines.harmonics.size for lines, _, _ in tasks], dtype=float)
+    done = np.concatenate([[0.0], np.cumsum(weights / weights.sum())])
+    found: list[Found] = []
+    if processes > 1:
+        with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+            for place, best in enumerate(pool.map(_search, tasks)):
+                found.append(best)
+                if report is not None:
+                    report(wish.inputs[place].name, best.peak_factor, float(done[place + 1]))
+    else:
+        for place, (lines, effort, seed) in enumerate(tasks):
+
+            def tell(best: Found, fraction: float, place: int = place) -> None:
+                if report is not None:
+                    share = done[place] + fraction * (done[place + 1] - done[place])
+                    report(wish.inputs[place].name, best.peak_factor, float(share))
+
+            found.append(search_phases(lines, effort, seed, tell))
+    return from_phases(
+        wish, {own.name: best.phases for own, best in zip(wish.inputs, found, strict=True)}
+    )
+
+
+def from_phases(
+    wish: Wish, phases: dict[str, Float[np.ndarray, " n_tones"]], level: int = 0
+) -> Multisine:
+    """Make the multisine of a recipe at one of its three amplitudes, starting at zero."""
+    tones = {}
+    for own in wish.inputs:
+        lines = _lines(own)
+        shifted = start_at_zero(lines.harmonics, lines.amplitudes, np.asarray(phases[own.name]))
+        peak = wish.peaks[level] * own.relative_peak
+        tones[own.name] = _scaled(Tones(lines.harmonics, lines.amplitudes, shifted), peak)
+    return Multisine(wish.duration_s, tones)
+
+
+def check_wish(wish: Wish) -> None:
+    """Refuse what no search could fulfil."""
+    if wish.effort not in EFFORTS:
+        raise BadInput(f"effort {wish.effort!r} is not one of {', '.join(EFFORTS)}")
+    if not (0.0 < wish.duration_s < 1e5 and 0.0 < wish.rate_hz <= 1e5):
+        raise BadInput(
+            f"{wish.duration_s:g} s at {wish.rate_hz:g} Hz is no design; both must be positive"
+        )
+    if not 0.0 < wish.peaks[0] <= wish.peaks[1] <= wish.peaks[2]:
+        raise BadInput(f"amplitudes {wish.peaks} must be positive and rise from low to high")
+    names = [own.name for own in wish.inputs]
+    if len(set(names)) != len(names):
+        raise BadInput(f"inputs {', '.join(names)} must all have different names")
+    check_allotment({own.name: own.harmonics for own in wish.inputs}, wish.duration_s, wish.rate_hz)
+    for own in wish.inputs:
+        if own.relative_peak <= 0.0:
+            raise BadInput(f"relative peak {own.relative_peak:g} of {own.name} must be positive")
+        if own.power is None:
+            continue
+        if len(own.power) != len(own.harmonics):
+            raise BadInput(
+                f"{own.name} has {len(own.harmonics)} harmonics but {len(own.power)} powers"
+            )
+        if min(own.power) <= 0.0:
+            raise BadInput(f"a power of {own.name} is {min(own.power):g}; each must be positive")
+
+
+def peak_factors(multisine: Multisine) -> dict[str, float]:
+    """Judged relative peak factor of every input. [1]"""
+    return {
+        name: judged_peak_factor(Lines(tones.harmonics, tones.amplitudes), tones.phases)
+        for name, tones in multisine.tones.items()
+    }
+
+
+def _lines(own: InputWish) -> Lines:
+    harmonics = np.array(own.harmonics)
+    power = np.ones(harmonics.size) if own.power is None else np.array(own.power, dtype=float)
+    return Lines(harmonics, np.sqrt(2.0 * power / power.sum()))
+
+
+def _scaled(tones: Tones, peak: float) -> Tones:
+    lines = Lines(tones.harmonics, tones.amplitudes)
+    wave = lines.on_grid(tones.phases[None], lines.grid_size(_LEAST_POINTS))
+    return Tones(
+        tones.harmonics, tones.amplitudes * (peak / float(np.abs(wave).max())), tones.phases
+    )
+
+
+def _search(task: tuple[Lines, Effort, int]) -> Found:
+    return search_phases(*task)

@@ -1,0 +1,117 @@
+"""Write a design for the flight computer, and its recipe."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import asdict
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from scipy import io as matlab
+
+from flexsid.errors import BadInput
+from flexsid.sysid.excitation.designer import InputWish, Wish, from_phases
+from flexsid.sysid.excitation.multisine import Multisine
+
+FORMATS = ("csv", "mat", "h", "json")
+
+
+def sample_period(multisine: Multisine, rate_hz: float) -> np.ndarray:
+    """One period at the flight computer's rate, (n_samples, n_inputs)."""
+    return multisine.sample(np.arange(round(multisine.period_s * rate_hz)) / rate_hz)
+
+
+def to_csv(multisine: Multisine, rate_hz: float) -> str:
+    """Time and one column per input, with a header line."""
+    samples = sample_period(multisine, rate_hz)
+    rows = [",".join(("t_s", *multisine.inputs))]
+    rows += [
+        ",".join([f"{place / rate_hz:.9g}", *(f"{value:.9g}" for value in row)])
+        for place, row in enumerate(samples)
+    ]
+    return "\n".join(rows) + "\n"
+
+
+def to_matlab(multisine: Multisine, rate_hz: float) -> bytes:
+    """MATLAB 5 file with ``t``, ``u`` and the names, harmonics, amplitudes and phases."""
+    samples = sample_period(multisine, rate_hz)
+    content = {
+        "t": np.arange(samples.shape[0])[:, None] / rate_hz,
+        "u": samples,
+        "rate_hz": rate_hz,
+        "period_s": multisine.period_s,
+        "inputs": np.array(multisine.inputs, dtype=object),
+    }
+    for name, tones in multisine.tones.items():
+        content[f"{_identifier(name)}_lines"] = np.column_stack(
+            [tones.harmonics, tones.amplitudes, tones.phases]
+        )
+    with TemporaryDirectory(prefix="flexsid-") as folder:
+        file = Path(folder) / "excitation.mat"
+        matlab.savemat(file, content, oned_as="column")
+        return file.read_bytes()
+
+
+def to_c_header(multisine: Multisine, rate_hz: float) -> str:
+    """C header with one constant table of floats per input."""
+    samples = sample_period(multisine, rate_hz)
+    parts = [
+        "/* Multisine excitation; one period, unit of the command. */",
+        "#ifndef FLEXSID_EXCITATION_H\n#define FLEXSID_EXCITATION_H",
+        f"#define EXCITATION_SAMPLES {samples.shape[0]}",
+        f"#define EXCITATION_RATE_HZ {float(rate_hz)!r}",
+    ]
+    for name, column in zip(multisine.inputs, samples.T, strict=True):
+        values = [f"{value:.9e}f" for value in column]
+        lines = [", ".join(values[start : start + 6]) for start in range(0, len(values), 6)]
+        body = ",\n  ".join(lines)
+        parts.append(
+            f"static const float excitation_{_identifier(name)}[EXCITATION_SAMPLES] = {{\n"
+            f"  {body}\n}};"
+        )
+    parts.append("#endif")
+    return "\n".join(parts) + "\n"
+
+
+def to_recipe(wish: Wish, multisine: Multisine) -> str:
+    """JSON with what was wanted and the phases that were found."""
+    phases = {name: tones.phases.tolist() for name, tones in multisine.tones.items()}
+    return json.dumps({"format": "flexsid-excitation-1", "wish": asdict(wish), "phases": phases})
+
+
+def from_recipe(text: str, level: int = 0) -> tuple[Wish, Multisine]:
+    """Reproduce a design from its recipe at one of its amplitudes.
+
+    Raises
+    ------
+    BadInput
+        If the text is no recipe.
+    """
+    try:
+        content = json.loads(text)
+        wanted = dict(content["wish"])
+        inputs = tuple(
+            InputWish(
+                name=str(own["name"]),
+                harmonics=tuple(int(k) for k in own["harmonics"]),
+                relative_peak=float(own["relative_peak"]),
+                power=None if own["power"] is None else tuple(map(float, own["power"])),
+            )
+            for own in wanted.pop("inputs")
+        )
+        low, medium, high = map(float, wanted.pop("peaks"))
+        wish = Wish(inputs=inputs, peaks=(low, medium, high), **wanted)
+        phases = {own.name: np.array(content["phases"][own.name], dtype=float) for own in inputs}
+        return wish, from_phases(wish, phases, level)
+    except (ValueError, KeyError, TypeError, IndexError) as error:
+        raise BadInput(
+            f"this is no recipe of an excitation ({type(error).__name__}: {error}); expected the"
+            " JSON that the workbench exports",
+            code="bad-recipe",
+        ) from error
+
+
+def _identifier(name: str) -> str:
+    return re.sub(r"\W", "_", name)

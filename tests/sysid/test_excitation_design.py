@@ -1,0 +1,185 @@
+"""A user relies on: refusals with numbers, checks of what will move, files that reproduce."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import io as matlab
+
+from flexsid.errors import BadInput
+from flexsid.sysid.excitation.allotment import allot_band
+from flexsid.sysid.excitation.catalogue import CATALOGUE
+from flexsid.sysid.excitation.checks import ActuatorLimits, check_design, require_within_limits
+from flexsid.sysid.excitation.designer import InputWish, Wish, design, from_phases, peak_factors
+from flexsid.sysid.excitation.export import (
+    from_recipe,
+    sample_period,
+    to_c_header,
+    to_csv,
+    to_matlab,
+    to_recipe,
+)
+from flexsid.sysid.excitation.extrema import judged_peak_factor
+from flexsid.sysid.excitation.norms import Lines
+from flexsid.sysid.excitation.phase_search import THOROUGH, search_phases
+from flexsid.sysid.excitation.recognition import recognise
+
+FLOWN = Path(__file__).parents[2].parent / "shared/data/maewing1/flight/flown_multisines"
+
+
+def wish(number: int = 521) -> Wish:
+    dealt = CATALOGUE[number].harmonics(6)
+    inputs = tuple(
+        InputWish(name=name, harmonics=tuple(own.tolist()), relative_peak=1.0 - 0.05 * place)
+        for place, (name, own) in enumerate(dealt.items())
+    )
+    return Wish(
+        duration_s=40.0, rate_hz=50.0, inputs=inputs, peaks=(0.5, 1.0, 2.0), effort="quick", seed=4
+    )
+
+
+def test_a_design_has_the_size_asked_and_is_orthogonal_at_its_rate():
+    made = design(wish())
+    checks = check_design(made, 50.0, ActuatorLimits(natural_frequency=200.0, damping=0.7))
+    assert checks.correlation < 1e-12
+    for place, row in enumerate(checks.inputs):
+        assert row.command_peak == pytest.approx(0.5 * (1.0 - 0.05 * place), rel=0.02)
+        assert abs(row.start) < 1e-12
+        assert row.within_limits
+    assert set(peak_factors(made)) == set(made.inputs)
+
+
+def test_processes_find_what_one_process_finds():
+    wanted = replace(wish(503), duration_s=20.0)
+    one, two = design(wanted), design(wanted, processes=2)
+    for name in one.inputs:
+        np.testing.assert_array_equal(one.tones[name].phases, two.tones[name].phases)
+
+
+def test_progress_reaches_the_whole():
+    told: list[float] = []
+    design(wish(503), lambda _name, _factor, fraction: told.append(fraction))
+    assert told == sorted(told)
+    assert told[-1] == pytest.approx(1.0)
+
+
+def test_lines_have_the_power_that_was_asked():
+    own = InputWish(name="u", harmonics=(2, 5, 9), power=(1.0, 4.0, 9.0))
+    made = design(replace(wish(), inputs=(own,)))
+    np.testing.assert_allclose(
+        made.tones["u"].amplitudes / made.tones["u"].amplitudes[0], [1, 2, 3]
+    )
+
+
+def test_recipe_reproduces_every_amplitude():
+    wanted = wish(503)
+    made = design(wanted)
+    again, high = from_recipe(to_recipe(wanted, made), level=2)
+    assert again == wanted
+    np.testing.assert_allclose(
+        sample_period(high, 50.0), 4.0 * sample_period(made, 50.0), atol=1e-9
+    )
+    for bad in ("{}", "nonsense", json.dumps({"wish": {}, "phases": {}})):
+        with pytest.raises(BadInput, match="no recipe"):
+            from_recipe(bad)
+
+
+def test_files_hold_one_period_at_the_rate(tmp_path: Path):
+    made = design(wish(503))
+    samples = sample_period(made, 50.0)
+    rows = to_csv(made, 50.0).splitlines()
+    assert rows[0] == "t_s," + ",".join(made.inputs)
+    np.testing.assert_allclose(np.array(rows[8].split(","), float)[1:], samples[7], rtol=1e-8)
+    (tmp_path / "design.mat").write_bytes(to_matlab(made, 50.0))
+    np.testing.assert_array_equal(matlab.loadmat(tmp_path / "design.mat")["u"], samples)
+    header = to_c_header(made, 50.0)
+    assert f"#define EXCITATION_SAMPLES {len(samples)}" in header
+    assert header.count("static const float") == len(made.inputs)
+
+
+def test_own_samples_are_recognised():
+    made = design(wish(503))
+    for column, (name, tones) in zip(sample_period(made, 50.0).T, made.tones.items(), strict=True):
+        for samples in (column, np.append(column, column[0])):
+            found, period = recognise(samples)
+            assert period == column.size
+            np.testing.assert_array_equal(found.harmonics, tones.harmonics, name)
+            np.testing.assert_allclose(found.amplitudes, tones.amplitudes, rtol=1e-9)
+            np.testing.assert_allclose(np.exp(1j * (found.phases - tones.phases)), 1.0, atol=1e-6)
+
+
+def test_noise_is_no_multisine():
+    with pytest.raises(BadInput, match="exactly one period"):
+        recognise(np.random.default_rng(1).standard_normal(500))
+
+
+@pytest.mark.skipif(not FLOWN.exists(), reason="flown multisines of mAEWing1 are not here")
+def test_flown_multisines_are_recognised_and_can_be_flown_with_lower_peaks():
+    files = sorted(FLOWN.glob("*.csv"))
+    assert files
+    for file in files:
+        samples = np.loadtxt(file)
+        found, period = recognise(samples)
+        assert period == samples.size - 1, file.name
+        again = found.sample(np.arange(period) / period)
+        np.testing.assert_allclose(again + samples[:-1].mean(), samples[:-1], atol=5e-4)
+        lines = Lines(found.harmonics, found.amplitudes)
+        flown = judged_peak_factor(lines, found.phases)
+        assert search_phases(lines, THOROUGH).peak_factor < flown - 0.03, file.name
+
+
+def test_a_band_is_filled_evenly():
+    dealt = allot_band(("a", "b"), 5, 20.0, (0.5, 5.0))
+    assert dealt["a"].tolist() == [10, 28, 46, 64, 82]
+    assert dealt["b"].tolist() == [19, 37, 55, 73, 91]
+
+
+def bad(**changes: object) -> Wish:
+    return replace(wish(503), **changes)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "words"),
+    [
+        (bad(duration_s=40.011), "samples; take 40.02 s"),
+        (bad(rate_hz=5.0), r"is 3\.\d+ Hz, not below the Nyquist frequency 2\.5 Hz"),
+        (bad(inputs=(InputWish(name="bfs", harmonics=()),)), "bfs has no harmonics"),
+        (bad(inputs=()), "moves no input"),
+        (
+            bad(inputs=(InputWish(name="a", harmonics=(3,)), InputWish(name="b", harmonics=(3,)))),
+            "harmonic 3 belongs to a and b",
+        ),
+        (bad(peaks=(2.0, 1.0, 3.0)), "rise from low to high"),
+        (bad(inputs=(InputWish(name="a", harmonics=(3,), power=(1.0, 2.0)),)), "1 harmonics but 2"),
+    ],
+)
+def test_impossible_wishes_are_refused_with_the_numbers(wanted: Wish, words: str):
+    with pytest.raises(BadInput, match=words):
+        design(wanted)
+
+
+def test_a_band_that_is_too_narrow_says_what_would_do():
+    with pytest.raises(BadInput, match=r"need 325; the band of 0\.25 to 5 Hz holds 115"):
+        allot_band(("bfs", "wf3s", "wf1s", "wf4s", "wf2s"), 65, 24.0, (0.25, 5.0))
+
+
+def test_an_actuator_that_is_too_slow_is_refused_with_the_share_that_it_could_do():
+    limits = ActuatorLimits(natural_frequency=60.0, damping=0.7, rate=1.0)
+    checks = check_design(design(wish(503)), 50.0, limits)
+    with pytest.raises(BadInput, match=r"would need a rate of .* the actuator has 1"):
+        require_within_limits(checks, limits)
+
+
+def test_deflection_follows_the_actuator():
+    """A single sine at the actuator's natural frequency: gain 1/(2 zeta), exactly."""
+    own = InputWish(name="u", harmonics=(10,))
+    made = from_phases(replace(wish(), inputs=(own,)), {"u": np.zeros(1)}, level=1)
+    omega = 2.0 * np.pi * 10.0 / 40.0
+    row = check_design(made, 50.0, ActuatorLimits(natural_frequency=omega, damping=0.4)).inputs[0]
+    assert row.deflection_peak == pytest.approx(1.25, rel=5e-3)
+    assert row.rate_peak == pytest.approx(1.25 * omega, rel=5e-3)
+    assert row.acceleration_peak == pytest.approx(1.25 * omega**2, rel=5e-3)
