@@ -1,0 +1,151 @@
+"""Where the maximisation ends, and what it says when it cannot."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.sysid.conftest import OMEGA, add_noise
+
+from flexsid.errors import BadInput, Cancelled, NotIdentifiable
+from flexsid.sysid.estimation.delays import find_delays
+from flexsid.sysid.estimation.estimate import Outcome
+from flexsid.sysid.estimation.likelihood import FitSettings, maximize
+from flexsid.sysid.estimation.parameters import select_parameters
+from flexsid.sysid.signals import FrequencyData
+
+
+@pytest.mark.parametrize("ratio", [0.65, 1.09])
+@pytest.mark.parametrize("seed", range(5))
+def test_two_modes_are_found_from_a_quarter_off(make_case, ratio, seed):
+    case = make_case(2, airspeed_ratio=ratio)
+    u, y = case.spectra(seed)
+    z = add_noise(y, 0.02, np.random.default_rng(seed))
+    estimate = maximize([case.experiment(u, z)], case.free(off=0.25, seed=seed))
+    assert estimate.outcome is Outcome.CONVERGED
+    assert len(estimate.steps) - 1 <= 15
+    error = (estimate.values - case.truth.values.ravel()) / estimate.std_errors
+    assert np.sqrt(np.mean(error**2)) < 1.5
+
+
+def test_cost_never_rises_and_noise_free_lines_give_the_truth(make_case):
+    case = make_case(2)
+    u, y = case.spectra(5)
+    estimate = maximize([case.experiment(u, y)], case.free(off=0.25))
+    costs = [step.cost for step in estimate.steps]
+    assert all(
+        after <= before + 1e-9 * abs(before)
+        for before, after in zip(costs, costs[1:], strict=False)
+    )
+    assert np.allclose(estimate.values, case.truth.values.ravel(), rtol=1e-6)
+
+
+def test_full_density_with_few_lines_is_shrunk_and_agrees(make_case):
+    case = make_case(1)
+    u, y = case.spectra(6)
+    experiment = case.experiment(u, add_noise(y, 0.02, np.random.default_rng(6)))
+    diagonal = maximize([experiment], case.free())
+    full = maximize([experiment], case.free(), FitSettings(noise="full"))
+    assert full.outcome is Outcome.CONVERGED
+    apart = np.abs(full.values - diagonal.values) / diagonal.std_errors
+    assert np.sqrt(np.mean(apart**2)) < 1.0
+
+
+def test_several_maneuvers_share_their_derivatives(make_case):
+    cases = [make_case(1, airspeed_ratio=ratio) for ratio in (0.6, 0.8)]
+    experiments = []
+    for seed, case in enumerate(cases):
+        u, y = case.spectra(seed)
+        experiments.append(case.experiment(u, add_noise(y, 0.05, np.random.default_rng(seed))))
+    together = maximize(experiments, cases[0].free(off=0.2))
+    alone = maximize(experiments[:1], cases[0].free(off=0.2))
+    assert np.median(together.std_errors / alone.std_errors) < 0.85
+    error = (together.values - cases[0].truth.values.ravel()) / together.std_errors
+    assert np.sqrt(np.mean(error**2)) < 1.6
+
+
+def test_prior_pulls_as_its_spread_says(make_case):
+    case = make_case(0, n_outputs=9)
+    u, y = case.spectra(7)
+    experiment = case.experiment(u, add_noise(y, 0.05, np.random.default_rng(7)))
+    free = maximize([experiment], case.free())
+    index = free.names.index("Cm_q")
+    sigma = float(np.sqrt(free.covariance[index, index]))
+    away = float(free.values[index]) + 4.0 * sigma
+    held = maximize([experiment], case.free(), FitSettings(priors={"Cm_q": (away, sigma)}))
+    assert held.values[index] == pytest.approx(free.values[index] + 2.0 * sigma, abs=0.1 * sigma)
+
+
+def test_stiffness_and_its_aerodynamic_twin_are_named_as_confounded(make_case):
+    case = make_case(1)
+    u, y = case.spectra(8)
+    experiment = case.experiment(u, add_noise(y, 0.02, np.random.default_rng(8)))
+    estimate = maximize([experiment], case.free(("omega_7",)))
+    assert estimate.outcome is Outcome.SINGULAR_INFORMATION
+    assert "omega_7" in estimate.message
+    assert "CQ7_eta7" in estimate.message
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_delays_to_20_ms_are_found_jointly_from_zero(make_case, seed):
+    case = make_case(2)
+    u, y = case.spectra(seed)
+    rng = np.random.default_rng(seed)
+    delays = rng.uniform(0.0, 0.02, y.shape[1])
+    z = add_noise(y * np.exp(-1j * np.outer(OMEGA, delays)), 0.02, rng)
+    names = tuple(f"delay_{name}" for name in case.model.outputs)
+    parameters = case.free(names, off=0.1, seed=seed)
+    estimate = maximize([case.experiment(u, z)], parameters, FitSettings(max_iterations=100))
+    assert np.abs(estimate.values[-delays.size :] - delays).max() < 1e-3
+
+
+def test_delays_to_50_ms_are_found_from_redundancy(make_case):
+    case = make_case(4)
+    u, y = case.spectra(9)
+    rng = np.random.default_rng(9)
+    delays = rng.uniform(0.0, 0.05, y.shape[1])
+    z = add_noise(y * np.exp(-1j * np.outer(OMEGA, delays)), 0.01, rng)
+    found = find_delays(
+        case.model,
+        FrequencyData(OMEGA, u, case.model.inputs),
+        FrequencyData(OMEGA, z, case.model.outputs),
+        np.ones(z.shape, dtype=complex),
+    )
+    assert np.abs(found - delays).max() < 3e-3
+
+
+def test_iteration_limit_and_cancellation_are_told(make_case):
+    case = make_case(1)
+    u, y = case.spectra(10)
+    experiment = case.experiment(u, add_noise(y, 0.02, np.random.default_rng(10)))
+    stopped = maximize([experiment], case.free(off=0.3), FitSettings(max_iterations=1))
+    assert stopped.outcome is Outcome.ITERATION_LIMIT
+    assert "limit of 1" in stopped.message
+
+    def cancel(iteration: int, cost: float) -> None:
+        raise Cancelled("enough")
+
+    with pytest.raises(Cancelled):
+        maximize([experiment], case.free(off=0.3), report=cancel)
+
+
+def test_requests_without_an_answer_are_refused(make_case):
+    case = make_case(1)
+    u, y = case.spectra(11)
+    with pytest.raises(BadInput, match="no parameter is free"):
+        select_parameters(case.truth, (), case.model.outputs)
+    with pytest.raises(BadInput, match="has rows CZ, Cm, CQ7"):
+        select_parameters(case.truth, ("CQ9_alpha",), case.model.outputs)
+    with pytest.raises(BadInput, match="outputs are"):
+        select_parameters(case.truth, None, case.model.outputs, ("delay_nose",))
+    dead = y.copy()
+    dead[:, 3] = 0.0
+    with pytest.raises(BadInput, match=f"'{case.model.outputs[3]}' carries no signal"):
+        case.experiment(u, dead)
+    broken = y.copy()
+    broken[2, 1] = np.nan
+    with pytest.raises(BadInput, match="not finite"):
+        case.experiment(u, broken)
+    few = OMEGA[:1]
+    lines = make_case(1, n_outputs=4).experiment(u[:1], y[:1, :4], few)
+    with pytest.raises(NotIdentifiable, match="27 parameters"):
+        maximize([lines], make_case(1, n_outputs=4).free())
