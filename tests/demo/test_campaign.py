@@ -12,8 +12,10 @@ from flexsid.demo.flex28 import INPUTS
 from flexsid.demo.flights import fly
 from flexsid.errors import FlexsidError
 from flexsid.records.flight import Flight
+from flexsid.records.ground_test import Verdict
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.storage.store import Store
+from flexsid.workflow.ground_tests import ground_tests
 
 
 def test_plan_covers_the_envelope():
@@ -31,7 +33,16 @@ def test_plan_covers_the_envelope():
 def test_fill_flies_the_plan_once_and_keeps_what_the_user_added(store: Store, database_url: str):
     told: list[tuple[float, str]] = []
     added = fill(store, lambda fraction, message: told.append((fraction, message)))
-    assert added == sum(len(sortie.cards) for sortie in PLAN) == len(store.maneuvers.find())
+    cards = sum(len(sortie.cards) for sortie in PLAN)
+    assert added == cards + 2 * len(PLAN) == len(store.maneuvers.find())
+    assert len(store.maneuver_page(limit=None).items) == cards, "the ground is not listed"
+    assert len(store.maneuver_page(limit=None, ground=True).items) == 2 * len(PLAN)
+    damaged = [sortie.number for sortie in PLAN if sortie.stiffness_lost]
+    told_of = {test.flight_number: test for test in ground_tests(store)}
+    assert len(told_of) == len(PLAN)
+    assert [n for n, t in told_of.items() if t.verdict is Verdict.ALARM] == damaged
+    assert {t.verdict for n, t in told_of.items() if n not in damaged} == {Verdict.HEALTHY}
+    assert "Inspect the structure" in told_of[damaged[0]].message
     assert [fraction for fraction, _ in told] == sorted(fraction for fraction, _ in told)
     assert told[-1][0] == 1.0
     assert Path(database_url.removeprefix("sqlite:///")).stat().st_size < 250e6

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from flexsid.nomenclature import describe
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight
+from flexsid.records.ground_test import GroundTest
 from flexsid.records.maneuver import Channel, Maneuver
 from flexsid.records.modal_table import ModalTable
 from flexsid.records.model_structure import ModelStructure, Structure
@@ -162,6 +163,13 @@ class AircraftList:
 
     items: list[Aircraft]
     next: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GroundTestList:
+    """Ground tests of all flights that have one."""
+
+    items: list[GroundTest]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -19,8 +19,10 @@ from flexsid.api.page import add_page
 from flexsid.api.routes import (
     aircraft,
     comparisons,
+    designs,
     figures,
     flights,
+    ground_tests,
     health,
     jobs,
     maneuvers,
@@ -90,6 +92,7 @@ def create_app(
         health,
         aircraft,
         flights,
+        ground_tests,
         maneuvers,
         modal_tables,
         predictions,
@@ -97,6 +100,7 @@ def create_app(
         runs,
         jobs,
         comparisons,
+        designs,
         figures,
         nomenclature,
     ):

@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 from flexsid.demo.aircraft import NAME, describe_aircraft
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import FlownManeuver, fly
+from flexsid.demo.ground import shake
 from flexsid.demo.sources import modal_tables, model_structures, predictions
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight
@@ -49,6 +50,12 @@ class Sortie:
     flown_on: date
     description: str
     cards: tuple[Card, ...]
+    stiffness_lost: float = 0.0  # share of the first bending's that the flight costs
+
+    @property
+    def ground_fuel(self) -> tuple[float, float]:
+        """Fuel on the runway before and after; climb, approach and taxi burn some too."""
+        return self.cards[0].fuel + 0.05, max(0.02, self.cards[-1].fuel - 0.05)
 
 
 def _cards(*plan: tuple[float, float, int]) -> tuple[Card, ...]:
@@ -85,6 +92,7 @@ PLAN = (
             (0.95, 0.22, 503),
             (0.95, 0.12, 506),
         ),
+        stiffness_lost=0.06,
     ),
     Sortie(
         3,
@@ -168,6 +176,7 @@ def add_maneuver(store: Store, flown: FlownManeuver, flight_id: int) -> Maneuver
                 duration_s=flown.duration_s,
                 condition=flown.condition,
                 fta=flown.fta,
+                axis=flown.axis,
                 excitation=flown.excitation,
                 airspeed_ratio=flown.airspeed_ratio,
                 max_input_correlation=flown.max_input_correlation,
@@ -191,8 +200,14 @@ def add_maneuver(store: Store, flown: FlownManeuver, flight_id: int) -> Maneuver
 
 
 @dataclass(frozen=True, slots=True)
+class _GroundRecord:
+    fuel: float
+    stiffness_lost: float
+
+
+@dataclass(frozen=True, slots=True)
 class _Order:
-    card: Card
+    card: Card | _GroundRecord
     seed: tuple[int, ...]
     start_s: float
     label: str
@@ -211,13 +226,38 @@ def _missing(store: Store, aircraft: Aircraft, seed: int) -> list[_Task]:
         flight = _flight(store, aircraft, sortie)
         assert flight.id is not None
         present = {maneuver.label for maneuver in store.maneuvers.find(flight_id=flight.id)}
-        for place, card in enumerate(sortie.cards):
-            label = f"{sortie.number}-{place + 1:02d} FTA {card.fta}"
-            start_s = _FIRST_CARD_S + place * _BETWEEN_CARDS_S
-            if label not in present:
-                own = (seed, sortie.number, place)
-                tasks.append(_Task(flight.id, _Order(card, own, start_s, label)))
+        orders = [
+            _Order(
+                card,
+                (seed, sortie.number, place),
+                _FIRST_CARD_S + place * _BETWEEN_CARDS_S,
+                f"{sortie.number}-{place + 1:02d} FTA {card.fta}",
+            )
+            for place, card in enumerate(sortie.cards)
+        ]
+        orders += _ground_records(sortie, seed)
+        tasks += [_Task(flight.id, order) for order in orders if order.label not in present]
     return tasks
+
+
+def _ground_records(sortie: Sortie, seed: int) -> list[_Order]:
+    """Before take-off and after landing; what the flight breaks shows in the second."""
+    landed_s = _FIRST_CARD_S + len(sortie.cards) * _BETWEEN_CARDS_S + 300.0
+    before, after = sortie.ground_fuel
+    return [
+        _Order(
+            _GroundRecord(before, 0.0),
+            (seed, sortie.number, 100),
+            -300.0,
+            f"{sortie.number} mini-GVT before flight",
+        ),
+        _Order(
+            _GroundRecord(after, sortie.stiffness_lost),
+            (seed, sortie.number, 101),
+            landed_s,
+            f"{sortie.number} mini-GVT after flight",
+        ),
+    ]
 
 
 def _flight(store: Store, aircraft: Aircraft, sortie: Sortie) -> Flight:
@@ -252,6 +292,14 @@ def _fly_all(orders: Sequence[_Order]) -> Iterator[FlownManeuver]:
 
 
 def _fly_card(order: _Order) -> FlownManeuver:
+    if isinstance(order.card, _GroundRecord):
+        return shake(
+            fuel=order.card.fuel,
+            stiffness_lost=order.card.stiffness_lost,
+            seed=order.seed,
+            start_s=order.start_s,
+            label=order.label,
+        )
     return fly(
         airspeed_ratio=order.card.airspeed_ratio,
         fuel=order.card.fuel,

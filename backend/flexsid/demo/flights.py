@@ -34,12 +34,13 @@ class FlownManeuver:
     start_s: float
     duration_s: float
     condition: Condition
-    airspeed_ratio: float
+    airspeed_ratio: float | None
     excitation: Excitation
     max_input_correlation: float
     channels: tuple[FlownChannel, ...]
     truth: DerivativeTable
     note: str = ""
+    axis: str = "longitudinal"
 
 
 def fly(

@@ -4,6 +4,7 @@ from flexsid.figures.bode import View, bode
 from flexsid.figures.derivatives import derivatives
 from flexsid.figures.envelope import envelope
 from flexsid.figures.fit import fit
+from flexsid.figures.ground_test import ground_test
 from flexsid.figures.iterations import iterations
 from flexsid.figures.parameter_correlation import parameter_correlation
 from flexsid.figures.plot_matrix import plot_matrix
@@ -19,6 +20,7 @@ __all__ = [
     "derivatives",
     "envelope",
     "fit",
+    "ground_test",
     "iterations",
     "parameter_correlation",
     "plot_matrix",

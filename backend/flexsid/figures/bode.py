@@ -29,10 +29,8 @@ def bode(value: Bode, view: View = "bode") -> Spec:
     if not outputs:
         return empty("No frequency response: choose an output and an input that was excited")
     per_output = 2 if view == "bode" else 1
-    if view == "bode":
-        layout = _layout(outputs, value)
-    else:
-        layout = _plane_layout(outputs, value, view)
+    bode_plane = view == "bode"
+    layout = _layout(outputs, value) if bode_plane else _plane_layout(outputs, value, view)
     layout["meta"] = {
         "rows": per_output * len(outputs) * (1 if view == "bode" else 2),
         "blanked": _blanked(value),

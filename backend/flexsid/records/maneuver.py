@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 
+GROUND = "ground"
+"""Axis of a record taken on the runway, before or after a flight (mini-GVT)."""
+
 
 class Role(StrEnum):
     """What a channel is to the identification."""

@@ -246,3 +246,17 @@ class TimeCheck:
     maneuver_id: int
     points: int
     traces: tuple[CheckedTrace, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GroundSpectra:
+    """Power of all gauges and accelerometers before and after a flight.
+
+    ``before`` and ``after`` are frequencies [Hz] and power over its mean; ``expected``
+    are marks where the fuel burnt should have brought the peaks.
+    """
+
+    flight_number: int
+    before: tuple[np.ndarray, np.ndarray]
+    after: tuple[np.ndarray, np.ndarray]
+    expected: tuple[ModeMarker, ...]

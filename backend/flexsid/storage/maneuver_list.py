@@ -10,6 +10,7 @@ import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
 from flexsid.errors import BadInput
+from flexsid.records.maneuver import GROUND
 from flexsid.records.run import Method, RunState
 from flexsid.storage.paging import Page, read_cursor
 from flexsid.storage.tables import aircraft, flights, maneuvers, runs
@@ -49,7 +50,8 @@ class ManeuverItem:
 class ManeuverFilters(TypedDict, total=False):
     """What the list can be narrowed to; None does not narrow.
 
-    ``method`` alone asks for maneuvers with a run of this method; ``state``
+    Records from the ground are not maneuvers of a flight and are listed only with
+    ``ground``. ``method`` alone asks for maneuvers with a run of this method; ``state``
     looks at the newest run, of that method or of any.
     """
 
@@ -63,6 +65,7 @@ class ManeuverFilters(TypedDict, total=False):
     search: str | None
     method: Method | None
     state: RunState | None
+    ground: bool | None
 
 
 _latest = {method: runs.alias(f"latest_{method.value.lower()}") for method in Method}
@@ -172,6 +175,8 @@ def _conditions(filters: ManeuverFilters) -> list[sa.ColumnElement[bool]]:
     conditions = [
         condition(filters[name]) for name, condition in candidates if filters.get(name) is not None
     ]
+    on_ground = maneuvers.c.axis == GROUND
+    conditions.append(on_ground if filters.get("ground") else ~on_ground)
     method, state = filters.get("method"), filters.get("state")
     tables = list(_latest.values()) if method is None else [_latest[method]]
     if state is not None:

@@ -101,6 +101,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/ground-tests": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Ground Tests
+         * @description Compare the records before and after every flight that has both.
+         */
+        get: operations["list_ground_tests"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/ground-tests/{flight_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Ground Test
+         * @description Compare the records before and after one flight.
+         */
+        get: operations["get_ground_test"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/maneuvers": {
         parameters: {
             query?: never;
@@ -515,6 +555,26 @@ export interface paths {
          * @description Draw frequency responses, with the models of runs over them.
          */
         get: operations["draw_bode"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/ground-test": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Ground Test
+         * @description Draw spectra on the runway before and after a flight.
+         */
+        get: operations["draw_ground_test"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1119,6 +1179,37 @@ export interface components {
             meaning: string;
         };
         /**
+         * GroundTest
+         * @description Pre-flight and post-flight record of one flight, compared.
+         */
+        GroundTest: {
+            /** Flight Id */
+            flight_id: number;
+            /** Flight Number */
+            flight_number: number;
+            /** Before Id */
+            before_id: number;
+            /** After Id */
+            after_id: number;
+            /** Fuel Before */
+            fuel_before: number;
+            /** Fuel After */
+            fuel_after: number;
+            /** Peaks */
+            peaks: components["schemas"]["PeakChange"][];
+            verdict: components["schemas"]["Verdict"];
+            /** Message */
+            message: string;
+        };
+        /**
+         * GroundTestList
+         * @description Ground tests of all flights that have one.
+         */
+        GroundTestList: {
+            /** Items */
+            items: components["schemas"]["GroundTest"][];
+        };
+        /**
          * Health
          * @description That the server works, and with which database.
          */
@@ -1555,6 +1646,42 @@ export interface components {
             cramer_rao?: number | null;
             /** Insensitivity */
             insensitivity?: number | null;
+        };
+        /**
+         * PeakChange
+         * @description One peak before and after a flight.
+         *
+         *     Changes are relative. ``explained`` is what the modal table says of the fuel burnt,
+         *     ``unexplained`` what is left, with its standard error.
+         */
+        PeakChange: {
+            /** Mode */
+            mode: number;
+            /** Name */
+            name: string;
+            /** Before Hz */
+            before_hz: number;
+            /** Before Std Hz */
+            before_std_hz: number;
+            /** After Hz */
+            after_hz: number | null;
+            /** After Std Hz */
+            after_std_hz: number | null;
+            /** Change */
+            change: number | null;
+            /** Explained */
+            explained: number;
+            /** Unexplained */
+            unexplained: number | null;
+            /** Unexplained Std */
+            unexplained_std: number | null;
+            /** Amplitude Change */
+            amplitude_change: number | null;
+            /** Amplitude Explained */
+            amplitude_explained: number;
+            /** Amplitude Std */
+            amplitude_std: number | null;
+            verdict: components["schemas"]["Verdict"];
         };
         /**
          * Pole
@@ -2177,6 +2304,12 @@ export interface components {
             /** Noise Std Rad */
             noise_std_rad?: number | null;
         };
+        /**
+         * Verdict
+         * @description What a pair of ground records says of the structure.
+         * @enum {string}
+         */
+        Verdict: "healthy" | "watch" | "alarm";
     };
     responses: never;
     parameters: never;
@@ -2339,6 +2472,69 @@ export interface operations {
             };
         };
     };
+    list_ground_tests: {
+        parameters: {
+            query?: {
+                aircraft_id?: number | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GroundTestList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_ground_test: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                flight_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GroundTest"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     list_maneuvers: {
         parameters: {
             query?: {
@@ -2364,6 +2560,8 @@ export interface operations {
                 method?: components["schemas"]["Method"] | null;
                 /** @description State of the newest run, of `method` or of any. */
                 state?: components["schemas"]["RunState"] | null;
+                /** @description Mini-GVT records on the runway instead of flown maneuvers. */
+                ground?: boolean;
             };
             header?: never;
             path?: never;
@@ -3030,6 +3228,8 @@ export interface operations {
                 method?: components["schemas"]["Method"] | null;
                 /** @description State of the newest run, of `method` or of any. */
                 state?: components["schemas"]["RunState"] | null;
+                /** @description Mini-GVT records on the runway instead of flown maneuvers. */
+                ground?: boolean;
             };
             header?: never;
             path?: never;
@@ -3187,6 +3387,39 @@ export interface operations {
                 /** @description Models also with sensors blind to modes. */
                 rigid?: boolean;
                 view?: "bode" | "nichols" | "nyquist";
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    draw_ground_test: {
+        parameters: {
+            query: {
+                flight_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
             };

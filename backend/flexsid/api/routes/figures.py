@@ -10,11 +10,11 @@ from fastapi.responses import Response
 
 from flexsid import figures
 from flexsid.api.context import TheStore
-from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.export import Form, sent
+from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.wire import split_ids, split_names
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow import views
+from flexsid.workflow import ground_tests, views
 
 router = APIRouter(prefix="/figures", tags=["figures"])
 
@@ -116,6 +116,12 @@ def draw_bode(
         rigid=rigid,
     )
     return sent(figures.bode(value, view), form)
+
+
+@router.get("/ground-test", response_model=Figure)
+def draw_ground_test(store: TheStore, flight_id: _Id, form: Form = "json") -> Response:
+    """Draw spectra on the runway before and after a flight."""
+    return sent(figures.ground_test(ground_tests.ground_spectra(store, flight_id)), form)
 
 
 @router.get("/fit", response_model=Figure)

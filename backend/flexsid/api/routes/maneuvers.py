@@ -49,6 +49,9 @@ async def read_filters(
     state: Annotated[
         RunState | None, Query(description="State of the newest run, of `method` or of any.")
     ] = None,
+    ground: Annotated[
+        bool, Query(description="Mini-GVT records on the runway instead of flown maneuvers.")
+    ] = False,
 ) -> ManeuverFilters:
     """Read what the list of maneuvers, and figures of it, are narrowed to."""
     return {
@@ -62,6 +65,7 @@ async def read_filters(
         "search": search,
         "method": method,
         "state": state,
+        "ground": ground,
     }
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.maneuver import Maneuver
+from flexsid.records.maneuver import GROUND, Maneuver
 from flexsid.records.run import EstimationRun, Pole
 from flexsid.records.views import ModeMarker
 from flexsid.storage.store import Store
@@ -21,7 +21,7 @@ def mode_markers(
         known, at_fuel = _modes(store, maneuver, None, None)
     except BadInput:  # an aircraft without modal table has a Bode plot all the same
         return ()
-    symmetric = maneuver.axis == "longitudinal"
+    symmetric = maneuver.axis in ("longitudinal", GROUND)
     markers = (
         ModeMarker(name=known.names[number], frequency_hz=float(omega) / (2.0 * np.pi))
         for number, omega in zip(at_fuel.numbers, at_fuel.omega, strict=True)

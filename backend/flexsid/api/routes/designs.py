@@ -1,0 +1,221 @@
+"""Excitation designs: make one, look at it, check it, take it to the aircraft."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Query, Response, status
+from pydantic import ConfigDict, Field
+
+from flexsid.api.context import TheStore
+from flexsid.api.requests import Name, Number, Text, Title
+from flexsid.api.wire import Identity, Json
+from flexsid.errors import BadInput
+from flexsid.records.excitation import ExcitationDesign
+from flexsid.storage.repository import LARGEST_ID
+from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks
+from flexsid.sysid.excitation.designer import InputWish, Wish
+from flexsid.workflow import excitation
+
+router = APIRouter(prefix="/designs", tags=["designs"])
+
+_STRICT: Any = ConfigDict(extra="forbid")
+_MOST_TONES = 2000  # in a design: some ten seconds of search at the most patient
+
+Effort = Literal["quick", "thorough", "patient"]
+Positive = Annotated[float, Field(strict=True, gt=0.0, le=1e5, allow_inf_nan=False)]
+Harmonic = Annotated[int, Field(strict=True, ge=1, le=20_000)]
+Level = Annotated[int, Query(ge=0, le=2, description="Amplitude: 0 low, 1 medium, 2 high.")]
+Limit = Annotated[float | None, Query(gt=0.0, allow_inf_nan=False)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InputRequest:
+    """One input; ``power`` of its lines is flat when left out."""
+
+    name: Name
+    harmonics: Annotated[tuple[Harmonic, ...], Field(max_length=500)]
+    relative_peak: Positive = 1.0
+    power: Annotated[tuple[Number, ...], Field(max_length=500)] | None = None
+
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DesignRequest:
+    """A row of Table 1 by ``fta``, or ``inputs`` of one's own."""
+
+    name: Title
+    duration_s: Positive
+    rate_hz: Positive
+    peaks: tuple[Positive, Positive, Positive]
+    fta: Annotated[int, Field(strict=True, ge=1, le=9999)] | None = None
+    first_harmonic: Harmonic = 1
+    inputs: Annotated[tuple[InputRequest, ...], Field(max_length=40)] = ()
+    effort: Effort = "thorough"
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = 0
+    note: Text = ""
+
+    __pydantic_config__ = _STRICT
+
+    def wish(self) -> Wish:
+        """Return what the designer is asked."""
+        if (self.fta is None) == (not self.inputs):
+            raise BadInput("give either the number of a row of Table 1 or inputs of your own")
+        if self.fta is not None:
+            return excitation.wish_for(
+                self.fta,
+                self.duration_s,
+                self.rate_hz,
+                self.first_harmonic,
+                self.peaks,
+                self.effort,
+                self.seed,
+            )
+        inputs = tuple(
+            InputWish(
+                name=own.name,
+                harmonics=own.harmonics,
+                relative_peak=own.relative_peak,
+                power=own.power,
+            )
+            for own in self.inputs
+        )
+        return Wish(
+            duration_s=self.duration_s,
+            rate_hz=self.rate_hz,
+            inputs=inputs,
+            peaks=self.peaks,
+            effort=self.effort,
+            seed=self.seed,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DesignList:
+    """Designs, oldest first."""
+
+    items: list[ExcitationDesign]
+    next: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CatalogueRow:
+    """One row of Table 1; counts are per input, ``periods`` the duration in units of T."""
+
+    number: int
+    numbers: tuple[int, int, int]
+    axis: str
+    periods: int
+    surfaces: int
+    throttles: int
+    harmonics_per_input: int
+    throttle_harmonics: int
+    targets: str
+    inputs: list[str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CatalogueList:
+    """Table 1."""
+
+    items: list[CatalogueRow]
+    next: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExpectedErrors:
+    """Predicted standard errors of the derivatives of a run's model."""
+
+    items: list[excitation.ExpectedError]
+    next: str | None = None
+
+
+@router.get("", response_model=DesignList)
+def list_designs(store: TheStore) -> Json:
+    """List excitation designs."""
+    return Json(DesignList(items=store.designs.find()))
+
+
+@router.post("", response_model=ExcitationDesign, status_code=status.HTTP_201_CREATED)
+def create_design(store: TheStore, wanted: DesignRequest) -> Json:
+    """Search the phases of a design and keep it; a few seconds."""
+    wish = wanted.wish()
+    tones = sum(len(own.harmonics) for own in wish.inputs)
+    if tones > _MOST_TONES:
+        raise BadInput(f"{tones} harmonics are more than a design may have here, {_MOST_TONES}")
+    kept = excitation.create_design(store, wanted.name, wish, wanted.fta, wanted.note)
+    return Json(kept, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{kept.id}"})
+
+
+@router.get("/catalogue", response_model=CatalogueList)
+def list_catalogue() -> Json:
+    """List the 24 designs of Table 1."""
+    return Json({"items": excitation.catalogue(), "next": None})
+
+
+@router.get("/{design_id}", response_model=ExcitationDesign)
+def get_design(store: TheStore, design_id: Identity) -> Json:
+    """Return one design."""
+    return Json(store.designs.get(design_id))
+
+
+@router.delete("/{design_id}", status_code=status.HTTP_204_NO_CONTENT)
+def delete_design(store: TheStore, design_id: Identity) -> Response:
+    """Forget a design."""
+    store.designs.delete(design_id)
+    return Response(status_code=status.HTTP_204_NO_CONTENT)
+
+
+@router.get("/{design_id}/checks", response_model=DesignChecks)
+def check_design(
+    store: TheStore,
+    design_id: Identity,
+    natural_frequency: Annotated[float, Query(gt=0.0, description="Actuator's. [rad/s]")],
+    damping: Annotated[float, Query(gt=0.0, le=10.0)] = 0.7,
+    delay_s: Annotated[float, Query(ge=0.0, le=10.0)] = 0.0,
+    position: Limit = None,
+    rate: Limit = None,
+    acceleration: Limit = None,
+    level: Level = 0,
+) -> Json:
+    """Check orthogonality, peaks, and what moves behind an actuator."""
+    actuator = ActuatorLimits(
+        natural_frequency=natural_frequency,
+        damping=damping,
+        delay_s=delay_s,
+        position=position,
+        rate=rate,
+        acceleration=acceleration,
+    )
+    return Json(excitation.checks_of(store.designs.get(design_id), actuator, level))
+
+
+@router.get("/{design_id}/expected-errors", response_model=ExpectedErrors)
+def expect_errors(
+    store: TheStore,
+    design_id: Identity,
+    run_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
+    level: Level = 0,
+) -> Json:
+    """Predict the standard errors of a run's derivatives, had this design been flown."""
+    errors = excitation.expected_errors(store, store.designs.get(design_id), run_id, level)
+    return Json(ExpectedErrors(items=list(errors)))
+
+
+@router.get("/{design_id}/export")
+def export_design(
+    store: TheStore,
+    design_id: Identity,
+    form: Literal["csv", "mat", "h", "json"] = "csv",
+    level: Level = 0,
+) -> Response:
+    """Return one period at the flight computer's rate, or the recipe."""
+    content = excitation.export_design(store.designs.get(design_id), form, level)
+    name = f"design-{design_id}.{form}"
+    return Response(
+        content,
+        media_type=excitation.MEDIA[form],
+        headers={"Content-Disposition": f'attachment; filename="{name}"'},
+    )

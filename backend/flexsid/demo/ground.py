@@ -1,0 +1,157 @@
+"""FLEX-28 on the runway: the short record before and after each flight (mini-GVT).
+
+A simple model: the aircraft stands on its gear, which stiffens every mode a little;
+there is no airflow, and the surfaces shake the structure with their own inertia.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy import fft
+
+from flexsid.demo.aircraft import anti_alias, describe_aircraft
+from flexsid.demo.flex28 import INPUTS, Truth, load_truth
+from flexsid.demo.flights import SETTLE_S, TRIM_S, FlownManeuver, design
+from flexsid.demo.recorder import Recorder
+from flexsid.demo.truth_flight import RATE_HZ
+from flexsid.records.aircraft import SensorKind
+from flexsid.records.maneuver import GROUND, Condition, Excitation
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.modes import StructuralModes
+from flexsid.workflow.ingest import largest_correlation
+from flexsid.workflow.models import build_model, define_outputs
+
+FTA = 503
+PEAK_DEG = 4.0
+_GEAR_STIFFNESS = 1500.0  # of nose and main gear together, tires included [N/m]
+_UNBALANCE = 4e-3  # mass times distance of a surface from its hinge [kg m]
+# Where the hinge reaction of each pair of surfaces acts.
+_HINGES = {
+    "bfs": ("ca",),
+    "wf1s": ("mal", "mar"),
+    "wf2s": ("mfl", "mfr"),
+    "wf3s": ("ofl", "ofr"),
+    "wf4s": ("oal", "oar"),
+}
+_SETTLING_S = 10.0
+
+
+def shake(
+    *,
+    fuel: float,
+    seed: int | tuple[int, ...],
+    start_s: float,
+    label: str,
+    stiffness_lost: float = 0.0,
+    noise: bool = True,
+) -> FlownManeuver:
+    """Shake the parked aircraft by its own surfaces and record strain and acceleration.
+
+    Parameters
+    ----------
+    fuel
+        Fuel fraction. [1]
+    seed
+        Decides the noise.
+    start_s
+        Time at which the record starts; before take-off it is negative. [s]
+    label
+        What the record is called.
+    stiffness_lost
+        Share of the stiffness of the first bending that damage has taken. [1]
+    noise
+        False gives perfect channels.
+    """
+    truth = load_truth()
+    aircraft = describe_aircraft(truth)
+    multisine = design(FTA, PEAK_DEG)
+    duration_s = TRIM_S + multisine.period_s + SETTLE_S
+    excitation = np.zeros((round(duration_s * RATE_HZ), len(INPUTS)))
+    first = round(TRIM_S * RATE_HZ)
+    count = round(multisine.period_s * RATE_HZ)
+    excitation[first : first + count] = multisine.sample(np.arange(count) / RATE_HZ)
+
+    parked = replace(truth.condition_at(truth.flutter_speed_at(fuel), fuel), alpha=0.0, thrust=0.0)
+    condition = Condition(
+        airspeed_m_s=0.0,
+        density_kg_m3=truth.density,
+        fuel_fraction=fuel,
+        mass_kg=parked.mass,
+        pitch_inertia_kg_m2=parked.pitch_inertia,
+        x_cg_m=parked.x_cg,
+        z_cg_m=parked.z_cg,
+    )
+    sensors = tuple(
+        s for s in aircraft.sensors if s.kind in (SensorKind.STRAIN, SensorKind.ACCELEROMETER)
+    )
+    modes = _on_gear(truth.modes_at(fuel, len(truth.symmetric)), stiffness_lost)
+    seeing = build_model(
+        aircraft,
+        replace(condition, airspeed_m_s=parked.airspeed),  # no elastic term depends on it
+        modes,
+        INPUTS,
+        define_outputs(aircraft, [sensor.name for sensor in sensors]),
+    ).sensors
+
+    length = fft.next_fast_len(excitation.shape[0] + round(_SETTLING_S * RATE_HZ), real=True)
+    omega = 2.0 * np.pi * fft.rfftfreq(length, 1.0 / RATE_HZ)
+    s = 1j * np.maximum(omega, 1e-3)
+    moved = fft.rfft(excitation, length, axis=0) * _actuator(truth, s)[:, None]
+    eta = (s**2)[:, None] * (moved @ _coupling(modes))
+    eta /= (s**2)[:, None] + 2.0 * s[:, None] * modes.zeta * modes.omega + modes.omega**2
+    felt = np.einsum("fyr,fr->fy", seeing.response(np.abs(s))[:, :, 2:], eta)
+    n_samples = excitation.shape[0]
+    generator = np.random.default_rng(seed) if noise else None
+    recorder = Recorder(aircraft, anti_alias(truth.source), generator)
+    surfaces = recorder.surfaces(aircraft, fft.irfft(moved, length, axis=0)[:n_samples])
+    correlation = largest_correlation([channel.samples for channel in surfaces])
+    assert correlation is not None
+    return FlownManeuver(
+        label=label,
+        fta=FTA,
+        start_s=start_s,
+        duration_s=duration_s,
+        condition=condition,
+        airspeed_ratio=None,
+        axis=GROUND,
+        excitation=Excitation(
+            period_s=multisine.period_s,
+            harmonics=multisine.harmonics(),
+            start_s=start_s + TRIM_S,
+        ),
+        max_input_correlation=correlation,
+        channels=(
+            *surfaces,
+            *recorder.sensors(sensors, fft.irfft(felt, length, axis=0)[:n_samples], parked),
+            *recorder.commands(multisine.inputs, excitation),
+        ),
+        truth=DerivativeTable.from_names(truth.symmetric, INPUTS, {}),
+        note="on the runway, no airflow",
+    )
+
+
+def _on_gear(modes: StructuralModes, lost: float) -> StructuralModes:
+    """Modes with the gear under nose and main legs, and with the wing's damage."""
+    stiffness = modes.omega**2 * np.where(np.arange(len(modes.numbers)) == 0, 1.0 - lost, 1.0)
+    for leg in ("cf", "ca"):
+        travel = modes.translation[modes.points.index(leg), 2]
+        stiffness = stiffness + 0.5 * _GEAR_STIFFNESS * travel**2 / modes.mass
+    return replace(modes, omega=np.sqrt(stiffness))
+
+
+def _coupling(modes: StructuralModes) -> np.ndarray:
+    """Modal force of each surface's acceleration over modal mass, (n_u, n_modes)."""
+    rows = [
+        sum(modes.translation[modes.points.index(point), 2] for point in _HINGES[name])
+        for name in INPUTS
+    ]
+    return _UNBALANCE * np.array(rows) / modes.mass
+
+
+def _actuator(truth: Truth, s: np.ndarray) -> np.ndarray:
+    """Linear part of the actuators; nothing reaches its limits on the ground."""
+    a = truth.actuator
+    lag = s**2 + 2.0 * a.damping * a.natural_frequency * s + a.natural_frequency**2
+    return a.natural_frequency**2 / lag * np.exp(-s * a.delay_s)

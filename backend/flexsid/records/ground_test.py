@@ -1,0 +1,53 @@
+"""Mini-GVT: what the structure's peaks did during a flight, and whether fuel explains it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Verdict(StrEnum):
+    """What a pair of ground records says of the structure."""
+
+    HEALTHY = "healthy"  # what changed is what the fuel burnt explains
+    WATCH = "watch"  # an amplitude changed, the frequency did not
+    ALARM = "alarm"  # a frequency changed as fuel cannot change it, or a peak is gone
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PeakChange:
+    """One peak before and after a flight.
+
+    Changes are relative. ``explained`` is what the modal table says of the fuel burnt,
+    ``unexplained`` what is left, with its standard error.
+    """
+
+    mode: int
+    name: str
+    before_hz: float
+    before_std_hz: float
+    after_hz: float | None
+    after_std_hz: float | None
+    change: float | None
+    explained: float
+    unexplained: float | None
+    unexplained_std: float | None
+    amplitude_change: float | None
+    amplitude_explained: float
+    amplitude_std: float | None
+    verdict: Verdict
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GroundTest:
+    """Pre-flight and post-flight record of one flight, compared."""
+
+    flight_id: int
+    flight_number: int
+    before_id: int
+    after_id: int
+    fuel_before: float
+    fuel_after: float
+    peaks: tuple[PeakChange, ...]
+    verdict: Verdict
+    message: str

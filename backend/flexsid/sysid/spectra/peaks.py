@@ -1,0 +1,144 @@
+"""Peaks of response spectra: found, fitted by one resonance, with standard errors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+from scipy.optimize import least_squares
+
+_PROMINENT = 3.0  # times the median of the band
+_REACH = 0.2  # of the frequency, on either side of a peak that is fitted
+
+
+@dataclass(frozen=True, slots=True)
+class Peak:
+    """One resonance seen by all channels together.
+
+    ``amplitude`` is the largest response on the fitted curve, root mean square over
+    channels and inputs, each in units of its own mean size.
+    """
+
+    frequency_hz: float
+    frequency_std_hz: float
+    damping: float
+    damping_std: float
+    amplitude: float
+    amplitude_std: float
+
+
+@dataclass(frozen=True, slots=True)
+class RatioLines:
+    """Outputs over the excitation that owns the lines."""
+
+    omega: Float[np.ndarray, " n_omega"]
+    values: Complex[np.ndarray, "n_omega n_y"]
+
+
+def power_of(ratios: Sequence[RatioLines]) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies [Hz] and mean power of all channels over their means, in order."""
+    omega = np.concatenate([r.omega for r in ratios])
+    power = np.concatenate(
+        [
+            np.mean(np.abs(r.values) ** 2 / np.mean(np.abs(r.values) ** 2, axis=0), axis=1)
+            for r in ratios
+        ]
+    )
+    order = np.argsort(omega)
+    return omega[order] / (2.0 * np.pi), power[order]
+
+
+def find_peaks(ratios: Sequence[RatioLines]) -> list[float]:
+    """Frequencies at which the power stands out, highest peak first. [Hz]"""
+    frequency, power = power_of(ratios)
+    window = 2 * len(ratios) + 1  # every input has its say in a window
+    if power.size < 2 * window:
+        return []
+    smooth = np.convolve(np.pad(power, window // 2, mode="edge"), np.ones(window) / window, "valid")
+    inner = np.arange(1, smooth.size - 1)
+    top = inner[(smooth[inner] >= smooth[inner - 1]) & (smooth[inner] > smooth[inner + 1])]
+    tall = top[smooth[top] > _PROMINENT * np.median(smooth)]
+    return [float(frequency[i]) for i in sorted(tall, key=lambda i: -smooth[i])]
+
+
+def fit_peak(ratios: Sequence[RatioLines], near_hz: float, sizes: np.ndarray | None = None) -> Peak:
+    """Fit one resonance to all channels and inputs around a peak.
+
+    Parameters
+    ----------
+    ratios
+        One set of lines per input.
+    near_hz
+        Where the peak was found. [Hz]
+    sizes
+        Size of each channel that amplitudes are told in; its mean by default.
+
+    Notes
+    -----
+    Frequency and damping are common; every channel has its own residue and a rest
+    that is quadratic in frequency for each input, which follow linearly (variable
+    projection). Standard errors are those of the residuals' scatter.
+    """
+    near = [
+        RatioLines(r.omega[keep], r.values[keep])
+        for r in ratios
+        if (keep := np.abs(r.omega / (2.0 * np.pi) - near_hz) < _REACH * near_hz).sum() >= 4
+    ]
+    scale = typical_size(ratios) if sizes is None else sizes
+
+    def residual(x: np.ndarray) -> np.ndarray:
+        return np.concatenate([_left_over(r, scale, x).ravel() for r in near])
+
+    def split(x: np.ndarray) -> np.ndarray:
+        found = residual(x)
+        return np.concatenate([np.real(found), np.imag(found)])
+
+    start = np.array([2.0 * np.pi * near_hz, 0.02])
+    fit = least_squares(split, start, x_scale=[0.01 * start[0], 0.005], method="lm")
+    n_linear = sum(2 * 2 * r.values.shape[1] for r in near)
+    freedom = max(1, fit.fun.size - n_linear - 2)
+    variance = float(fit.fun @ fit.fun) / freedom
+    slope = np.asarray(fit.jac)
+    covariance = variance * np.linalg.inv(slope.T @ slope)
+    std = np.sqrt(np.diag(covariance))
+    amplitude = _amplitude(near, scale, fit.x)
+    damping = abs(float(fit.x[1]))
+    return Peak(
+        frequency_hz=float(fit.x[0]) / (2.0 * np.pi),
+        frequency_std_hz=float(std[0]) / (2.0 * np.pi),
+        damping=damping,
+        damping_std=float(std[1]),
+        amplitude=amplitude,
+        # the height of a resonance is as uncertain as its width
+        amplitude_std=amplitude * float(std[1]) / damping,
+    )
+
+
+def typical_size(ratios: Sequence[RatioLines]) -> Float[np.ndarray, " n_y"]:
+    """Root mean square of every channel over all inputs' lines."""
+    every = np.concatenate([r.values for r in ratios])
+    return np.sqrt(np.mean(np.abs(every) ** 2, axis=0))
+
+
+def _basis(omega: np.ndarray, x: np.ndarray) -> np.ndarray:
+    s = 1j * omega
+    resonance = s**2 / (s**2 + 2.0 * x[1] * x[0] * s + x[0] ** 2)
+    return np.stack([resonance, (omega / x[0]) ** 2 + 0j], axis=1)
+
+
+def _solved(lines: RatioLines, scale: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    basis = _basis(lines.omega, x)
+    weights, *_ = np.linalg.lstsq(basis, lines.values / scale, rcond=None)
+    return basis, weights
+
+
+def _left_over(lines: RatioLines, scale: np.ndarray, x: np.ndarray) -> np.ndarray:
+    basis, weights = _solved(lines, scale, x)
+    return lines.values / scale - basis @ weights
+
+
+def _amplitude(ratios: Sequence[RatioLines], scale: np.ndarray, x: np.ndarray) -> float:
+    residues = np.stack([_solved(lines, scale, x)[1][0] for lines in ratios])
+    return float(np.sqrt(np.mean(np.abs(residues) ** 2)) / (2.0 * abs(x[1])))
