@@ -37,6 +37,13 @@ const maneuver = createRoute({
   component: lazyRouteComponent(() => import("./pages/ManeuverPage"), "ManeuverPage"),
 });
 
+const miniGvt = createRoute({
+  getParentRoute: () => root,
+  path: "/flights/$id/mini-gvt",
+  params: byId,
+  component: lazyRouteComponent(() => import("./pages/MiniGvtPage"), "MiniGvtPage"),
+});
+
 const newRun = createRoute({
   getParentRoute: () => root,
   path: "/maneuvers/$id/new-run",
@@ -74,7 +81,7 @@ const aircraft = createRoute({
 });
 
 export const router = createRouter({
-  routeTree: root.addChildren([campaign, maneuver, newRun, run, compare, jobs, aircraft]),
+  routeTree: root.addChildren([campaign, maneuver, miniGvt, newRun, run, compare, jobs, aircraft]),
   parseSearch,
   stringifySearch,
   defaultPreload: "intent",

@@ -44,6 +44,24 @@ export const flightsQuery = queryOptions({
   queryFn: async ({ signal }) => (await body(api.GET("/api/v1/flights", { signal }))).items,
 });
 
+export const groundTestsQuery = queryOptions({
+  queryKey: ["ground-tests"],
+  queryFn: async ({ signal }) => (await body(api.GET("/api/v1/ground-tests", { signal }))).items,
+  staleTime: 60_000,
+});
+
+export const groundTestQuery = (flightId: number) =>
+  queryOptions({
+    queryKey: ["ground-test", flightId],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/ground-tests/{flight_id}", {
+          params: { path: { flight_id: flightId } },
+          signal,
+        }),
+      ),
+  });
+
 export const aircraftQuery = queryOptions({
   queryKey: ["aircraft"],
   queryFn: async ({ signal }) => (await body(api.GET("/api/v1/aircraft", { signal }))).items,

@@ -19,6 +19,7 @@ type Received<Name extends keyof Schemas> = Full<Readable<Schemas[Name]>>;
 export type ManeuverItem = Received<"ManeuverItem">;
 export type Maneuver = Received<"ManeuverDetail">;
 export type Channel = Received<"Channel">;
+export type GroundTest = Received<"GroundTest">;
 export type Flight = Received<"Flight">;
 export type Aircraft = Received<"Aircraft">;
 export type ModalTable = Received<"ModalTable">;

@@ -7,6 +7,7 @@ import { maneuversQuery } from "../api/queries";
 import { ButtonLink } from "../components/ButtonLink";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
+import { GroundTestAlarm } from "../components/GroundTestAlarm";
 import { ImportDialog } from "../components/ImportDialog";
 import { Loaded } from "../components/Loaded";
 import { apiFilters, ManeuverFilters } from "../components/ManeuverFilters";
@@ -52,6 +53,7 @@ export function CampaignPage() {
           </>
         }
       />
+      <GroundTestAlarm />
       <div className="campaign">
         <Stack gap="sm">
           <ManeuverFilters view={view} onChange={change} />
