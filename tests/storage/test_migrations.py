@@ -33,7 +33,7 @@ def _pretend_newest_is(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
     (copy / "versions" / "9999_next.py").write_text(
         "import sqlalchemy as sa\n"
         "from alembic import op\n"
-        "revision, down_revision = '9999', '0001'\n"
+        "revision, down_revision = '9999', '0002'\n"
         "def upgrade():\n"
         "    with op.batch_alter_table('aircraft') as table:\n"
         "        table.add_column(sa.Column('colour', sa.String()))\n"
@@ -68,7 +68,7 @@ def test_up_and_down_with_data_in_it(
     _pretend_newest_is(monkeypatch, tmp_path)
     assert migrate.upgrade(database_url) == "9999"
     assert store.aircraft.find() == [aircraft]
-    assert migrate.move(database_url, "0001") == "0001"
+    assert migrate.move(database_url, "0002") == "0002"
     assert store.aircraft.find() == [aircraft]
     assert store.maneuvers.find() == [maneuver]
     assert len(store.channels.find(maneuver_id=maneuver.id)) == 2
@@ -85,7 +85,7 @@ def test_the_database_is_copied_before_it_changes(
     assert list(file.parent.glob("*.backup*")) == []
     _pretend_newest_is(monkeypatch, tmp_path)
     migrate.upgrade(database_url)
-    copy = Store.open(f"sqlite:///{file}.backup-0001")
+    copy = Store.open(f"sqlite:///{file}.backup-0002")
     assert copy.aircraft.find() == [aircraft]
     copy.close()
 
@@ -102,7 +102,7 @@ def test_a_migration_that_fails_changes_nothing(
         migrate.upgrade(database_url)
     assert store.aircraft.find() == [aircraft]
     monkeypatch.undo()
-    assert migrate.upgrade(database_url) == "0001"
+    assert migrate.upgrade(database_url) == "0002"
 
 
 def test_a_database_of_a_newer_release_is_left_alone(database_url: str) -> None:
@@ -123,7 +123,7 @@ def test_two_that_start_together_make_one_schema(tmp_path: Path) -> None:
         thread.start()
     for thread in threads:
         thread.join()
-    assert heads == ["0001", "0001"]
+    assert heads == ["0002", "0002"]
 
 
 def test_a_file_that_is_no_database_is_said_so(tmp_path: Path) -> None:

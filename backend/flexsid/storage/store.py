@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import Any, Unpack
 
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.flight import Flight
 from flexsid.records.maneuver import Channel, Maneuver
 from flexsid.records.modal_table import ModalTable
@@ -42,6 +43,7 @@ class Store:
         self.model_structures = Repository(
             database, tables.model_structures, ModelStructure, "model structure"
         )
+        self.designs = Repository(database, tables.designs, ExcitationDesign, "excitation design")
         self.runs = Repository(database, tables.runs, EstimationRun, "run")
 
     @classmethod

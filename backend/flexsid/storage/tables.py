@@ -184,6 +184,18 @@ model_structures = _table(
     sa.Column("created_at", UtcDateTime, nullable=False),
 )
 
+designs = _table(
+    "designs",
+    _identity(),
+    _text("name"),
+    _json("wish"),
+    _json("phases"),
+    _json("peak_factors"),
+    sa.Column("fta", sa.Integer),
+    _text("note"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+)
+
 runs = _table(
     "runs",
     _identity(),

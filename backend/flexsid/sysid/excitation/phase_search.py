@@ -28,7 +28,7 @@ class Effort:
     starts: int
     rounds: int
     refined: int
-    steps: int = 5
+    steps: int = 3
 
 
 QUICK = Effort(starts=1, rounds=0, refined=0)

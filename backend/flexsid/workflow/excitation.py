@@ -1,0 +1,174 @@
+"""Design an excitation and keep it; check it, export it, and tell what it will tell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.records.excitation import ExcitationDesign
+from flexsid.records.run import Method
+from flexsid.storage.store import Store
+from flexsid.sysid.estimation.expectation import expect
+from flexsid.sysid.estimation.parameters import select_parameters
+from flexsid.sysid.excitation import designer, export
+from flexsid.sysid.excitation.catalogue import CATALOGUE
+from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks, check_design
+from flexsid.sysid.excitation.designer import InputWish, Wish
+from flexsid.sysid.excitation.multisine import Multisine
+from flexsid.workflow.identified import identified
+
+MEDIA = {
+    "csv": "text/csv",
+    "mat": "application/octet-stream",
+    "h": "text/plain",
+    "json": "application/json",
+}
+
+_SCALES = (1.0, 0.95, 0.90, 0.85, 0.80)  # Sec. V.C, from body flap to outermost wing flap
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExpectedError:
+    """A derivative of a model and its predicted standard error under a design."""
+
+    name: str
+    value: float
+    std_error: float
+
+
+def wish_for(
+    fta: int,
+    duration_s: float,
+    rate_hz: float,
+    first_harmonic: int,
+    peaks: tuple[float, float, float],
+    effort: str = "thorough",
+    seed: int = 0,
+) -> Wish:
+    """Make the wish for a flight test aid of Table 1.
+
+    Parameters
+    ----------
+    fta
+        Lowest number of its row.
+    duration_s
+        The row's own duration: T or 4T. [s]
+    rate_hz
+        Rate of the flight computer. [Hz]
+    first_harmonic
+        Lowest harmonic of the surfaces.
+    peaks
+        Largest deflection of the body flap at three amplitudes. [unit of the command]
+    effort, seed
+        Of the search for phases.
+    """
+    aid = CATALOGUE.get(fta)
+    if aid is None:
+        raise BadInput(
+            f"Table 1 has no row {fta}; it has {', '.join(map(str, CATALOGUE))}",
+            code="unknown-flight-test-aid",
+        )
+    scale: dict[str, float] = dict(zip(("bf", "wf1", "wf2", "wf3", "wf4"), _SCALES, strict=True))
+    inputs = tuple(
+        InputWish(name=name, harmonics=tuple(own.tolist()), relative_peak=scale.get(name[:-1], 1.0))
+        for name, own in aid.harmonics(first_harmonic).items()
+    )
+    return Wish(
+        duration_s=duration_s, rate_hz=rate_hz, inputs=inputs, peaks=peaks, effort=effort, seed=seed
+    )
+
+
+def create_design(
+    store: Store,
+    name: str,
+    wish: Wish,
+    fta: int | None = None,
+    note: str = "",
+    report: Callable[[str, float, float], None] | None = None,
+) -> ExcitationDesign:
+    """Search the phases of a wish and keep the design."""
+    made = designer.design(wish, report)
+    return store.designs.add(
+        ExcitationDesign(
+            name=name,
+            wish=wish,
+            phases={own: tuple(tones.phases.tolist()) for own, tones in made.tones.items()},
+            peak_factors=designer.peak_factors(made),
+            fta=fta,
+            note=note,
+        )
+    )
+
+
+def multisine_of(design: ExcitationDesign, level: int = 0) -> Multisine:
+    """Return the multisine of a design at one of its three amplitudes, 0 to 2."""
+    phases = {name: np.array(own) for name, own in design.phases.items()}
+    return designer.from_phases(design.wish, phases, level)
+
+
+def checks_of(design: ExcitationDesign, actuator: ActuatorLimits, level: int = 0) -> DesignChecks:
+    """Check a design at its rate behind an actuator."""
+    return check_design(multisine_of(design, level), design.wish.rate_hz, actuator)
+
+
+def export_design(design: ExcitationDesign, form: str, level: int = 0) -> bytes:
+    """Write a design at its rate as CSV, MAT, C header or JSON recipe."""
+    made, rate = multisine_of(design, level), design.wish.rate_hz
+    if form == "csv":
+        return export.to_csv(made, rate).encode()
+    if form == "mat":
+        return export.to_matlab(made, rate)
+    if form == "h":
+        return export.to_c_header(made, rate).encode()
+    if form == "json":
+        return export.to_recipe(design.wish, made).encode()
+    raise BadInput(f"there is no export as {form!r}; take one of {', '.join(export.FORMATS)}")
+
+
+def expected_errors(
+    store: Store, design: ExcitationDesign, run_id: int, level: int = 0
+) -> tuple[ExpectedError, ...]:
+    """Predict the standard errors of a run's derivatives, had this design been flown.
+
+    Model and condition are the run's; the noise is what its fit left over, as
+    large at the design's lines as it was at the run's. Amplitudes are in radians.
+    """
+    run = store.runs.get(run_id)
+    if run.method is not Method.OE:
+        raise BadInput(
+            f"run {run_id} is {run.method.value}; the noise of every output is known from OE only",
+            code="not-output-error",
+        )
+    found = identified(store, run)
+    assert run.result is not None
+    block = run.result.blocks[0]
+    arrays = store.arrays.get_many(list(block.arrays.values()))
+    left = arrays[block.arrays["measured"]] - arrays[block.arrays["fitted"]]
+    density = np.mean(np.abs(left) ** 2, axis=0) / store.maneuvers.get(run.maneuver_id).duration_s
+    order = [block.outputs.index(name) for name in found.model.outputs]
+    derivatives = {parameter.name for parameter in run.result.parameters}
+    named = [name for name in found.derivatives.named() if name in derivatives]
+    parameters = select_parameters(found.derivatives, named, found.model.outputs)
+    rate = design.wish.rate_hz
+    told = expect(
+        found.model,
+        parameters,
+        multisine_of(design, level),
+        np.sqrt(density[order] * rate),
+        rate,
+    )
+    return tuple(
+        ExpectedError(name=name, value=float(value), std_error=float(std_error))
+        for name, value, std_error in zip(told.names, told.theta, told.std_errors(), strict=True)
+    )
+
+
+def catalogue() -> list[dict[str, object]]:
+    """Return the rows of Table 1 with the names of their inputs."""
+    return [
+        asdict(aid) | {"numbers": aid.numbers, "inputs": [*sum(aid.input_names(), ())]}
+        for aid in CATALOGUE.values()
+    ]

@@ -1,0 +1,96 @@
+"""Designs over the interface: made, kept, checked, exported, and what they promise."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+
+URL = "/api/v1/designs"
+FTA_503: dict[str, Any] = {
+    "name": "mini GVT",
+    "fta": 503,
+    "duration_s": 24.0,
+    "rate_hz": 100.0,
+    "first_harmonic": 6,
+    "peaks": [0.01, 0.02, 0.04],
+    "effort": "quick",
+}
+
+
+def test_catalogue_is_table_1(empty: TestClient):
+    rows = empty.get(f"{URL}/catalogue").json()["items"]
+    assert len(rows) == 24
+    assert sum(len(row["inputs"]) for row in rows) == 177
+    assert rows[8]["number"] == 524
+    assert rows[8]["inputs"][-1] == "throttle"
+
+
+def test_a_design_is_made_kept_checked_and_exported(empty: TestClient):
+    made = empty.post(URL, json=FTA_503)
+    assert made.status_code == 201, made.text
+    where = made.headers["location"]
+    assert empty.get(where).json() == made.json()
+    assert [one["id"] for one in empty.get(URL).json()["items"]] == [made.json()["id"]]
+    assert max(made.json()["peak_factors"].values()) < 1.2
+
+    slow = empty.get(f"{where}/checks?natural_frequency=60&rate=0.1&level=2").json()
+    assert slow["correlation"] < 1e-12
+    assert not any(row["within_limits"] for row in slow["inputs"])
+
+    rows = empty.get(f"{where}/export?form=csv&level=1").text.splitlines()
+    assert rows[0] == "t_s,bfs,wf3s,wf1s,wf4s,wf2s"
+    samples = np.array([row.split(",") for row in rows[1:]], dtype=float)
+    assert samples.shape == (2400, 6)
+    assert np.abs(samples[:, 1]).max() == pytest.approx(0.02, rel=0.01)
+    for form in ("mat", "h", "json"):
+        assert empty.get(f"{where}/export?form={form}").status_code == 200
+    assert empty.delete(where).status_code == 204
+    assert empty.get(where).status_code == 404
+
+
+@pytest.mark.parametrize(
+    ("changes", "code", "words"),
+    [
+        ({"fta": 504}, "unknown-flight-test-aid", "504"),
+        ({"rate_hz": 10.0}, "above-nyquist", "Nyquist frequency 5 Hz"),
+        ({"duration_s": 24.003}, "period-not-whole", "24 s"),
+        ({"fta": None}, "bad-input", "either"),
+        (
+            {"fta": None, "inputs": [{"name": "bfs", "harmonics": []}]},
+            "input-without-harmonics",
+            "bfs",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused(
+    empty: TestClient, changes: dict[str, Any], code: str, words: str
+):
+    answer = empty.post(URL, json=FTA_503 | changes)
+    assert answer.status_code == 422, answer.text
+    assert answer.json()["code"] == code
+    assert words in answer.json()["detail"]
+
+
+def test_expected_errors_halve_where_amplitudes_double(client: TestClient):
+    order = {"maneuver_id": 1, "method": "OE", "structure": {"modes": [7]}}
+    job = client.post("/api/v1/runs", json=order).headers["location"]
+    deadline = time.monotonic() + 60.0
+    while client.get(job).json()["state"] in ("queued", "running"):
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+    run = client.get(job).json()["run_id"]
+    design = client.post(URL, json=FTA_503).headers["location"]
+    low, medium = (
+        client.get(f"{design}/expected-errors?run_id={run}&level={level}").json()["items"]
+        for level in (0, 1)
+    )
+    assert {"CZ_alpha", "Cm_q", "Cm_bfs", "CQ7_eta7"} <= {row["name"] for row in low}
+    for one, other in zip(low, medium, strict=True):
+        assert one["std_error"] == pytest.approx(2.0 * other["std_error"], rel=1e-6)
+    ee = client.get(f"{design}/expected-errors?run_id=1")
+    assert ee.status_code == 422
+    assert ee.json()["code"] == "not-output-error"
