@@ -463,6 +463,134 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/designs": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Designs
+         * @description List excitation designs.
+         */
+        get: operations["list_designs"];
+        put?: never;
+        /**
+         * Create Design
+         * @description Search the phases of a design and keep it; a few seconds.
+         */
+        post: operations["create_design"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/designs/catalogue": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Catalogue
+         * @description List the 24 designs of Table 1.
+         */
+        get: operations["list_catalogue"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/designs/{design_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Design
+         * @description Return one design.
+         */
+        get: operations["get_design"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete Design
+         * @description Forget a design.
+         */
+        delete: operations["delete_design"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/designs/{design_id}/checks": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Check Design
+         * @description Check orthogonality, peaks, and what moves behind an actuator.
+         */
+        get: operations["check_design"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/designs/{design_id}/expected-errors": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Expect Errors
+         * @description Predict the standard errors of a run's derivatives, had this design been flown.
+         */
+        get: operations["expect_errors"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/designs/{design_id}/export": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Export Design
+         * @description Return one period at the flight computer's rate, or the recipe.
+         */
+        get: operations["export_design"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/figures/envelope": {
         parameters: {
             query?: never;
@@ -818,6 +946,46 @@ export interface components {
             corner: number;
         };
         /**
+         * CatalogueList
+         * @description Table 1.
+         */
+        CatalogueList: {
+            /** Items */
+            items: components["schemas"]["CatalogueRow"][];
+            /** Next */
+            next?: string | null;
+        };
+        /**
+         * CatalogueRow
+         * @description One row of Table 1; counts are per input, ``periods`` the duration in units of T.
+         */
+        CatalogueRow: {
+            /** Number */
+            number: number;
+            /** Numbers */
+            numbers: [
+                number,
+                number,
+                number
+            ];
+            /** Axis */
+            axis: string;
+            /** Periods */
+            periods: number;
+            /** Surfaces */
+            surfaces: number;
+            /** Throttles */
+            throttles: number;
+            /** Harmonics Per Input */
+            harmonics_per_input: number;
+            /** Throttle Harmonics */
+            throttle_harmonics: number;
+            /** Targets */
+            targets: string;
+            /** Inputs */
+            inputs: string[];
+        };
+        /**
          * Channel
          * @description One recorded channel at its native rate, unit and precision.
          */
@@ -915,6 +1083,72 @@ export interface components {
             std_error: number | null;
         };
         /**
+         * DesignChecks
+         * @description ``correlation`` is the largest between two inputs over one period.
+         */
+        DesignChecks: {
+            /** Correlation */
+            correlation: number;
+            /** Inputs */
+            inputs: components["schemas"]["InputCheck"][];
+        };
+        /**
+         * DesignList
+         * @description Designs, oldest first.
+         */
+        DesignList: {
+            /** Items */
+            items: components["schemas"]["ExcitationDesign"][];
+            /** Next */
+            next?: string | null;
+        };
+        /**
+         * DesignRequest
+         * @description A row of Table 1 by ``fta``, or ``inputs`` of one's own.
+         */
+        DesignRequest: {
+            /** Name */
+            name: string;
+            /** Duration S */
+            duration_s: number;
+            /** Rate Hz */
+            rate_hz: number;
+            /** Peaks */
+            peaks: [
+                number,
+                number,
+                number
+            ];
+            /** Fta */
+            fta?: number | null;
+            /**
+             * First Harmonic
+             * @default 1
+             */
+            first_harmonic: number;
+            /**
+             * Inputs
+             * @default []
+             */
+            inputs: components["schemas"]["InputRequest"][];
+            /**
+             * Effort
+             * @default thorough
+             * @enum {string}
+             */
+            effort: "quick" | "thorough" | "patient";
+            /**
+             * Seed
+             * @default 0
+             */
+            seed: number;
+            /**
+             * Note
+             * @default
+             */
+            note: string;
+        };
+        /**
          * DragPolar
          * @description Parabolic polar; gives trim angle of attack and thrust where none was measured.
          */
@@ -998,6 +1232,58 @@ export interface components {
              * @default 1
              */
             n_periods: number;
+        };
+        /**
+         * ExcitationDesign
+         * @description A design that is kept; ``wish`` and ``phases`` [rad] together reproduce it.
+         *
+         *     ``fta`` is the lowest number of the design in Table 1, where it is one.
+         */
+        ExcitationDesign: {
+            /** Name */
+            name: string;
+            wish: components["schemas"]["Wish"];
+            /** Phases */
+            phases: {
+                [key: string]: number[];
+            };
+            /** Peak Factors */
+            peak_factors: {
+                [key: string]: number;
+            };
+            /** Fta */
+            fta?: number | null;
+            /**
+             * Note
+             * @default
+             */
+            note: string;
+            /** Created At */
+            created_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * ExpectedError
+         * @description A derivative of a model and its predicted standard error under a design.
+         */
+        ExpectedError: {
+            /** Name */
+            name: string;
+            /** Value */
+            value: number;
+            /** Std Error */
+            std_error: number;
+        };
+        /**
+         * ExpectedErrors
+         * @description Predicted standard errors of the derivatives of a run's model.
+         */
+        ExpectedErrors: {
+            /** Items */
+            items: components["schemas"]["ExpectedError"][];
+            /** Next */
+            next?: string | null;
         };
         /**
          * ExportedLines
@@ -1222,6 +1508,64 @@ export interface components {
             database: string;
             /** Migration */
             migration: string;
+        };
+        /**
+         * InputCheck
+         * @description One input: command and true deflection at their largest. [unit], [unit/s], [unit/s2]
+         */
+        InputCheck: {
+            /** Name */
+            name: string;
+            /** Peak Factor */
+            peak_factor: number;
+            /** Command Peak */
+            command_peak: number;
+            /** Start */
+            start: number;
+            /** Deflection Peak */
+            deflection_peak: number;
+            /** Rate Peak */
+            rate_peak: number;
+            /** Acceleration Peak */
+            acceleration_peak: number;
+            /** Within Limits */
+            within_limits: boolean;
+        };
+        /**
+         * InputRequest
+         * @description One input; ``power`` of its lines is flat when left out.
+         */
+        InputRequest: {
+            /** Name */
+            name: string;
+            /** Harmonics */
+            harmonics: number[];
+            /**
+             * Relative Peak
+             * @default 1
+             */
+            relative_peak: number;
+            /** Power */
+            power?: number[] | null;
+        };
+        /**
+         * InputWish
+         * @description One input: its harmonics, its peak relative to the design's, and the power of each line.
+         *
+         *     ``power`` is relative and flat when left out.
+         */
+        InputWish: {
+            /** Name */
+            name: string;
+            /** Harmonics */
+            harmonics: number[];
+            /**
+             * Relative Peak
+             * @default 1
+             */
+            relative_peak: number;
+            /** Power */
+            power?: number[] | null;
         };
         /**
          * Instrument
@@ -2310,6 +2654,37 @@ export interface components {
          * @enum {string}
          */
         Verdict: "healthy" | "watch" | "alarm";
+        /**
+         * Wish
+         * @description What is wanted of a design; with its phases, the whole recipe.
+         *
+         *     ``peaks`` are the largest deflections of an input with relative peak 1 at the
+         *     three amplitudes, low to high, in the unit of the command.
+         */
+        Wish: {
+            /** Duration S */
+            duration_s: number;
+            /** Rate Hz */
+            rate_hz: number;
+            /** Inputs */
+            inputs: components["schemas"]["InputWish"][];
+            /** Peaks */
+            peaks: [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Effort
+             * @default thorough
+             */
+            effort: string;
+            /**
+             * Seed
+             * @default 0
+             */
+            seed: number;
+        };
     };
     responses: never;
     parameters: never;
@@ -3194,6 +3569,273 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Comparison"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_designs: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DesignList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_design: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DesignRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ExcitationDesign"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_catalogue: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CatalogueList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_design: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                design_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ExcitationDesign"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_design: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                design_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    check_design: {
+        parameters: {
+            query: {
+                /** @description Actuator's. [rad/s] */
+                natural_frequency: number;
+                damping?: number;
+                delay_s?: number;
+                position?: number | null;
+                rate?: number | null;
+                acceleration?: number | null;
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                level?: number;
+            };
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                design_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DesignChecks"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    expect_errors: {
+        parameters: {
+            query: {
+                run_id: number;
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                level?: number;
+            };
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                design_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ExpectedErrors"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    export_design: {
+        parameters: {
+            query?: {
+                form?: "csv" | "mat" | "h" | "json";
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                level?: number;
+            };
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                design_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": unknown;
                 };
             };
             /** @description Client Error */
