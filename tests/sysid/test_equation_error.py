@@ -1,0 +1,152 @@
+"""Equation error: reconstruction, bias of noisy regressors, batches and streams."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.sysid.conftest import OMEGA, add_noise
+
+from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.sysid.estimation.batch import regress_batch
+from flexsid.sysid.estimation.equation_error import equation_error
+from flexsid.sysid.estimation.fusion import fuse, with_priors
+from flexsid.sysid.estimation.real_time import RealTimeEquationError, RecursiveTransform
+from flexsid.sysid.estimation.reconstruction import reconstruct_motion
+from flexsid.sysid.estimation.regression import regress
+from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.spectra.fourier import finite_fourier_transform
+
+
+def spectra(case, u, z):
+    through = np.ones(z.shape, dtype=complex)
+    return (
+        FrequencyData(OMEGA, u, case.model.inputs),
+        FrequencyData(OMEGA, z, case.model.outputs),
+        through,
+    )
+
+
+def test_without_noise_motion_and_derivatives_are_exact(make_case):
+    case = make_case(2)
+    u, y = case.spectra(1)
+    inputs, outputs, through = spectra(case, u, y)
+    motion = reconstruct_motion(case.model, outputs, through)
+    estimate = equation_error(case.model, motion, inputs, case.free())
+    assert np.allclose(estimate.values, case.truth.values.ravel(), rtol=1e-4, atol=1e-7)
+
+
+def test_taking_out_the_noise_of_regressors_takes_out_their_bias(make_case):
+    case = make_case(4)
+    truth = case.truth.values.ravel()
+    errors = {True: [], False: []}
+    for seed in range(20):
+        u, y = case.spectra(2)
+        z = add_noise(y, 0.1, np.random.default_rng(seed))
+        inputs, outputs, through = spectra(case, u, z)
+        motion = reconstruct_motion(case.model, outputs, through)
+        for compensate, found in errors.items():
+            estimate = equation_error(
+                case.model, motion, inputs, case.free(), compensate=compensate
+            )
+            found.append((estimate.values - truth) / np.abs(truth))
+    plain, compensated = (np.median(np.abs(np.mean(errors[c], axis=0))) for c in (False, True))
+    assert compensated < 0.5 * plain
+
+
+def test_what_sensors_cannot_tell_apart_is_refused(make_case):
+    case = make_case(4, n_outputs=5)
+    u, y = case.spectra(3)
+    _, outputs, through = spectra(case, u, y)
+    with pytest.raises(NotIdentifiable, match="5 outputs cannot give 6 motions"):
+        reconstruct_motion(case.model, outputs, through)
+
+
+def test_delays_are_not_for_equation_error(make_case):
+    case = make_case(1)
+    u, y = case.spectra(4)
+    inputs, outputs, through = spectra(case, u, y)
+    motion = reconstruct_motion(case.model, outputs, through)
+    with pytest.raises(BadInput, match="need OE or FRE"):
+        equation_error(case.model, motion, inputs, case.free(("delay_q",)))
+
+
+def test_batched_regressions_are_the_single_ones():
+    rng = np.random.default_rng(5)
+    X = rng.normal(size=(4, 30, 6)) + 1j * rng.normal(size=(4, 30, 6))
+    z = rng.normal(size=(4, 30, 3)) + 1j * rng.normal(size=(4, 30, 3))
+    values, errors = regress_batch(X, z)
+    names = tuple("abcdef")
+    for maneuver in range(4):
+        for coefficient in range(3):
+            one = regress(X[maneuver], z[maneuver, :, coefficient], names)
+            assert np.allclose(values[maneuver, coefficient], one.values)
+            assert np.allclose(errors[maneuver, coefficient], np.sqrt(np.diag(one.covariance)))
+
+
+def test_collinear_and_still_regressors_are_named():
+    rng = np.random.default_rng(6)
+    X = rng.normal(size=(30, 3)) + 1j * rng.normal(size=(30, 3))
+    z = X.sum(axis=1)
+    twice = np.column_stack([X, X[:, 0]])
+    with pytest.raises(NotIdentifiable, match="collinear"):
+        regress(twice, z, ("CZ_a", "CZ_b", "CZ_c", "CZ_d"))
+    X[:, 1] = 0.0
+    with pytest.raises(NotIdentifiable, match="CZ_b does not move"):
+        regress(X, z, ("CZ_a", "CZ_b", "CZ_c"))
+
+
+def test_recursive_transform_ends_at_the_batch_one():
+    rng = np.random.default_rng(7)
+    samples = rng.normal(size=(12_001, 3))
+    omega = np.array([1.0, 7.7, 31.0])
+    running = RecursiveTransform(omega, 200.0, 3, start_s=-2.0)
+    for sample in samples:
+        running.update(sample)
+    batch = finite_fourier_transform(samples, 200.0, omega, -2.0)
+    assert np.abs(running.values - batch).max() < 1e-9 * np.abs(batch).max()
+
+
+def test_stream_gives_what_the_record_gives(make_case):
+    case = make_case(1)
+    rng = np.random.default_rng(8)
+    rate, n = 100.0, 1200
+    omega = 2.0 * np.pi * np.arange(6, 66) / (n / rate)
+    u = 0.01 * (rng.normal(size=(omega.size, 5)) + 1j * rng.normal(size=(omega.size, 5)))
+    y = (case.model.response(case.truth, omega) @ u[:, :, None])[:, :, 0]
+
+    def in_time(values):
+        full = np.zeros((n // 2 + 1, values.shape[1]), dtype=complex)
+        full[6:66] = values * rate
+        return np.fft.irfft(full, n=n, axis=0)
+
+    parameters = case.free()
+    noise = 0.01 * np.sqrt(np.mean(np.abs(y) ** 2, axis=0))
+    stream = RealTimeEquationError(
+        case.model,
+        parameters,
+        omega,
+        rate,
+        np.ones(u.shape, dtype=complex),
+        np.ones(y.shape, dtype=complex),
+        noise,
+    )
+    for inputs, outputs in zip(in_time(u), in_time(y), strict=True):
+        stream.update(inputs, outputs)
+    estimate = stream.estimate()
+    assert np.allclose(estimate.values, case.truth.values.ravel(), rtol=1e-5, atol=1e-8)
+
+
+def test_fusion_and_priors_weigh_by_information(make_case):
+    case = make_case(0, n_outputs=9)
+    estimates = []
+    for seed in range(2):
+        u, y = case.spectra(seed)
+        inputs, outputs, through = spectra(case, u, add_noise(y, 0.05, np.random.default_rng(seed)))
+        motion = reconstruct_motion(case.model, outputs, through)
+        estimates.append(equation_error(case.model, motion, inputs, case.free()))
+    both = fuse(estimates, ["a", "b"])
+    low = np.minimum(estimates[0].std_errors, estimates[1].std_errors)
+    assert np.all(both.std_errors <= low * (1.0 + 1e-9))
+    assert {block.name for block in both.lines} == {"a CZ", "a Cm", "b CZ", "b Cm"}
+    held = with_priors(both, {"Cm_q": (7.0, 1e-9)})
+    assert held.values[held.names.index("Cm_q")] == pytest.approx(7.0)

@@ -1,0 +1,86 @@
+"""Modes against fuel, models of fewer modes, and poles with their error bars."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.sysid.conftest import add_noise
+
+from flexsid.demo.flex28 import load_truth
+from flexsid.sysid.estimation.likelihood import maximize
+from flexsid.sysid.model.reduction import residualize
+from flexsid.sysid.modes import ModeTable
+from flexsid.sysid.modes.table import align_modes
+from flexsid.sysid.stability.poles import named_poles
+
+# Design notes, section 6: C_m_alpha of residualised models with 0 to 4 modes, half fuel.
+RESIDUALISED = {
+    0.65: (-0.859, -0.812, -0.714, -0.690, -0.700),
+    1.09: (-1.482, -1.083, -0.744, -0.675, -0.703),
+}
+
+
+@pytest.mark.parametrize("ratio", [0.65, 1.09])
+def test_residualised_stiffness_is_that_of_the_design_notes(ratio):
+    truth = load_truth()
+    full = truth.derivatives_at(0.5, 8)
+    condition = truth.condition_at(ratio * truth.flutter_speed_at(0.5), 0.5)
+    for n, published in enumerate(RESIDUALISED[ratio]):
+        kept = residualize(full, truth.modes_at(0.5, 8), condition, full.modes[:n])
+        assert kept.named()["Cm_alpha"] == pytest.approx(published, abs=0.0015)
+
+
+def test_residualising_keeps_the_static_response(make_case):
+    full, reduced = make_case(4), make_case(1)
+    truth = full.truth
+    kept = residualize(truth, full.model.modes, full.model.condition, (7,))
+    slow = np.array([1e-4])  # alpha and the kept mode under unit inputs, far below any pole
+    rigid = full.model.sensors.names.index("alpha")
+    one = full.model.response(truth, slow)[:, rigid]
+    two = reduced.model.response(kept, slow)[:, rigid]
+    assert np.abs(one - two).max() < 0.02 * np.abs(one).max()
+
+
+def test_modes_are_followed_through_a_crossing_and_a_flip():
+    rng = np.random.default_rng(1)
+    shapes = rng.normal(size=(2, 5, 6))
+    fuel = np.array([0.0, 0.5, 1.0])
+    omega = np.array([[10.0, 20.0], [14.0, 16.0], [12.0, 18.0]])  # they cross after the second
+    shape = np.stack([shapes, shapes, shapes[::-1]])
+    shape[1, 1] *= -1.0
+    strain = np.ones((3, 2, 1))
+    flat = np.full((3, 2), 0.02)
+    table = ModeTable(
+        fuel, (7, 8), omega, flat, np.ones((3, 2)), tuple("abcde"), shape, ("g",), strain
+    )
+    followed = align_modes(table)
+    assert np.allclose(followed.omega[2], [18.0, 12.0])
+    assert np.allclose(followed.shape, shapes)
+    middle = followed.at(0.75)
+    assert middle.omega == pytest.approx([16.0, 14.0])
+    assert np.allclose(middle.translation[:, :, 0], shapes[0, :, :3])
+    assert followed.at(2.0).omega == pytest.approx([18.0, 12.0])
+
+
+def test_error_bars_of_poles_are_those_of_draws(make_case):
+    case = make_case(2)
+    u, y = case.spectra(2)
+    experiment = case.experiment(u, add_noise(y, 0.05, np.random.default_rng(2)))
+    parameters = case.free()
+    estimate = maximize([experiment], parameters)
+    covariance = estimate.corrected_covariance
+    names = ("SW1B", "SW1T")
+    poles = named_poles(case.model, parameters, estimate.values, covariance, names)
+    assert [pole.name for pole in poles] == ["SP", "SW1B", "SW1T"]
+    draws = np.random.default_rng(3).multivariate_normal(
+        estimate.values, covariance, 400, method="cholesky"
+    )
+    scattered = [named_poles(case.model, parameters, draw, covariance, names) for draw in draws]
+    for k, pole in enumerate(poles):
+        values = np.array([one[k].value for one in scattered])
+        assert np.std(np.real(values)) == pytest.approx(pole.real_std, rel=0.15)
+        assert np.std(np.imag(values)) == pytest.approx(pole.imag_std, rel=0.15)
+        assert np.std(np.abs(values)) == pytest.approx(pole.frequency_std, rel=0.15)
+        assert np.std(-np.real(values) / np.abs(values)) == pytest.approx(
+            pole.damping_std, rel=0.15
+        )
