@@ -1,0 +1,125 @@
+"""Recordings that others made: FLEX-28 by an independent simulation, mAEWing1 in flight."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexsid.demo.campaign import add_aircraft
+from flexsid.demo.flex28 import load_truth
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage.store import Store
+from flexsid.sysid.estimation.estimate import Outcome
+from flexsid.workflow.computation import Computed
+from flexsid.workflow.estimation import compute, prepare
+from flexsid.workflow.ingest import import_files, import_maneuver
+
+PROJECT = Path(__file__).parents[2]
+SHARED = PROJECT.parent / "shared" / "data"
+FLEX28 = SHARED / "flex28" / "records"
+FLIGHT = SHARED / "maewing1" / "flight"
+GERI_FILES = (
+    "geri_flight_raw.csv",
+    "Geri_Database.mat",
+    "GerimassProp.mat",
+    "GericoeffsNOM.mat",
+    "geri_coeffsPIDfull.mat",
+)
+# R2 of the fit that the authors stored with their record, output by output.
+AUTHORS = {
+    "q": 0.714, "az_cf": 0.451, "az_cr": 0.606, "az_lf": 0.533, "az_lr": 0.571,
+    "az_rf": 0.437, "az_rr": 0.487,
+}  # fmt: skip
+
+flex28 = pytest.mark.skipif(
+    not FLEX28.is_dir(), reason="independent FLEX-28 records are not beside the project"
+)
+geri = pytest.mark.skipif(
+    not FLIGHT.is_dir(), reason="the mAEWing1 data are not here; examples/maewing1 says where from"
+)
+
+
+def estimate(
+    store: Store,
+    maneuver_id: int | None,
+    method: Method,
+    structure: Structure,
+    settings: RunSettings | None = None,
+) -> Computed:
+    assert maneuver_id is not None
+    request = EstimationRun(
+        maneuver_id=maneuver_id,
+        method=method,
+        structure=structure,
+        settings=settings or RunSettings(),
+    )
+    return compute(prepare(store, request), lambda progress: None)
+
+
+@flex28
+@pytest.mark.parametrize("method", [Method.OE, Method.FRE])
+@pytest.mark.parametrize(
+    ("name", "modes"),
+    [("065Vf_n2_fta506", (7, 9)), ("065Vf_n4_fta506", (7, 9, 11, 12))],
+)
+def test_matched_order_recovers_the_truth_within_its_error_bars(store, name, modes, method):
+    add_aircraft(store)
+    mapping = PROJECT / "examples" / "flex28" / "record.toml"
+    maneuver = import_maneuver(store, [FLEX28 / f"{name}.npz"], mapping)
+    found = estimate(store, maneuver.id, method, Structure(modes=modes, fixed={})).estimate
+    truth = load_truth().derivatives_at(0.5, len(modes)).named()
+    error = np.array(
+        [
+            (value - truth[name]) / sigma
+            for name, value, sigma in zip(found.names, found.values, found.std_errors, strict=True)
+        ]
+    )
+    assert np.sqrt(np.mean(error**2)) < 1.7
+
+
+@flex28
+@pytest.mark.parametrize(
+    ("name", "modes"),
+    [("065Vf_n2_fta506", (7, 9)), ("065Vf_n4_fta506", (7, 9, 11, 12))],
+)
+def test_noise_free_record_is_matched_to_a_thousandth(store, name, modes):
+    add_aircraft(store)
+    mapping = PROJECT / "examples" / "flex28" / "record-noise-free.toml"
+    maneuver = import_maneuver(store, [FLEX28 / f"{name}.npz"], mapping)
+    found = estimate(store, maneuver.id, Method.OE, Structure(modes=modes, fixed={})).estimate
+    (block,) = found.lines
+    misfit = np.linalg.norm(block.measured - block.fitted, axis=0)
+    relative = misfit / np.linalg.norm(block.measured, axis=0)
+    assert dict(zip(block.outputs, relative, strict=True)) == {
+        name: pytest.approx(0.0, abs=1e-3) for name in block.outputs
+    }
+
+
+@geri
+@pytest.mark.parametrize("modes", [(7,), (7, 9)])
+@pytest.mark.parametrize("method", [Method.OE, Method.FRE])
+def test_flown_maneuver_is_explained_better_than_by_its_authors(store, method, modes):
+    mapping = PROJECT / "examples" / "maewing1" / "maewing1.toml"
+    imported = import_files(store, [FLIGHT / name for name in GERI_FILES], mapping)
+    assert imported.maneuver is not None
+    found = estimate(
+        store,
+        imported.maneuver.id,
+        method,
+        Structure(modes=modes, outputs=tuple(AUTHORS), fixed={}),
+        # Two surfaces cannot tell all derivatives of two modes apart.
+        RunSettings(band_hz=(0.5, 18.5), prior_spread=0.5 if len(modes) > 1 else None),
+    ).estimate
+    assert found.outcome is Outcome.CONVERGED
+    power = {name: 0.0 for name in AUTHORS}
+    error = dict(power)
+    for block in found.lines:
+        for column, name in enumerate(block.outputs):
+            z, y = block.measured[:, column], block.fitted[:, column]
+            power[name] += float(np.sum(np.abs(z) ** 2))
+            error[name] += float(np.sum(np.abs(z - y) ** 2))
+    better = [name for name in AUTHORS if 1.0 - error[name] / power[name] > AUTHORS[name]]
+    assert len(better) >= 5, better
