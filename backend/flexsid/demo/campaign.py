@@ -237,7 +237,8 @@ def _missing(store: Store, aircraft: Aircraft, seed: int) -> list[_Task]:
         ]
         orders += _ground_records(sortie, seed)
         tasks += [_Task(flight.id, order) for order in orders if order.label not in present]
-    return tasks
+    # the ground comes last, so that the cards have the first numbers
+    return sorted(tasks, key=lambda task: isinstance(task.order.card, _GroundRecord))
 
 
 def _ground_records(sortie: Sortie, seed: int) -> list[_Order]:

@@ -51,7 +51,7 @@ function OneTest({ test }: { test: GroundTest }) {
       </Alert>
       <Section
         title="Peaks"
-        note={`Fuel ${percent(test.fuel_before, 0)} before, ${percent(test.fuel_after, 0)} after`}
+        note={`Fuel ${percent(test.fuel_before)} % before, ${percent(test.fuel_after)} % after`}
       >
         <PeakTable test={test} />
       </Section>
@@ -77,11 +77,11 @@ function PeakTable({ test }: { test: GroundTest }) {
           <Table.Th>Mode</Table.Th>
           <Table.Th ta="right">Before [Hz]</Table.Th>
           <Table.Th ta="right">After [Hz]</Table.Th>
-          <Table.Th ta="right">Change</Table.Th>
-          <Table.Th ta="right">Fuel explains</Table.Th>
-          <Table.Th ta="right">Left over, ±2σ</Table.Th>
-          <Table.Th ta="right">Amplitude</Table.Th>
-          <Table.Th ta="right">Damping explains</Table.Th>
+          <Table.Th ta="right">Change [%]</Table.Th>
+          <Table.Th ta="right">Fuel explains [%]</Table.Th>
+          <Table.Th ta="right">Left over ±2σ [%]</Table.Th>
+          <Table.Th ta="right">Amplitude [%]</Table.Th>
+          <Table.Th ta="right">Damping explains [%]</Table.Th>
         </Table.Tr>
       </Table.Thead>
       <Table.Tbody>
@@ -98,8 +98,8 @@ function PeakTable({ test }: { test: GroundTest }) {
               {percent(peak.unexplained, 2)}
               {peak.unexplained_std !== null && ` ± ${percent(2 * peak.unexplained_std, 2)}`}
             </Table.Td>
-            <Table.Td ta="right">{percent(peak.amplitude_change, 0)}</Table.Td>
-            <Table.Td ta="right">{percent(peak.amplitude_explained, 0)}</Table.Td>
+            <Table.Td ta="right">{percent(peak.amplitude_change)}</Table.Td>
+            <Table.Td ta="right">{percent(peak.amplitude_explained)}</Table.Td>
           </Table.Tr>
         ))}
       </Table.Tbody>
@@ -111,7 +111,7 @@ function PeakTable({ test }: { test: GroundTest }) {
 function Tracked() {
   const tests = useQuery(groundTestsQuery);
   return (
-    <Section title="All flights" note="What fuel does not explain, by mode">
+    <Section title="All flights" note="What fuel does not explain [%], by mode">
       <Loaded query={tests}>
         {(items) => (
           <Table className="numbers" fz="sm">
