@@ -80,8 +80,24 @@ const aircraft = createRoute({
   component: lazyRouteComponent(() => import("./pages/AircraftPage"), "AircraftPage"),
 });
 
+const excitation = createRoute({
+  getParentRoute: () => root,
+  path: "/excitation",
+  component: lazyRouteComponent(() => import("./pages/ExcitationPage"), "ExcitationPage"),
+});
+
 export const router = createRouter({
-  routeTree: root.addChildren([campaign, maneuver, miniGvt, newRun, run, compare, jobs, aircraft]),
+  routeTree: root.addChildren([
+    campaign,
+    maneuver,
+    miniGvt,
+    newRun,
+    run,
+    compare,
+    jobs,
+    aircraft,
+    excitation,
+  ]),
   parseSearch,
   stringifySearch,
   defaultPreload: "intent",

@@ -135,6 +135,8 @@ def expected_errors(
 
     Model and condition are the run's; the noise is what its fit left over, as
     large at the design's lines as it was at the run's. Amplitudes are in radians.
+    Surfaces are taken to move as commanded, for one period: actuators and feedback,
+    which make deflections smaller, are left out, so that the errors flatter.
     """
     run = store.runs.get(run_id)
     if run.method is not Method.OE:

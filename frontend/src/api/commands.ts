@@ -1,7 +1,7 @@
 /** What pages change: submit, cancel, import, delete. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "./client";
-import type { Maneuver, RunRequest } from "./types";
+import type { DesignRequest, Maneuver, RunRequest } from "./types";
 
 /** Everything that shows a run: its own page, lists, and the badges of the campaign. */
 const RUN_VIEWS = [["runs"], ["run"], ["jobs"], ["job"], ["maneuvers"]];
@@ -50,5 +50,13 @@ export function useImportManeuver() {
       return json("/api/v1/maneuvers", { method: "POST", body: form }) as Promise<Maneuver>;
     },
     onSuccess: () => cache.invalidateQueries({ queryKey: ["maneuvers"] }),
+  });
+}
+
+export function useCreateDesign() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: DesignRequest) => body(api.POST("/api/v1/designs", { body: wanted })),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["designs"], exact: true }),
   });
 }

@@ -174,3 +174,15 @@ export const figureQuery = (kind: string, params: Record<string, QueryValue>) =>
     placeholderData: keepPreviousData,
     staleTime: 60_000,
   });
+
+export const designsQuery = queryOptions({
+  queryKey: ["designs"],
+  queryFn: async ({ signal }) => (await body(api.GET("/api/v1/designs", { signal }))).items,
+});
+
+export const catalogueQuery = queryOptions({
+  queryKey: ["designs", "catalogue"],
+  queryFn: async ({ signal }) =>
+    (await body(api.GET("/api/v1/designs/catalogue", { signal }))).items,
+  staleTime: Infinity,
+});

@@ -25,6 +25,9 @@ export function AppFrame() {
             <Link to="/jobs" activeOptions={{ includeSearch: false }}>
               Jobs
             </Link>
+            <Link to="/excitation" activeOptions={{ includeSearch: false }}>
+              Excitation
+            </Link>
             <Link to="/aircraft" activeOptions={{ includeSearch: false }}>
               Aircraft
             </Link>

@@ -1,0 +1,207 @@
+import { Button, Group, NumberInput, Stack } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { Link } from "@tanstack/react-router";
+import { useState } from "react";
+import { useCreateDesign } from "../api/commands";
+import { catalogueQuery, designsQuery } from "../api/queries";
+import type { CatalogueRow, Design } from "../api/types";
+import { DataTable, type Column } from "../components/DataTable";
+import { Empty } from "../components/Empty";
+import { Loaded } from "../components/Loaded";
+import { PageHead } from "../components/PageHead";
+import { ProblemAlert } from "../components/ProblemAlert";
+import { Section } from "../components/Section";
+import { dateTime, fixed } from "../lib/format";
+
+const DEGREE = Math.PI / 180;
+const FORMS = ["csv", "mat", "h", "json"] as const;
+const LEVELS = [0.5, 1, 2] as const;
+
+const DESIGN_COLUMNS: Column<Design>[] = [
+  { key: "name", header: "Design", render: (design) => design.name },
+  {
+    key: "duration",
+    header: "Duration",
+    unit: "s",
+    numeric: true,
+    render: (design) => fixed(design.wish.duration_s, 1),
+  },
+  {
+    key: "rate",
+    header: "Rate",
+    unit: "Hz",
+    numeric: true,
+    render: (design) => fixed(design.wish.rate_hz, 0),
+  },
+  {
+    key: "inputs",
+    header: "Inputs",
+    render: (design) => design.wish.inputs.map((own) => own.name).join(", "),
+  },
+  {
+    key: "rpf",
+    header: "Highest RPF",
+    numeric: true,
+    render: (design) => fixed(Math.max(...Object.values(design.peak_factors)), 3),
+  },
+  {
+    key: "at",
+    header: "Made",
+    numeric: true,
+    render: (design) => dateTime(design.created_at),
+  },
+  {
+    key: "files",
+    header: "Medium amplitude as",
+    render: (design) => (
+      <Group gap="xs" wrap="nowrap">
+        {FORMS.map((form) => (
+          <a
+            key={form}
+            className="link"
+            href={`/api/v1/designs/${design.id}/export?form=${form}&level=1`}
+            aria-label={`${design.name} as ${form}`}
+          >
+            {form}
+          </a>
+        ))}
+      </Group>
+    ),
+  },
+];
+
+/** Multisines that were designed, and Table 1 to design from. */
+export function ExcitationPage() {
+  const designs = useQuery(designsQuery);
+  const catalogue = useQuery(catalogueQuery);
+  const create = useCreateDesign();
+  const [period, setPeriod] = useState(24);
+  const [rate, setRate] = useState(100);
+  const [first, setFirst] = useState(6);
+  const [peak, setPeak] = useState(2);
+
+  const make = (row: CatalogueRow) => {
+    create.mutate({
+      name: `FTA ${row.number}`,
+      fta: row.number,
+      duration_s: period * row.periods,
+      rate_hz: rate,
+      first_harmonic: first,
+      peaks: [LEVELS[0] * peak * DEGREE, LEVELS[1] * peak * DEGREE, LEVELS[2] * peak * DEGREE],
+      inputs: [],
+      effort: "thorough",
+      seed: 0,
+      note: "",
+    });
+  };
+  const making = create.isPending ? create.variables.fta : null;
+
+  const columns: Column<CatalogueRow>[] = [
+    { key: "fta", header: "FTA", render: (row) => `${row.number}–${row.number + 2}` },
+    { key: "axis", header: "Surfaces", render: (row) => `${row.surfaces} ${row.axis}` },
+    { key: "duration", header: "Duration", render: (row) => (row.periods === 1 ? "T" : "4T") },
+    {
+      key: "lines",
+      header: "Harmonics per surface",
+      numeric: true,
+      render: (row) => row.harmonics_per_input,
+    },
+    {
+      key: "throttles",
+      header: "Throttles × harmonics",
+      numeric: true,
+      render: (row) => (row.throttles === 0 ? "" : `${row.throttles} × ${row.throttle_harmonics}`),
+    },
+    { key: "targets", header: "Modes", render: (row) => row.targets },
+    {
+      key: "make",
+      header: "",
+      render: (row) => (
+        <Button
+          variant="default"
+          size="compact-xs"
+          loading={making === row.number}
+          disabled={create.isPending}
+          aria-label={`Design FTA ${row.number}`}
+          onClick={() => {
+            make(row);
+          }}
+        >
+          Design
+        </Button>
+      ),
+    },
+  ];
+
+  return (
+    <>
+      <PageHead
+        title="Excitation"
+        trail={[
+          <Link to="/" className="link" key="campaign">
+            Campaign
+          </Link>,
+        ]}
+      />
+      <Stack gap="md">
+        {create.isError && <ProblemAlert error={create.error} />}
+        <Section title="Designs" note="RPF is judged with peaks between samples; one sine has 1">
+          <Loaded query={designs}>
+            {(rows) =>
+              rows.length === 0 ? (
+                <Empty title="No designs yet">Design one from Table 1 below.</Empty>
+              ) : (
+                <DataTable
+                  label="Designs"
+                  testId="designs-table"
+                  columns={DESIGN_COLUMNS}
+                  rows={rows}
+                  rowKey={(design) => design.id}
+                />
+              )
+            }
+          </Loaded>
+        </Section>
+        <Section title="Table 1" note="Amplitudes low and high are half and twice the medium one">
+          <Group mb="sm">
+            <Wanted label="T [s]" value={period} onChange={setPeriod} />
+            <Wanted label="Rate [Hz]" value={rate} onChange={setRate} />
+            <Wanted label="First harmonic" value={first} onChange={setFirst} />
+            <Wanted label="Body flap, medium [deg]" value={peak} onChange={setPeak} />
+          </Group>
+          <Loaded query={catalogue} rows={24}>
+            {(rows) => (
+              <DataTable
+                label="Table 1"
+                testId="catalogue-table"
+                columns={columns}
+                rows={rows}
+                rowKey={(row) => row.number}
+              />
+            )}
+          </Loaded>
+        </Section>
+      </Stack>
+    </>
+  );
+}
+
+interface WantedProps {
+  label: string;
+  value: number;
+  onChange: (value: number) => void;
+}
+
+function Wanted({ label, value, onChange }: WantedProps) {
+  return (
+    <NumberInput
+      label={label}
+      value={value}
+      min={0}
+      w={170}
+      onChange={(next) => {
+        if (typeof next === "number" && next > 0) onChange(next);
+      }}
+    />
+  );
+}
