@@ -16,7 +16,7 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import TimeHistory
 from flexsid.sysid.spectra.fourier import finite_fourier_transform
 
-_SHARPNESS = 12.0  # of the smooth maximum over relative variances
+_SHARPNESS = (10.0, 60.0, 300.0)  # of the smooth maximum over relative variances, in turn
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,11 +152,13 @@ def allocate_minimax(
     limited = np.isfinite(power_limit)
     top = np.asarray(largest_gain, dtype=float) ** 2
 
-    def worst(x: Float[np.ndarray, " n_u"]) -> tuple[float, Float[np.ndarray, " n_u"]]:
+    def worst(
+        x: Float[np.ndarray, " n_u"], sharpness: float
+    ) -> tuple[float, Float[np.ndarray, " n_u"]]:
         C = _invert(np.tensordot(x, expectation.information, axes=1))
         logs = np.log(np.diag(C) / reference)
-        weights = np.exp(_SHARPNESS * (logs - logs.max()))
-        value = logs.max() + np.log(weights.sum()) / _SHARPNESS
+        weights = np.exp(sharpness * (logs - logs.max()))
+        value = logs.max() + np.log(weights.sum()) / sharpness
         shares = weights / weights.sum() / np.diag(C)
         slopes = [-shares @ np.sum((C @ part) * C, axis=1) for part in expectation.information]
         return float(value), np.array(slopes)
@@ -166,15 +168,17 @@ def allocate_minimax(
     if limited.any():
         start = start * min(1.0, float(np.min(power_limit[limited] / (start @ used))))
     limits = optimize.LinearConstraint(used.T / power_limit[limited][:, None], -np.inf, 1.0)
-    found = optimize.minimize(
-        worst,
-        start,
-        jac=True,
-        method="SLSQP",
-        bounds=[(1e-4 * value, value) for value in top],
-        constraints=[limits] if limited.any() else [],
-    )
-    return np.sqrt(found.x)
+    for sharpness in _SHARPNESS:
+        start = optimize.minimize(
+            worst,
+            start,
+            args=(sharpness,),
+            jac=True,
+            method="SLSQP",
+            bounds=[(1e-4 * value, value) for value in top],
+            constraints=[limits] if limited.any() else [],
+        ).x
+    return np.sqrt(start)
 
 
 def _information(

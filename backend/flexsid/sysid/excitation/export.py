@@ -59,7 +59,7 @@ def to_c_header(multisine: Multisine, rate_hz: float) -> str:
     samples = sample_period(multisine, rate_hz)
     parts = [
         "/* Multisine excitation; one period, unit of the command. */",
-        "#ifndef FLEXSID_EXCITATION_H\n#define FLEXSID_EXCITATION_H",
+        "#ifndef EXCITATION_TABLE_H\n#define EXCITATION_TABLE_H",
         f"#define EXCITATION_SAMPLES {samples.shape[0]}",
         f"#define EXCITATION_RATE_HZ {float(rate_hz)!r}",
     ]
