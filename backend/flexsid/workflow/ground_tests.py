@@ -17,7 +17,7 @@ from flexsid.sysid.spectra.peaks import (
     RatioLines,
     find_peaks,
     fit_peak,
-    power_of,
+    smooth_power,
     typical_size,
 )
 from flexsid.workflow.modes import AircraftModes, find_modal_tables, load_modes
@@ -84,8 +84,8 @@ def ground_spectra(store: Store, flight_id: int) -> GroundSpectra:
     before, after = (store.maneuvers.get(number) for number in (test.before_id, test.after_id))
     return GroundSpectra(
         flight_number=test.flight_number,
-        before=power_of(_ratios(store, before)),
-        after=power_of(_ratios(store, after)),
+        before=smooth_power(_ratios(store, before)),
+        after=smooth_power(_ratios(store, after)),
         expected=tuple(
             ModeMarker(
                 name=f"{peak.name} expected", frequency_hz=peak.before_hz * (1.0 + peak.explained)

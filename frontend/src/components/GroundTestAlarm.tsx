@@ -10,7 +10,7 @@ export function GroundTestAlarm() {
   return alarms.map((test) => (
     <Alert
       key={test.flight_id}
-      color="red"
+      color="red.9"
       variant="filled"
       role="alert"
       mb="md"

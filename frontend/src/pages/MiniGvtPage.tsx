@@ -14,7 +14,7 @@ const route = getRouteApi("/flights/$id/mini-gvt");
 const LOOKS = {
   healthy: { color: "green", title: "Nothing but fuel changed" },
   watch: { color: "yellow", title: "An amplitude changed" },
-  alarm: { color: "red", title: "The structure changed: do not fly" },
+  alarm: { color: "red.9", title: "The structure changed: do not fly" },
 } as const;
 
 /** The records on the runway before and after a flight, and what they say of the structure. */

@@ -50,13 +50,19 @@ def power_of(ratios: Sequence[RatioLines]) -> tuple[np.ndarray, np.ndarray]:
     return omega[order] / (2.0 * np.pi), power[order]
 
 
+def smooth_power(ratios: Sequence[RatioLines]) -> tuple[np.ndarray, np.ndarray]:
+    """The power averaged over so many neighbours that every input has its say."""
+    frequency, power = power_of(ratios)
+    window = 2 * len(ratios) + 1
+    if power.size < 2 * window:
+        return frequency, power
+    padded = np.pad(power, window // 2, mode="edge")
+    return frequency, np.convolve(padded, np.ones(window) / window, "valid")
+
+
 def find_peaks(ratios: Sequence[RatioLines]) -> list[float]:
     """Frequencies at which the power stands out, highest peak first. [Hz]"""
-    frequency, power = power_of(ratios)
-    window = 2 * len(ratios) + 1  # every input has its say in a window
-    if power.size < 2 * window:
-        return []
-    smooth = np.convolve(np.pad(power, window // 2, mode="edge"), np.ones(window) / window, "valid")
+    frequency, smooth = smooth_power(ratios)
     inner = np.arange(1, smooth.size - 1)
     top = inner[(smooth[inner] >= smooth[inner - 1]) & (smooth[inner] > smooth[inner + 1])]
     tall = top[smooth[top] > _PROMINENT * np.median(smooth)]

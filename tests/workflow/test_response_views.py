@@ -1,0 +1,71 @@
+"""Bode plots, spectra and plot matrices of a flown maneuver."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexsid import figures
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flights import fly
+from flexsid.errors import BadInput
+from flexsid.figures.bode import View
+from flexsid.records.flight import Flight
+from flexsid.workflow import views
+
+
+@pytest.fixture
+def pair(store) -> tuple[int, int]:
+    """The same maneuver flown twice."""
+    aircraft = add_aircraft(store)
+    assert aircraft.id is not None
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=5))
+    first, second = (add_maneuver(store, fly(fta=503, seed=seed), flight.id).id for seed in (1, 2))
+    assert first is not None
+    assert second is not None
+    return first, second
+
+
+def test_two_flights_of_one_maneuver_agree_and_their_average_is_surer(store, pair):
+    both = views.bode(store, pair[0], ("q",), ("bfs",), beside=(pair[1],))
+    assert [r.maneuver_id for r in both.measured] == list(pair)
+    mean = views.bode(store, pair[0], ("q",), ("bfs",), beside=(pair[1],), average=True)
+    (average,) = mean.measured
+    assert average.maneuver_id is None
+    assert mean.agreement["bfs"] > 1e-3
+    single = both.measured[0].relative_std
+    assert single is not None
+    assert average.relative_std is not None
+    assert np.median(average.relative_std / single) == pytest.approx(0.5**0.5, abs=0.12)
+
+
+@pytest.mark.parametrize("view", ["bode", "nichols", "nyquist"])
+def test_every_plane_can_be_drawn(store, pair, view: View):
+    spec = figures.bode(views.bode(store, pair[0], ("q", "az_ofs"), ("bfs", "wf4s")), view)
+    assert len(spec["data"]) == 4 * (2 if view == "bode" else 1)
+
+
+def test_lines_of_an_input_stand_above_its_noise(store, pair):
+    value = views.spectrum(store, pair[0], ("q", "bfs"), full=True)
+    assert value.noise is not None
+    ratio = value.magnitude[:, 0] / value.noise[:, 0]
+    assert np.median(ratio) > 5.0
+    assert value.background_hz is not None
+    assert value.background_hz[-1] == pytest.approx(500.0, rel=1e-3)
+    assert value.band_hz is not None
+    assert value.band_hz == pytest.approx((0.25, 5.4167), abs=1e-3)
+    spec = figures.spectrum(value)
+    assert spec["layout"]["shapes"][0]["x1"] == value.band_hz[1]
+
+
+def test_regressors_of_equation_error_come_with_their_inflation(store, pair):
+    value = views.plot_matrix(store, pair[0], modes=(7,))
+    assert value.names[:4] == ("alpha", "q", "eta7", "etadot7")
+    assert value.inflation is not None
+    assert (value.inflation >= 1.0 - 1e-9).all()
+    assert value.condition < 10.0
+    inputs = views.plot_matrix(store, pair[0], domain="frequency")
+    assert np.abs(inputs.correlation[0, 1]) < 0.1
+    figures.plot_matrix(value)
+    with pytest.raises(BadInput, match="no channel"):
+        views.plot_matrix(store, pair[0], ("nothing",))
