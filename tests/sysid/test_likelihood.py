@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from tests.sysid.conftest import OMEGA, add_noise
@@ -32,10 +34,7 @@ def test_cost_never_rises_and_noise_free_lines_give_the_truth(make_case):
     u, y = case.spectra(5)
     estimate = maximize([case.experiment(u, y)], case.free(off=0.25))
     costs = [step.cost for step in estimate.steps]
-    assert all(
-        after <= before + 1e-9 * abs(before)
-        for before, after in zip(costs, costs[1:], strict=False)
-    )
+    assert all(after <= before + 1e-9 * abs(before) for before, after in itertools.pairwise(costs))
     assert np.allclose(estimate.values, case.truth.values.ravel(), rtol=1e-6)
 
 
