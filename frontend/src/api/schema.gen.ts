@@ -3835,7 +3835,10 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": unknown;
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                    "text/plain": string;
+                    "application/json": string;
                 };
             };
             /** @description Client Error */

@@ -204,7 +204,10 @@ def expect_errors(
     return Json(ExpectedErrors(items=list(errors)))
 
 
-@router.get("/{design_id}/export")
+_FILE = {media: {"schema": {"type": "string"}} for media in excitation.MEDIA.values()}
+
+
+@router.get("/{design_id}/export", response_class=Response, responses={200: {"content": _FILE}})
 def export_design(
     store: TheStore,
     design_id: Identity,
