@@ -13,7 +13,7 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import Method, Progress, RunSettings
 from flexsid.sysid.estimation.delays import find_delays
 from flexsid.sysid.estimation.equation_error import equation_error
-from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
 from flexsid.sysid.estimation.fusion import fuse, with_priors
@@ -31,6 +31,7 @@ from flexsid.workflow.measured import MeasuredLines
 Report = Callable[[Progress], None]
 EQUATION_ERROR = "equation error"
 _LONGEST_DELAY_S = 0.2
+_PERTURBED_STARTS = 3
 _SAME_COST = 1e-3  # ends closer than this are the same optimum
 
 
@@ -197,28 +198,51 @@ def _motion(data: ManeuverData) -> tuple[Motion, tuple[int, ...]]:
 def _likeliest(
     task: Task, experiments: list[Experiment], report: Report
 ) -> tuple[Parameters, str, Estimate]:
-    """Maximise from every starting point and keep the best end."""
+    """Maximise from every starting point and keep the best end.
+
+    Where even that did not converge, perturbed starts follow.
+    """
     candidates = _starting_points(task, report)
     limit = task.settings.max_iterations
     settings = FitSettings(max_iterations=limit, noise=task.settings.noise, priors=task.priors)
-    best: tuple[Parameters, str, Estimate] | None = None
-    for number, (name, parameters) in enumerate(candidates.items()):
 
-        def tell(iteration: int, cost: float, done: int = number, name: str = name) -> None:
+    def attempt(
+        name: str, parameters: Parameters, share: float
+    ) -> tuple[Parameters, str, Estimate]:
+        def tell(iteration: int, cost: float) -> None:
             report(
                 Progress(
                     iteration=iteration,
                     cost=cost,
-                    fraction=(done + iteration / limit) / len(candidates),
+                    fraction=share + (1.0 - share) * iteration / limit / len(candidates),
                     message=f"Iteration {iteration} from {name}",
                 )
             )
 
-        estimate = maximize(experiments, parameters, settings, tell)
-        if best is None or estimate.steps[-1].cost < best[2].steps[-1].cost - _SAME_COST:
-            best = parameters, name, estimate
-    assert best is not None
+        return parameters, name, maximize(experiments, parameters, settings, tell)
+
+    ends = [
+        attempt(name, parameters, number / len(candidates))
+        for number, (name, parameters) in enumerate(candidates.items())
+    ]
+    best = _best(ends)
+    for seed in range(_PERTURBED_STARTS):
+        if best[2].outcome in (Outcome.CONVERGED, Outcome.SINGULAR_INFORMATION):
+            break
+        parameters, name, _ = best
+        away = 1.0 + 0.3 * np.random.default_rng(seed).uniform(-1, 1, parameters.start.size)
+        elsewhere = replace(parameters, start=parameters.start * away)
+        best = _best([best, attempt(f"{name.split(', perturbed')[0]}, perturbed", elsewhere, 0.9)])
     return best
+
+
+def _best(
+    ends: list[tuple[Parameters, str, Estimate]],
+) -> tuple[Parameters, str, Estimate]:
+    """The likeliest end; of equal ones the first, converged ones before others."""
+    lowest = min(end[2].steps[-1].cost for end in ends)
+    same = [end for end in ends if end[2].steps[-1].cost < lowest + _SAME_COST]
+    return min(same, key=lambda end: end[2].outcome is not Outcome.CONVERGED)
 
 
 def _starting_points(task: Task, report: Report) -> dict[str, Parameters]:
