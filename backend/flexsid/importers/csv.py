@@ -1,18 +1,26 @@
-"""Delimited text: a header and one row per sample, UTF-8 or Latin-1."""
+"""Text: one row per sample, delimited or in columns of fixed width, UTF-8 or Latin-1."""
 
 from __future__ import annotations
 
-import io
+import codecs
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
-from flexsid.errors import UnreadableFile
+from flexsid import units
+from flexsid.errors import BadInput, UnreadableFile
+from flexsid.importers.source import Content, Field
 
 LARGEST_COLUMNS = 4096
 """A header wider than this is not a recording; wide headers stall readers."""
 
 LARGEST_LINE = 1024 * 1024
+_LINES_AT_ONCE = 20_000
+_LINES_TO_JUDGE = 50
 
 
 def recognises(head: bytes) -> bool:
@@ -20,15 +28,14 @@ def recognises(head: bytes) -> bool:
     return b"\x00" not in head
 
 
-def read(path: Path) -> tuple[dict[str, np.ndarray], int]:
+def read(path: Path) -> Content:
     """Read the columns of a text file.
 
     Returns
     -------
-    columns
-        One float64 array per header cell, in order of the file.
-    first_row
-        Line of the first sample, counted from 1.
+    Content
+        One float64 field per column, in order of the file; ``first_row`` is the
+        line of the first sample, counted from 1.
 
     Raises
     ------
@@ -36,63 +43,139 @@ def read(path: Path) -> tuple[dict[str, np.ndarray], int]:
         With the row and column of the first cell that is not a finite number,
         the first row of another length, or the header name that comes twice.
     """
-    text = _decode(path.read_bytes())
-    header_row, header = _header(text)
-    delimiter = _delimiter(header)
-    names = _split(header, delimiter)
-    numbered = all(_is_number(name) for name in names)
-    if numbered:
-        names = [str(number) for number in range(1, len(names) + 1)]
-    _check_names(names, header_row)
-    first_row = header_row if numbered else header_row + 1
-    lines = text.splitlines()[first_row - 1 :]
-    if not any(line.strip() for line in lines):
+    encoding = _encoding(path)
+    with path.open(encoding=encoding) as file:
+        layout = _layout(list(islice(_filled(file), _LINES_TO_JUDGE)))
+    with path.open(encoding=encoding) as file:
+        blocks = list(_blocks(file, layout))
+    if not blocks:
         raise UnreadableFile(
-            f"row {first_row}, column '{names[0]}' is missing: there is a header but no sample.",
-            row=first_row,
-            column=names[0],
+            f"row {layout.first_row}, column '{layout.names[0]}' is missing: "
+            "there is a header but no sample.",
+            row=layout.first_row,
+            column=layout.names[0],
         )
-    values = _numbers(lines, delimiter, names, first_row)
-    return {
-        name: np.ascontiguousarray(values[:, index]) for index, name in enumerate(names)
-    }, first_row
+    return Content(_columns(blocks, layout), layout.first_row)
 
 
-def _decode(raw: bytes) -> str:
-    try:
-        return raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return raw.decode("latin-1")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Layout:
+    """How the cells of a row are found; without delimiter and width, by blanks."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    first_row: int
+    delimiter: str | None
+    width: int | None
+    decimal_comma: bool
+
+    def cells(self, line: str) -> list[str]:
+        return _split(line, self.delimiter, self.width)
+
+    def plain(self, line: str) -> str:
+        """Write a row so that numpy reads it."""
+        if self.width is not None:
+            return ",".join(self.cells(line))
+        return line.replace(",", ".") if self.decimal_comma else line
 
 
-def _header(text: str) -> tuple[int, str]:
-    start = 0
+def _encoding(path: Path) -> str:
+    decoder = codecs.getincrementaldecoder("utf-8")()
+    with path.open("rb") as file:
+        try:
+            while piece := file.read(LARGEST_LINE):
+                decoder.decode(piece)
+            decoder.decode(b"", final=True)
+        except UnicodeDecodeError:
+            return "latin-1"
+    return "utf-8-sig"
+
+
+def _lines(file: TextIO) -> Iterator[tuple[int, str]]:
     row = 0
-    while start < len(text):
-        end = text.find("\n", start)
-        end = len(text) if end < 0 else end
+    while line := file.readline(LARGEST_LINE + 1):
         row += 1
-        if end - start > LARGEST_LINE:
+        if len(line) > LARGEST_LINE:
             raise UnreadableFile(
                 f"row {row} is longer than {LARGEST_LINE} characters; this is no recording.",
                 row=row,
             )
-        line = text[start:end].strip()
-        if line and not line.startswith(("#", "%")):
-            return row, line
-        start = end + 1
-    raise UnreadableFile(
-        "row 1, column 1 is missing: the file holds no header and no sample.", row=1, column=1
+        yield row, line.rstrip()
+
+
+def _filled(file: TextIO) -> Iterator[tuple[int, str]]:
+    return ((row, line) for row, line in _lines(file) if line)
+
+
+def _layout(head: Sequence[tuple[int, str]]) -> _Layout:
+    comments = [line for _, line in head if _is_comment(line)]
+    rows = [(row, line) for row, line in head if not _is_comment(line)]
+    if not rows:
+        raise UnreadableFile(
+            "row 1, column 1 is missing: the file holds no header and no sample.", row=1, column=1
+        )
+    row, header = rows[0]
+    lines = [line for _, line in rows]
+    delimiter = _delimiter(header)
+    width = None if delimiter is not None else _width(lines)
+    names = _split(header, delimiter, width)
+    symbols: list[str] = []
+    comma = delimiter == ";" and any(_is_decimal_comma(c) for c in _split(lines[-1], ";", None))
+    if all(_is_number(name.replace(",", ".") if comma else name) for name in names):
+        above = _split(comments[-1].lstrip("#% "), delimiter, None) if comments else []
+        named = len(above) == len(names) and not any(map(_is_number, above))
+        names = above if named else [str(number) for number in range(1, len(names) + 1)]
+        first_row = row
+    else:
+        first_row = row + 1
+        if len(rows) > 1 and _are_units(below := _split(lines[1], delimiter, width)):
+            symbols = below
+            first_row = rows[1][0] + 1
+    _check_names(names, row)
+    symbols = symbols if len(symbols) == len(names) else [""] * len(names)
+    return _Layout(
+        names=tuple(names),
+        units=tuple(symbols),
+        first_row=first_row,
+        delimiter=delimiter,
+        width=width,
+        decimal_comma=comma,
     )
 
 
+def _is_comment(line: str) -> bool:
+    return line.lstrip().startswith(("#", "%"))
+
+
 def _delimiter(header: str) -> str | None:
-    counts = {candidate: header.count(candidate) for candidate in (",", ";", "\t")}
+    counts = {candidate: header.count(candidate) for candidate in (";", ",", "\t")}
     best = max(counts, key=lambda candidate: counts[candidate])
     return best if counts[best] else None
 
 
-def _split(line: str, delimiter: str | None) -> list[str]:
+def _width(lines: Sequence[str]) -> int | None:
+    """Width of the columns where blanks do not separate them (Fortran prints ``1.5-2.5``)."""
+    rows = lines if _is_number(lines[0].split()[0]) else lines[1:]
+    blank = [row.split() for row in rows]
+    if not rows or (
+        all(len(cells) == len(blank[0]) for cells in blank)
+        and all(_is_number(cell) for cells in blank for cell in cells)
+    ):
+        return None
+    length = len(rows[0])
+    if any(len(row) != length for row in rows):
+        return None
+    for width in range(min(length // 2, 40), 1, -1):
+        if length % width == 0 and all(
+            _is_number(cell) for row in rows for cell in _split(row, None, width)
+        ):
+            return width
+    return None
+
+
+def _split(line: str, delimiter: str | None, width: int | None) -> list[str]:
+    if width is not None:
+        return [line[at : at + width].strip() for at in range(0, len(line), width)]
     return [cell.strip().strip('"').strip() for cell in line.split(delimiter)]
 
 
@@ -106,7 +189,23 @@ def _is_number(cell: str) -> bool:
     return True
 
 
-def _check_names(names: list[str], row: int) -> None:
+def _is_decimal_comma(cell: str) -> bool:
+    return cell.count(",") == 1 and _is_number(cell.replace(",", "."))
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Tell a second header row that gives the unit of every column."""
+    if any(map(_is_number, cells)) and not all(cell in ("1", "") for cell in cells):
+        cells = [cell for cell in cells if cell != "1"]
+    for cell in cells:
+        try:
+            units.lookup(cell.strip("[]()"))
+        except BadInput:
+            return False
+    return any(cell not in ("", "-", "1") for cell in cells)
+
+
+def _check_names(names: Sequence[str], row: int) -> None:
     if len(names) > LARGEST_COLUMNS:
         raise UnreadableFile(
             f"row {row} names {len(names)} columns; at most {LARGEST_COLUMNS} are read.", row=row
@@ -127,12 +226,18 @@ def _check_names(names: list[str], row: int) -> None:
         seen[name] = number
 
 
-def _numbers(
-    lines: list[str], delimiter: str | None, names: list[str], first_row: int
-) -> np.ndarray:
+def _blocks(file: TextIO, layout: _Layout) -> Iterator[np.ndarray]:
+    """Read some thousand rows at a time: a Python text takes many times its file."""
+    lines = ((row, line) for row, line in _lines(file) if row >= layout.first_row and line)
+    while some := list(islice(lines, _LINES_AT_ONCE)):
+        yield _numbers(some, layout)
+
+
+def _numbers(lines: Sequence[tuple[int, str]], layout: _Layout) -> np.ndarray:
+    delimiter = "," if layout.width is not None else layout.delimiter
     try:
         values = np.loadtxt(
-            io.StringIO("\n".join(lines)),
+            [layout.plain(line) for _, line in lines],
             delimiter=delimiter,
             ndmin=2,
             comments=None,
@@ -140,20 +245,17 @@ def _numbers(
             dtype=np.float64,
         )
     except ValueError as error:
-        _raise_at_first_bad_cell(lines, delimiter, names, first_row)
+        _raise_at_first_bad_cell(lines, layout)
         raise UnreadableFile(str(error)) from error
-    if values.shape[1] != len(names) or not np.isfinite(values).all():
-        _raise_at_first_bad_cell(lines, delimiter, names, first_row)
+    if values.shape[1] != len(layout.names) or not np.isfinite(values).all():
+        _raise_at_first_bad_cell(lines, layout)
     return values
 
 
-def _raise_at_first_bad_cell(
-    lines: list[str], delimiter: str | None, names: list[str], first_row: int
-) -> None:
-    for row, line in enumerate(lines, start=first_row):
-        if not line.strip():
-            continue
-        cells = _split(line, delimiter)
+def _raise_at_first_bad_cell(lines: Sequence[tuple[int, str]], layout: _Layout) -> None:
+    names = layout.names
+    for row, line in lines:
+        cells = layout.cells(line.replace(",", ".") if layout.decimal_comma else line)
         if len(cells) != len(names):
             at = names[len(cells)] if len(cells) < len(names) else str(len(names) + 1)
             raise UnreadableFile(
@@ -179,3 +281,8 @@ def _raise_at_first_bad_cell(
                     row=row,
                     column=name,
                 )
+
+
+def _columns(blocks: Sequence[np.ndarray], layout: _Layout) -> Iterator[Field]:
+    for index, (name, unit) in enumerate(zip(layout.names, layout.units, strict=True)):
+        yield Field(name, np.concatenate([block[:, index] for block in blocks]), unit)

@@ -1,32 +1,33 @@
-"""MATLAB files: v5 through scipy, v7.3 through h5py; structs become dotted paths."""
+"""MATLAB files: v5 through scipy, v7.3 as the HDF5 they are; structs become dotted paths."""
 
 from __future__ import annotations
 
+import mmap
 import struct
 import warnings
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
-import h5py
 import numpy as np
 from scipy import io
 
 from flexsid.errors import UnreadableFile
+from flexsid.importers import hdf5
+from flexsid.importers.source import LARGEST_CONTENT, Content, Field
 
-LARGEST_CONTENT = 2 * 1024**3
 DEEPEST = 16
 
-_HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
 _COMPRESSED = 15
 
 
 def recognises(head: bytes) -> bool:
     """Tell both kinds of MATLAB file by their magic."""
-    return _is_hdf5(head) or head[126:128] in (b"IM", b"MI")
+    return hdf5.recognises(head) or head[126:128] in (b"IM", b"MI")
 
 
-def read(path: Path) -> tuple[dict[str, np.ndarray], int]:
+def read(path: Path) -> Content:
     """Read every plain array, also inside structs: ``coeffdata.CZ_eta_i``.
 
     Raises
@@ -37,23 +38,34 @@ def read(path: Path) -> tuple[dict[str, np.ndarray], int]:
     """
     with path.open("rb") as file:
         head = file.read(1024)
-    arrays = _read_hdf5(path) if _is_hdf5(head) else _read_v5(path)
-    if not arrays:
-        raise UnreadableFile("the file holds no plain array.")
-    return arrays, 1
+    if hdf5.recognises(head):
+        return hdf5.read_matlab(path)
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as raw:
+        _bound_v5(raw)
+    return Content(_read_v5(path))
 
 
-def _is_hdf5(head: bytes) -> bool:
-    return head.startswith(_HDF5_MAGIC) or head[512:520] == _HDF5_MAGIC
+def _read_v5(path: Path) -> Iterator[Field]:
+    names = [name for name, _, _ in _quietly(io.whosmat, path) if not name.startswith("__")]
+    for name in names:
+        if names.count(name) > 1:
+            raise UnreadableFile(
+                f"two variables are called '{name}'.", code="duplicate-channel", column=name
+            )
+    for name in names:
+        content = _quietly(
+            io.loadmat, path, variable_names=[name], verify_compressed_data_integrity=True
+        )
+        for field, values in _leaves(name, content.get(name), 0):
+            yield Field(field, values)
 
 
-def _read_v5(path: Path) -> dict[str, np.ndarray]:
-    _bound_v5(path.read_bytes())
+def _quietly(read: Callable[..., Any], path: Path, **options: Any) -> Any:
     try:
         with warnings.catch_warnings():
             # MATLAB objects (an ss system, say) come as nameless variables; they are left out.
             warnings.simplefilter("ignore")
-            content = io.loadmat(path, verify_compressed_data_integrity=True)
+            return read(path, **options)
     except (
         ValueError,
         TypeError,
@@ -65,19 +77,9 @@ def _read_v5(path: Path) -> dict[str, np.ndarray]:
         zlib.error,
     ) as error:
         raise UnreadableFile(f"the MATLAB file is damaged ({error}).") from error
-    except MemoryError as error:
-        raise UnreadableFile(
-            "the MATLAB file claims an array that is too large to read."
-        ) from error
-    named = (
-        (name, value)
-        for name, value in content.items()
-        if isinstance(name, str) and not name.startswith("__")
-    )
-    return {path: values for name, value in named for path, values in _leaves(name, value, 0)}
 
 
-def _bound_v5(raw: bytes) -> None:
+def _bound_v5(raw: mmap.mmap) -> None:
     """Unpack every element in pieces, only to count: a few MB can unpack to GB."""
     order = "<" if raw[126:128] == b"IM" else ">"
     position = 128
@@ -132,45 +134,3 @@ def _leaves(path: str, value: object, depth: int) -> Iterator[tuple[str, np.ndar
             yield path, np.array(["".join(text.reshape(-1)) for text in texts])
     elif value.dtype.kind in "biufU":
         yield path, value
-
-
-def _read_hdf5(path: Path) -> dict[str, np.ndarray]:
-    try:
-        with h5py.File(path, "r") as file:
-            return dict(_hdf5_leaves(file, "", 0, [0]))
-    except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
-        raise UnreadableFile(f"the MATLAB v7.3 file is damaged ({error}).") from error
-
-
-def _hdf5_leaves(
-    group: h5py.Group, prefix: str, depth: int, total: list[int]
-) -> Iterator[tuple[str, np.ndarray]]:
-    if depth > DEEPEST:
-        return
-    for name in group:
-        if not name or name.startswith("#"):
-            continue
-        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-            raise UnreadableFile(
-                f"field '{prefix}{name}' is a link; only plain fields are read.", column=name
-            )
-        item = group[name]
-        if isinstance(item, h5py.Group):
-            yield from _hdf5_leaves(item, f"{prefix}{name}.", depth + 1, total)
-        elif isinstance(item, h5py.Dataset) and item.dtype.kind in "biuf":
-            if item.external or item.is_virtual:
-                raise UnreadableFile(
-                    f"field '{prefix}{name}' keeps its samples elsewhere.", column=name
-                )
-            total[0] += item.size * item.dtype.itemsize
-            if total[0] > LARGEST_CONTENT:
-                raise UnreadableFile(
-                    f"the MATLAB file unpacks to more than {LARGEST_CONTENT / 1024**3:.0f} GB."
-                )
-            if "MATLAB_empty" in item.attrs:
-                continue
-            # MATLAB stores columns first, HDF5 rows first.
-            values = np.asarray(item).T
-            if item.attrs.get("MATLAB_class") == b"char":
-                values = np.array(["".join(chr(int(code)) for code in values.reshape(-1))])
-            yield f"{prefix}{name}", values

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import math
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-
-LARGEST_CONTENT = 2 * 1024**3
+from flexsid.importers.source import LARGEST_CONTENT, Content, Field
 
 
 def recognises(head: bytes) -> bool:
     """Tell a zip archive by its magic."""
-    return head.startswith(b"PK\x03\x04")
+    return head.startswith((b"PK\x03\x04", b"PK\x05\x06"))
 
 
-def read(path: Path) -> tuple[dict[str, np.ndarray], int]:
+def read(path: Path) -> Content:
     """Read every array of an archive.
 
     Raises
@@ -27,6 +27,11 @@ def read(path: Path) -> tuple[dict[str, np.ndarray], int]:
         If a member is no plain array, claims more than it holds, or the
         archive unpacks to more than LARGEST_CONTENT.
     """
+    return Content(_fields(path))
+
+
+def _fields(path: Path) -> Iterator[Field]:
+    seen: set[str] = set()
     try:
         with zipfile.ZipFile(path) as archive:
             members = archive.infolist()
@@ -35,18 +40,21 @@ def read(path: Path) -> tuple[dict[str, np.ndarray], int]:
                 raise UnreadableFile(
                     f"the archive unpacks to {total / 1024**3:.1f} GB, too much to read."
                 )
-            arrays = {
-                member.filename.removesuffix(".npy"): _member(archive, member) for member in members
-            }
+            for member in members:
+                name = member.filename.removesuffix(".npy")
+                if name in seen:
+                    raise UnreadableFile(
+                        f"two arrays of the archive are called '{name}'.",
+                        code="duplicate-channel",
+                        column=name,
+                    )
+                seen.add(name)
+                yield Field(name, _member(archive, member, name))
     except (zipfile.BadZipFile, EOFError, OSError, NotImplementedError, RuntimeError) as error:
         raise UnreadableFile(f"the archive is damaged ({error}).") from error
-    if not arrays:
-        raise UnreadableFile("the archive holds no array.")
-    return arrays, 1
 
 
-def _member(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> np.ndarray:
-    name = member.filename.removesuffix(".npy")
+def _member(archive: zipfile.ZipFile, member: zipfile.ZipInfo, name: str) -> np.ndarray:
     try:
         with archive.open(member) as file:
             version = np.lib.format.read_magic(file)
@@ -66,5 +74,5 @@ def _member(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> np.ndarray:
             )
         with archive.open(member) as file:
             return np.lib.format.read_array(file, allow_pickle=False)
-    except ValueError as error:
+    except (ValueError, SyntaxError) as error:
         raise UnreadableFile(f"array '{name}' is not readable ({error}).", column=name) from error

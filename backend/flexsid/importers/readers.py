@@ -1,17 +1,19 @@
-"""Readers: choose the format by suffix and magic, and read a file into a Source."""
+"""Readers: choose the format by suffix and magic, and read a file field by field."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+import importlib
+import importlib.util
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers import csv, mat, npz
-from flexsid.importers.source import Source, Sources
+from flexsid.importers import csv, hdf5, mat, mdf, npz, parquet
+from flexsid.importers.source import Content, Field
 
 LARGEST_FILE = 2 * 1024**3
 
@@ -19,22 +21,46 @@ LARGEST_FILE = 2 * 1024**3
 @dataclass(frozen=True, slots=True)
 class _Format:
     name: str
-    read: Callable[[Path], tuple[dict[str, np.ndarray], int]]
+    read: Callable[[Path], Content]
     recognises: Callable[[bytes], bool]
+    needs: str = ""  # a package that only an extra brings
+    extra: str = ""
 
 
-_CSV = _Format("delimited text", csv.read, csv.recognises)
+_TEXT = _Format("text", csv.read, csv.recognises)
+_HDF5 = _Format("HDF5", hdf5.read, hdf5.recognises)
+_PARQUET = _Format("Parquet", parquet.read, parquet.recognises, "pyarrow", "parquet")
+_MDF = _Format("MDF", mdf.read, mdf.recognises, "asammdf", "mdf")
 _FORMATS: dict[str, _Format] = {
-    ".csv": _CSV,
-    ".tsv": _CSV,
-    ".txt": _CSV,
+    ".csv": _TEXT,
+    ".tsv": _TEXT,
+    ".txt": _TEXT,
+    ".asc": _TEXT,
+    ".dat": _TEXT,
     ".mat": _Format("MATLAB", mat.read, mat.recognises),
     ".npz": _Format("NumPy archive", npz.read, npz.recognises),
+    ".h5": _HDF5,
+    ".hdf5": _HDF5,
+    ".parquet": _PARQUET,
+    ".mf4": _MDF,
+    ".mdf": _MDF,
 }
 
+SUFFIXES: tuple[str, ...] = tuple(_FORMATS)
 
-def read(path: Path, name: str | None = None) -> Source:
-    """Read one file.
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OpenFile:
+    """A file whose kind was recognised and whose content is about to be read."""
+
+    name: str
+    sha256: str
+    first_row: int
+    fields: Iterator[Field]
+
+
+def open_file(path: Path, name: str | None = None) -> OpenFile:
+    """Recognise a file and begin to read it.
 
     Parameters
     ----------
@@ -47,16 +73,11 @@ def read(path: Path, name: str | None = None) -> Source:
     ------
     UnreadableFile
         If the suffix is unknown, the content is not what the suffix says, or
-        the content is damaged; the message names the place.
+        the content is damaged; the message names the place. The fields raise
+        it too, when their turn comes.
     """
     name = name or path.name
-    suffix = Path(name).suffix.lower()
-    chosen = _FORMATS.get(suffix)
-    if chosen is None:
-        known = ", ".join(_FORMATS)
-        raise UnreadableFile(
-            f"{name}: files of kind '{suffix}' cannot be read; expected one of {known}."
-        )
+    chosen = _format(name)
     try:
         size = path.stat().st_size
     except OSError as error:
@@ -73,18 +94,58 @@ def read(path: Path, name: str | None = None) -> Source:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
     if not chosen.recognises(head):
         raise UnreadableFile(
-            f"{name} does not start like a {chosen.name} file ({suffix}); export it again."
+            f"{name} does not start like a {chosen.name} file ({Path(name).suffix.lower()}); "
+            "export it again."
         )
     try:
-        arrays, first_row = chosen.read(path)
+        content = chosen.read(path)
     except UnreadableFile as error:
+        raise _named(error, name) from error
+    return OpenFile(
+        name=name,
+        sha256=digest,
+        first_row=content.first_row,
+        fields=_checked(content, name),
+    )
+
+
+def load_packages(names: Sequence[str]) -> None:
+    """Load the packages that files of these names need, which takes its time only once."""
+    for name in names:
+        chosen = _FORMATS.get(Path(name).suffix.lower())
+        if chosen is not None and chosen.needs and importlib.util.find_spec(chosen.needs):
+            importlib.import_module(chosen.needs)
+
+
+def _format(name: str) -> _Format:
+    suffix = Path(name).suffix.lower()
+    chosen = _FORMATS.get(suffix)
+    if chosen is None:
         raise UnreadableFile(
-            f"{name}: {error.message}", code=error.code, **error.context
-        ) from error
-    return Source(name=name, sha256=digest, arrays=arrays, first_row=first_row)
+            f"{name}: files of kind '{suffix}' cannot be read; expected one of "
+            f"{', '.join(_FORMATS)}."
+        )
+    if chosen.needs and importlib.util.find_spec(chosen.needs) is None:
+        raise UnreadableFile(
+            f"{name}: {chosen.name} files need a package that is not installed here; "
+            f"pip install 'flexsid[{chosen.extra}]' on the server brings it.",
+            code="extra-needed",
+        )
+    return chosen
 
 
-def read_all(paths: Sequence[Path], names: Sequence[str] | None = None) -> Sources:
-    """Read the files of one import."""
-    chosen = [path.name for path in paths] if names is None else list(names)
-    return Sources(tuple(read(path, name) for path, name in zip(paths, chosen, strict=True)))
+def _checked(content: Content, name: str) -> Iterator[Field]:
+    found = False
+    try:
+        for field in content.fields:
+            if np.asarray(field.samples).dtype.kind in "biufUS":
+                found = True
+                yield field
+    except UnreadableFile as error:
+        raise _named(error, name) from error
+    if not found:
+        raise UnreadableFile(f"{name}: the file holds no plain array.")
+
+
+def _named(error: UnreadableFile, name: str) -> UnreadableFile:
+    return UnreadableFile(f"{name}: {error.message}", code=error.code, **error.context)

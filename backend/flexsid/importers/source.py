@@ -3,17 +3,40 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from flexsid.errors import BadInput, UnreadableFile
 
+LARGEST_CONTENT = 2 * 1024**3
+"""Bytes of samples of one file; a small file may claim, or unpack to, any number."""
+
+
+class Field(NamedTuple):
+    """One array of a file, with what the file itself says of it."""
+
+    path: str
+    samples: np.ndarray
+    unit: str = ""
+    clock: str = ""  # the field that holds the time of its samples
+
+
+class Content(NamedTuple):
+    """What a reader finds, one field after the other; see ``Source.first_row``."""
+
+    fields: Iterable[Field]
+    first_row: int = 1
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Source:
     """Named arrays of one file; text arrays keep their text.
+
+    ``units`` and ``clocks`` hold what the file itself says of a field: its unit,
+    and the field with the time of its samples.
 
     ``first_row`` is the row of the file (from 1) where sample 0 of a column
     stands, so that a message can name the place that an editor shows.
@@ -23,6 +46,8 @@ class Source:
     sha256: str
     arrays: Mapping[str, np.ndarray]
     first_row: int = 1
+    units: Mapping[str, str] = field(default_factory=dict)
+    clocks: Mapping[str, str] = field(default_factory=dict)
 
     def check_finite(self, samples: np.ndarray, label: str) -> None:
         """Refuse NaN and infinity, naming row and column."""

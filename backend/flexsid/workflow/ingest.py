@@ -11,13 +11,13 @@ from typing import TypeVar
 import numpy as np
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
+from flexsid.importers import confined
 from flexsid.importers.aircraft import AircraftPart
 from flexsid.importers.channels import RawChannel
 from flexsid.importers.maneuver import FlightPart, RawManeuver, extract_maneuver
 from flexsid.importers.mapping import Mapping, parse_mapping, recognise
 from flexsid.importers.modal_table import RawModalTable, extract_modal_table
 from flexsid.importers.predictions import RawPrediction, extract_prediction
-from flexsid.importers.readers import read_all
 from flexsid.importers.source import Sources
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight
@@ -81,7 +81,7 @@ def read_upload(
         raise BadInput("No file was given; an import needs at least one.", code="bad-mapping")
     text = _text(mapping)
     parsed = None if text is None else parse_mapping(text)
-    sources = read_all(files, names)
+    sources = confined.read_all(files, names)
     if parsed is None:
         known = recognise(sources)
         if known is None:

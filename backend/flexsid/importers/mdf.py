@@ -1,0 +1,101 @@
+"""MDF3 and MDF4, the measurement files of recorders, through asammdf, an extra.
+
+``pip install flexsid[mdf]``. Every group of channels has a clock of its own.
+"""
+
+from __future__ import annotations
+
+import logging
+import struct
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flexsid.errors import UnreadableFile
+from flexsid.importers.source import LARGEST_CONTENT, Content, Field
+
+_FORMULA = {3: 10, 4: 3}
+"""Number of the conversion by a formula; a text from a file is not evaluated."""
+
+
+def recognises(head: bytes) -> bool:
+    """Tell MDF by its magic."""
+    return head.startswith(b"MDF ")
+
+
+def read(path: Path) -> Content:
+    """Read every channel with its unit and the clock of its group.
+
+    A name that several groups have is followed by ``@`` and the number of the
+    group; clocks are called ``time``, ``time@2``, ...
+
+    Raises
+    ------
+    UnreadableFile
+        If the file is damaged, or a channel is computed by a formula.
+    """
+    return Content(_fields(path))
+
+
+def _fields(path: Path) -> Iterator[Field]:
+    from asammdf import MDF
+    from asammdf.blocks.utils import MdfException
+
+    logging.getLogger("asammdf").setLevel(logging.CRITICAL)
+    try:
+        with MDF(path, raise_on_multiple_occurrences=False) as file:
+            counts = Counter(channel.name for group in file.groups for channel in group.channels)
+            version = int(str(file.version)[0])
+            for number, group in enumerate(file.groups, start=1):
+                yield from _group(file, group, number, version, counts)
+    except (
+        MdfException,
+        OSError,
+        ValueError,
+        KeyError,
+        IndexError,
+        TypeError,
+        AttributeError,
+        OverflowError,
+        RecursionError,
+        struct.error,
+    ) as error:
+        raise UnreadableFile(f"the MDF file is damaged ({error}).") from error
+
+
+def _group(
+    file: Any, group: Any, number: int, version: int, counts: Counter[str]
+) -> Iterator[Field]:
+    master = file.masters_db.get(number - 1)
+    n_samples = int(group.channel_group.cycles_nr)
+    if n_samples * 8 * max(1, len(group.channels)) > LARGEST_CONTENT:
+        raise UnreadableFile(
+            f"group {number} claims {n_samples} samples of {len(group.channels)} channels, more "
+            f"than {LARGEST_CONTENT / 1024**3:.0f} GB."
+        )
+    clock = ""
+    if master is not None:
+        clock = "time" if number == 1 else f"time@{number}"
+        yield Field(clock, np.asarray(file.get_master(number - 1), dtype=np.float64), "s")
+    for index, channel in enumerate(group.channels):
+        if index == master:
+            continue
+        name = channel.name if counts[channel.name] == 1 else f"{channel.name}@{number}"
+        conversion = channel.conversion
+        if conversion is not None and conversion.conversion_type == _FORMULA.get(version, -1):
+            raise UnreadableFile(
+                f"channel '{name}' is computed by a formula, which is never evaluated; export the "
+                "values instead.",
+                column=name,
+            )
+        signal = file.get(group=number - 1, index=index, ignore_invalidation_bits=False)
+        samples = np.asarray(signal.samples)
+        if samples.dtype.kind in "biuf" and samples.ndim == 1:
+            if samples.size != n_samples:
+                raise UnreadableFile(
+                    f"channel '{name}' holds {samples.size} of {n_samples} samples.", column=name
+                )
+            yield Field(name, samples, (signal.unit or "").strip(), clock)

@@ -1,0 +1,106 @@
+"""Reading: the process that opens files whose content nobody has vouched for yet.
+
+Started by ``confined``. It answers each request, one JSON line, with two: that it is
+ready, once what it needs is loaded; and what it found, after the samples have been
+written to a file. It may take neither more memory than ``MEMORY`` nor, measured by
+``confined``, more time than it is given.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import sys
+import warnings
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from flexsid.errors import UnreadableFile
+from flexsid.importers import readers
+
+MEMORY = 1024**3
+SAMPLES = "samples.bin"
+MANIFEST = "manifest.json"
+
+_ALIGNMENT = 64
+
+
+def main() -> None:
+    """Answer requests until the parent closes the pipe."""
+    warnings.simplefilter("ignore")
+    _limit_memory()
+    answers = sys.stdout
+    sys.stdout = sys.stderr  # libraries that print must not disturb the answers
+    for line in sys.stdin:
+        request = json.loads(line)
+        readers.load_packages(request["names"])
+        _say(answers, {"ready": True})
+        _say(answers, _answer(request))
+
+
+def _limit_memory() -> None:
+    """Bound what is written to, not what is mapped: numpy maps much that it never uses."""
+    kind = resource.RLIMIT_DATA
+    _, hard = resource.getrlimit(kind)
+    limit = MEMORY if hard == resource.RLIM_INFINITY else min(MEMORY, hard)
+    resource.setrlimit(kind, (limit, hard))
+
+
+def _say(answers: Any, answer: dict[str, Any]) -> None:
+    answers.write(json.dumps(answer) + "\n")
+    answers.flush()
+
+
+def _answer(request: dict[str, Any]) -> dict[str, Any]:
+    folder = Path(request["folder"])
+    name = ""
+    try:
+        sources: list[dict[str, Any]] = []
+        with (folder / SAMPLES).open("wb") as samples:
+            for path, name in zip(request["paths"], request["names"], strict=True):
+                sources.append(_decode(Path(path), name, samples))
+    except UnreadableFile as error:
+        return {"error": {"message": error.message, "code": error.code, "context": error.context}}
+    except MemoryError:
+        message = (
+            f"{name}: reading needs more than {MEMORY // 1024**3} GB of memory; "
+            "split the recording, or export it as HDF5 with one data set per channel."
+        )
+        return {"error": {"message": message, "code": "too-large", "context": {}}}
+    (folder / MANIFEST).write_text(json.dumps(sources), encoding="utf-8")
+    return {"done": True}
+
+
+def _decode(path: Path, name: str, samples: BinaryIO) -> dict[str, Any]:
+    opened = readers.open_file(path, name)
+    fields = [_kept(field, samples) for field in opened.fields]
+    return {
+        "name": opened.name,
+        "sha256": opened.sha256,
+        "first_row": opened.first_row,
+        "fields": fields,
+    }
+
+
+def _kept(field: readers.Field, samples: BinaryIO) -> dict[str, Any]:
+    values = np.asarray(field.samples)
+    entry: dict[str, Any] = {"path": field.path, "shape": list(values.shape)}
+    if field.unit:
+        entry["unit"] = field.unit
+    if field.clock:
+        entry["clock"] = field.clock
+    if values.dtype.kind in "US":
+        return {**entry, "texts": [str(text) for text in values.reshape(-1)]}
+    values = values.astype(values.dtype.newbyteorder("<"), copy=False)
+    position = samples.tell()
+    samples.write(bytes(-position % _ALIGNMENT))
+    entry |= {"dtype": values.dtype.str, "at": samples.tell()}
+    # Columns of a matrix are channels: they are to lie together.
+    samples.write(np.ascontiguousarray(values.T).data if values.size else b"")
+    return entry
+
+
+if __name__ == "__main__":
+    main()
