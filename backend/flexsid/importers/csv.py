@@ -100,11 +100,11 @@ def _lines(file: TextIO) -> Iterator[tuple[int, str]]:
                 f"row {row} is longer than {LARGEST_LINE} characters; this is no recording.",
                 row=row,
             )
-        yield row, line.rstrip()
+        yield row, line.rstrip("\n")
 
 
 def _filled(file: TextIO) -> Iterator[tuple[int, str]]:
-    return ((row, line) for row, line in _lines(file) if line)
+    return ((row, line) for row, line in _lines(file) if line.strip())
 
 
 def _layout(head: Sequence[tuple[int, str]]) -> _Layout:
@@ -155,22 +155,26 @@ def _delimiter(header: str) -> str | None:
 
 def _width(lines: Sequence[str]) -> int | None:
     """Width of the columns where blanks do not separate them (Fortran prints ``1.5-2.5``)."""
-    rows = lines if _is_number(lines[0].split()[0]) else lines[1:]
-    blank = [row.split() for row in rows]
-    if not rows or (
-        all(len(cells) == len(blank[0]) for cells in blank)
-        and all(_is_number(cell) for cells in blank for cell in cells)
-    ):
-        return None
-    length = len(rows[0])
-    if any(len(row) != length for row in rows):
-        return None
-    for width in range(min(length // 2, 40), 1, -1):
-        if length % width == 0 and all(
-            _is_number(cell) for row in rows for cell in _split(row, None, width)
-        ):
-            return width
+    for rows in (lines, lines[1:]):
+        blank = [row.split() for row in rows]
+        if all(len(cells) == len(blank[0]) and all(map(_is_number, cells)) for cells in blank):
+            return None
+        length = len(rows[0])
+        if any(len(row) != length for row in rows):
+            continue
+        for width in range(min(length // 2, 40), 1, -1):
+            if length % width == 0 and _fits(rows, width):
+                return width
     return None
+
+
+def _fits(rows: Sequence[str], width: int) -> bool:
+    """Tell whether columns of this width hold numbers; only the first row may have no gap."""
+    return all(
+        _is_number(cell) or (row > 0 and not cell)
+        for row, line in enumerate(rows)
+        for cell in _split(line, None, width)
+    )
 
 
 def _split(line: str, delimiter: str | None, width: int | None) -> list[str]:
@@ -228,7 +232,7 @@ def _check_names(names: Sequence[str], row: int) -> None:
 
 def _blocks(file: TextIO, layout: _Layout) -> Iterator[np.ndarray]:
     """Read some thousand rows at a time: a Python text takes many times its file."""
-    lines = ((row, line) for row, line in _lines(file) if row >= layout.first_row and line)
+    lines = ((row, line) for row, line in _lines(file) if row >= layout.first_row and line.strip())
     while some := list(islice(lines, _LINES_AT_ONCE)):
         yield _numbers(some, layout)
 

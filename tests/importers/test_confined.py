@@ -1,0 +1,69 @@
+"""The process that reads: it can be stopped, it ends with its parent, and it is used again."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexsid.errors import UnreadableFile
+from flexsid.importers import confined
+
+STAYS_BEHIND = """
+import os, sys
+from pathlib import Path
+from flexsid.importers import confined
+confined.read_all([Path(sys.argv[1])])
+print(confined._idle[0]._process.pid, flush=True)
+os.kill(os.getpid(), 9)
+"""
+
+
+@pytest.fixture
+def record(tmp_path: Path) -> Path:
+    path = tmp_path / "flight.csv"
+    path.write_text("t,q\n" + "".join(f"{k / 100},{k}\n" for k in range(200_000)))
+    return path
+
+
+def test_reading_that_takes_too_long_is_stopped(
+    record: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as changed:
+        changed.setattr(confined, "SECONDS", 0.01)
+        changed.setattr(confined, "_BYTES_PER_SECOND", 1e12)
+        with pytest.raises(UnreadableFile, match=r"flight\.csv: reading takes more than") as caught:
+            confined.read_all([record])
+    assert caught.value.code == "too-slow"
+    assert confined.read_all([record]).numbers("q").size == 200_000
+
+
+def test_samples_outlive_the_file_they_were_mapped_from(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", q=np.arange(5.0), empty=np.zeros((0, 3)), name=np.array("NOM"))
+    sources = confined.read_all([tmp_path / "a.npz"])
+    (tmp_path / "a.npz").unlink()
+    np.testing.assert_array_equal(sources.numbers("q"), np.arange(5.0))
+    assert sources.items[0].arrays["empty"].shape == (0, 3)
+    assert sources.texts("name") == ("NOM",)
+    with pytest.raises(ValueError, match="read-only"):
+        sources.items[0].arrays["q"][0] = 1.0
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="only Linux lists its processes there")
+def test_the_reader_ends_with_its_parent(record: Path) -> None:
+    command = [sys.executable, "-c", STAYS_BEHIND, str(record)]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    pid = int(ended.stdout)
+    for _ in range(100):
+        try:
+            # A zombie that nobody has waited for yet has an empty command.
+            if not Path(f"/proc/{pid}/cmdline").read_bytes():
+                break
+        except OSError:
+            break
+        subprocess.run(["sleep", "0.1"], check=True)
+    else:
+        pytest.fail("the reader is still there")
