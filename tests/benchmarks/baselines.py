@@ -108,8 +108,8 @@ def toolbox_iteration(problem: Problem, theta: np.ndarray) -> tuple[np.ndarray, 
 def toolbox(problem: Problem, tolerance: float = 1e-2, max_iterations: int = 40) -> Fitted:
     """Gauss-Newton with step halving and alternating variances.
 
-    Ends like our maximisation: when the largest step, in standard errors, is below
-    ``tolerance``.
+    Ends when the largest step, in standard errors, is below ``tolerance``. Our maximisation
+    ends as soon as steps shrink so fast that less than twice that is left to go.
     """
     theta = problem.start.copy()
 

@@ -21,6 +21,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 from baselines import Problem, by_least_squares, toolbox, toolbox_iteration
+from scipy.linalg import lapack
 
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import INPUTS, Truth, load_truth
@@ -29,10 +30,12 @@ from flexsid.sysid.estimation.batch import regress_batch
 from flexsid.sysid.estimation.delays import find_delays
 from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate
-from flexsid.sysid.estimation.experiment import Experiment, LineModel
+from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
+from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
-from flexsid.sysid.estimation.noise import line_weights, residual_density
+from flexsid.sysid.estimation.line_model import LineModel
+from flexsid.sysid.estimation.noise import group_powers, residual_density
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
@@ -175,15 +178,16 @@ def gauss_newton_step(problem: Problem) -> Callable[[], np.ndarray]:
     parameters = free_all(problem, problem.start)
     experiment = as_experiment(problem)
     model = LineModel(experiment, parameters)
+    form = NormalForm(model)
+    powers = group_powers(experiment.measured, experiment.group, 1)
 
     def step() -> np.ndarray:
         response = model.respond(problem.start)
         nu = experiment.measured - response.outputs
-        S = residual_density(nu, experiment.measured, experiment.group, 1, "diagonal")
+        S, _ = residual_density(nu, powers, experiment.group, "diagonal")
         sensitivity = model.sensitivity(problem.start, response)
-        N, g = model.normal_equations(sensitivity, nu, line_weights(S, experiment.group))
-        scale = np.sqrt(np.diag(N))
-        return np.linalg.solve(N / np.outer(scale, scale), g / scale) / scale
+        N, g = form.equations(sensitivity, nu, S.inverse())
+        return lapack.dposv(N, g)[1]
 
     return step
 
@@ -310,7 +314,7 @@ def carry_out(
     found = find_delays(model, u, z, through)
     sensed = np.exp(-1j * np.outer(omega, found))
     motion = reconstruct_motion(model, z, sensed)
-    ee = equation_error(model, motion, u, start, compensate=False)
+    ee = equation_error(model, motion, u, start)
     names = tuple(f"delay_{name}" for name in model.outputs)
     warm = select_parameters(start.table(ee.values), None, model.outputs, names)
     warm = replace(warm, start=np.concatenate([ee.values, found]))

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from tests.sysid.conftest import add_noise
 
-from flexsid.sysid.estimation.experiment import LineModel
+from flexsid.sysid.estimation.kronecker import NormalForm
+from flexsid.sysid.estimation.line_model import LineModel
+from flexsid.sysid.estimation.noise import LineMatrix
 
 EXTRAS = ("delay_q", "delay_alpha", "scale_alpha", "omega_7", "zeta_9", "shape_az_cf_7")
 
@@ -52,7 +54,7 @@ def test_normal_matrix_equals_the_explicit_one(line_model, kind):
     else:
         half = rng.normal(size=(n_lines, n_y, n_y)) + 1j * rng.normal(size=(n_lines, n_y, n_y))
         weights = matrices = half @ half.conj().transpose(0, 2, 1) + np.eye(n_y)
-    N, g = model.normal_equations(sensitivity, nu, weights)
+    N, g = NormalForm(model).equations(sensitivity, nu, LineMatrix(weights, np.arange(n_lines)))
     J = model.jacobian(sensitivity)
     N_explicit = np.real(np.einsum("kyi,kyx,kxj->ij", J.conj(), matrices, J))
     g_explicit = np.real(np.einsum("kyi,kyx,kx->i", J.conj(), matrices, nu))
@@ -66,7 +68,9 @@ def test_gradients_of_single_outputs_add_up(line_model):
     response = model.respond(theta)
     sensitivity = model.sensitivity(theta, response)
     nu = model.experiment.measured - response.outputs
-    weights = np.random.default_rng(4).uniform(0.5, 2.0, size=nu.shape)
-    _, g = model.normal_equations(sensitivity, nu, weights)
-    parts = model.output_gradients(sensitivity, nu, weights)
+    blocks = np.random.default_rng(4).uniform(0.5, 2.0, size=(2, nu.shape[1]))
+    weights = LineMatrix(blocks, (np.arange(len(nu)) >= 20).astype(int))
+    form = NormalForm(model)
+    _, g = form.equations(sensitivity, nu, weights)
+    parts = form.output_gradients(sensitivity, nu, weights)
     assert np.allclose(parts.sum(axis=(0, 2)), g, rtol=1e-10, atol=1e-10 * np.abs(g).max())

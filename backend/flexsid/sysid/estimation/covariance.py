@@ -10,10 +10,12 @@ from jaxtyping import Float
 from scipy.linalg import lapack
 
 from flexsid.sysid.estimation import noise
-from flexsid.sysid.estimation.experiment import Experiment, LineModel, Sensitivity
+from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.kronecker import NormalForm
+from flexsid.sysid.estimation.line_model import LineModel, Sensitivity
 
 _WEAKEST = 1e-13  # of the strongest direction of the scaled information
-_SAFE = 1e-11  # reciprocal condition from which on no direction is weak
+_SAFE = 1e11  # condition number up to which no direction is weak
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +43,10 @@ class Covariance:
 class FinalLines:
     """The lines of one maneuver at the estimate."""
 
-    model: LineModel
+    form: NormalForm
     sensitivity: Sensitivity
     residuals: np.ndarray
-    weights: np.ndarray
+    weights: noise.LineMatrix
     theta: Float[np.ndarray, " n_theta"]
 
 
@@ -90,9 +92,12 @@ def _invert(
 ) -> tuple[Float[np.ndarray, "n_theta n_theta"], Float[np.ndarray, "n_theta n_lacking"]]:
     """Inverse of an information matrix of unit diagonal, and the directions it lacks."""
     factor, info = lapack.dpotrf(scaled, lower=False)
-    if info == 0 and lapack.dpocon(factor, np.linalg.norm(scaled, 1), uplo="U")[0] > _SAFE:
-        upper = np.triu(lapack.dpotri(factor, lower=False)[0])
-        return upper + np.triu(upper, 1).T, np.empty((scaled.shape[0], 0))
+    if info == 0:
+        upper = np.triu(lapack.dpotri(factor, lower=False, overwrite_c=True)[0])
+        inverse = upper + upper.T
+        np.fill_diagonal(inverse, np.diag(upper))
+        if np.abs(scaled).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max() < _SAFE:
+            return inverse, np.empty((scaled.shape[0], 0))
     values, vectors = np.linalg.eigh(scaled)
     floored = np.maximum(values, _WEAKEST * values[-1])
     return (vectors / floored) @ vectors.T, vectors[:, values < _WEAKEST * values[-1]]
@@ -100,28 +105,28 @@ def _invert(
 
 def _score_covariance(final: FinalLines) -> Float[np.ndarray, "n_theta n_theta"]:
     """Twice the covariance of Re sum J^H W nu for the residuals as they are."""
-    experiment, W = final.model.experiment, final.weights
+    experiment = final.form.model.experiment
     if experiment.source is not None and experiment.gain is not None:
         return _shared(final, experiment.source, experiment.gain)
-    S = _density(experiment, final.residuals)
-    middle = W[:, :, None] * S * W[:, None, :] if W.ndim == 2 else W @ S @ W
-    return final.model.normal_equations(final.sensitivity, final.residuals, middle)[0]
+    density = _density(experiment, final.residuals)
+    middle = density.between(final.weights)
+    return final.form.equations(final.sensitivity, final.residuals, middle)[0]
 
 
 def _shared(
     final: FinalLines, source: Experiment, gain: np.ndarray
 ) -> Float[np.ndarray, "n_theta n_theta"]:
     """The same where lines share the noise of source lines."""
-    J, W = final.model.jacobian(final.sensitivity), final.weights
-    weighted = W[:, :, None] * J if W.ndim == 2 else W @ J
-    n_y, n_theta = J.shape[1:]
-    A = (gain.conj().T @ weighted.reshape(J.shape[0], -1)).reshape(-1, n_y, n_theta)
-    response = LineModel(source, final.model.parameters).respond(final.theta)
+    model = final.form.model
+    weighted = final.weights.times(model.jacobian(final.sensitivity))
+    n_y, n_theta = weighted.shape[1:]
+    A = (gain.conj().T @ weighted.reshape(weighted.shape[0], -1)).reshape(-1, n_y, n_theta)
+    response = LineModel(source, model.parameters).respond(final.theta)
     S = _density(source, source.measured - response.outputs)
-    return np.real(A.reshape(-1, n_theta).conj().T @ (S @ A).reshape(-1, n_theta))
+    return np.real(A.reshape(-1, n_theta).conj().T @ S.times(A).reshape(-1, n_theta))
 
 
-def _density(experiment: Experiment, residuals: np.ndarray) -> np.ndarray:
+def _density(experiment: Experiment, residuals: np.ndarray) -> noise.LineMatrix:
     return noise.smoothed_density(residuals, experiment.group, len(experiment.group_names))
 
 

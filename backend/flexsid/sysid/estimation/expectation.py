@@ -9,7 +9,10 @@ from jaxtyping import Complex, Float
 from scipy import optimize
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.estimation.experiment import Experiment, LineModel
+from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.kronecker import NormalForm
+from flexsid.sysid.estimation.line_model import LineModel
+from flexsid.sysid.estimation.noise import LineMatrix
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -197,7 +200,8 @@ def _information(
     )
     response = lines.respond(parameters.start)
     sensitivity = lines.sensitivity(parameters.start, response)
-    normal, _ = lines.normal_equations(sensitivity, blank, np.broadcast_to(weight, blank.shape))
+    weights = LineMatrix(np.asarray(weight, dtype=float)[None], lines.experiment.group)
+    normal, _ = NormalForm(lines).equations(sensitivity, blank, weights)
     return 2.0 * normal, response.outputs
 
 

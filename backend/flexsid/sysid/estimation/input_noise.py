@@ -7,7 +7,9 @@ from jaxtyping import Float
 
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.estimate import Estimate
-from flexsid.sysid.estimation.experiment import Experiment, LineModel
+from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.kronecker import NormalForm
+from flexsid.sysid.estimation.line_model import LineModel
 from flexsid.sysid.estimation.parameters import Parameters
 
 
@@ -36,19 +38,18 @@ def input_noise_errors(
     response = model.respond(estimate.values)
     sensitivity = model.sensitivity(estimate.values, response)
     residuals = experiment.measured - response.outputs
-    density = noise.residual_density(
-        residuals, experiment.measured, experiment.group, len(experiment.group_names), "diagonal"
-    )
-    W = noise.line_weights(density, experiment.group)
-    information, _ = model.normal_equations(sensitivity, residuals, W)
+    powers = noise.group_powers(experiment.measured, experiment.group, len(experiment.group_names))
+    density, _ = noise.residual_density(residuals, powers, experiment.group, "diagonal")
+    W = density.inverse()
+    form = NormalForm(model)
+    information, _ = form.equations(sensitivity, residuals, W)
     n_u = experiment.inputs.shape[1]
     table = parameters.table(estimate.values).values
     load = (model.rows[:, None] * table * model.columns)[:, -n_u:]
     H = sensitivity.forces @ load
     spread = (H * input_noise[:, None, :]) @ H.conj().transpose(0, 2, 1)
-    middle, _ = model.normal_equations(
-        sensitivity, residuals, W[:, :, None] * spread * W[:, None, :]
-    )
+    per_line = noise.LineMatrix(spread, np.arange(len(spread)))
+    middle, _ = form.equations(sensitivity, residuals, per_line.between(W))
     scale = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
     scaled = information / np.outer(scale, scale)
     half = np.linalg.lstsq(scaled, middle / np.outer(scale, scale), rcond=1e-13)[0]

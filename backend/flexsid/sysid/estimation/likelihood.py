@@ -19,15 +19,14 @@ from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.covariance import FinalLines, covariance
 from flexsid.sysid.estimation.estimate import Estimate, FittedLines, Outcome, Step
-from flexsid.sysid.estimation.experiment import (
-    Experiment,
-    LineModel,
-    Response,
-    Sensitivity,
-)
+from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.kronecker import NormalForm
+from flexsid.sysid.estimation.line_model import LineModel, Response, Sensitivity
 from flexsid.sysid.estimation.parameters import Parameters
 
 Report = Callable[[int, float], None]
+_AS_EXPECTED = 0.75  # of what the curvature promises: good enough to look no further
+_CONVERGING = 0.3  # share of the step before: smaller ones shrink for good
 _NEAR = 20  # standard errors: steps below count as near the optimum
 
 
@@ -35,12 +34,12 @@ _NEAR = 20  # standard errors: steps below count as near the optimum
 class FitSettings:
     """How to maximise.
 
-    ``tolerance`` is the largest step, in standard errors, that counts as none;
+    ``tolerance`` is how far from the optimum, in standard errors, counts as there;
     ``priors`` holds value and standard deviation by parameter name.
     """
 
     max_iterations: int = 50
-    tolerance: float = 1e-2
+    tolerance: float = 2e-2
     noise: str = "diagonal"
     priors: Mapping[str, tuple[float, float]] | None = None
 
@@ -52,21 +51,17 @@ class _State:
     theta: np.ndarray
     responses: list[Response]
     residuals: list[np.ndarray]
-    densities: list[np.ndarray]
+    densities: list[noise.LineMatrix]
     cost: float
 
 
 @dataclass(frozen=True, slots=True)
 class _Expansion:
-    """Normal matrix, gradient and sensitivities around a state.
-
-    ``gradients`` (n_theta, any) are those of single outputs, scaled so that their outer
-    product is what letting S follow takes off the curvature; None for a full S.
-    """
+    """Normal matrix, gradient and sensitivities around a state, for these weights."""
 
     N: np.ndarray
     g: np.ndarray
-    gradients: np.ndarray | None
+    weights: list[noise.LineMatrix]
     sensitivities: list[Sensitivity]
 
 
@@ -122,6 +117,10 @@ class _Problem:
         self.parameters = parameters
         self.settings = settings
         self.models = [LineModel(e, parameters) for e in experiments]
+        self.forms = [NormalForm(model) for model in self.models]
+        self.measured_powers = [
+            noise.group_powers(e.measured, e.group, len(e.group_names)) for e in experiments
+        ]
         self.prior_mean, self.prior_information = _prior(parameters, settings)
 
     def at(self, theta: np.ndarray) -> _State:
@@ -132,20 +131,13 @@ class _Problem:
         ]
         if not all(np.isfinite(nu).all() for nu in residuals):
             return _State(theta, responses, residuals, [], np.inf)
-        densities = [
-            noise.residual_density(nu, e.measured, e.group, len(e.group_names), self.settings.noise)
-            for e, nu in zip(self.experiments, residuals, strict=True)
-        ]
-        offset = theta - self.prior_mean
-        cost = float(self.prior_information @ offset**2)
-        for nu, S, e in zip(residuals, densities, self.experiments, strict=True):
-            cost += noise.negative_log_likelihood(nu, S, e.group)
+        densities = []
+        cost = float(self.prior_information @ (theta - self.prior_mean) ** 2)
+        for e, nu, power in zip(self.experiments, residuals, self.measured_powers, strict=True):
+            density, part = noise.residual_density(nu, power, e.group, self.settings.noise)
+            densities.append(density)
+            cost += part
         return _State(theta, responses, residuals, densities, cost)
-
-    def weights(self, densities: list[np.ndarray]) -> list[np.ndarray]:
-        return [
-            noise.line_weights(S, e.group) for S, e in zip(densities, self.experiments, strict=True)
-        ]
 
     def run(self, report: Report) -> Estimate:
         state = self.at(self.parameters.start)
@@ -160,7 +152,7 @@ class _Problem:
         outcome = Outcome.ITERATION_LIMIT
         for iteration in range(1, self.settings.max_iterations + 1):
             near = steps[-1].step < _NEAR
-            around = self.expand(state, self.weights(state.densities))
+            around = self.expand(state, [S.inverse() for S in state.densities])
             found = self._step(state, around, damping, near=near)
             if found is None:
                 small = _gradient_is_small(around.N, around.g)
@@ -171,34 +163,41 @@ class _Problem:
             state = trial
             steps.append(Step(iteration, state.cost, size))
             report(iteration, state.cost)
-            if size < self.settings.tolerance and damping <= 1e-3:
+            if _left_to_go(steps) < self.settings.tolerance and damping <= 1e-3:
                 outcome = Outcome.CONVERGED
                 break
         return self._estimate(state, steps, outcome)
 
-    def expand(self, state: _State, weights: list[np.ndarray]) -> _Expansion:
-        """Expand the cost around a state.
-
-        With a diagonal S concentrated out the cost is sum M ln c_o, whose curvature
-        lacks 2/M g_o g_o^T of every output o. Without this term the relaxation of S
-        converges only linearly where the model is of too low an order.
-        """
+    def expand(self, state: _State, weights: list[noise.LineMatrix]) -> _Expansion:
+        """Expand the cost around a state, with the noise held."""
         N = np.diag(self.prior_information)
         g = self.prior_information * (self.prior_mean - state.theta)
-        columns, sensitivities = [], []
-        for model, response, nu, W in zip(
-            self.models, state.responses, state.residuals, weights, strict=True
+        sensitivities = []
+        for form, response, nu, W in zip(
+            self.forms, state.responses, state.residuals, weights, strict=True
         ):
-            sensitivity = model.sensitivity(state.theta, response)
+            sensitivity = form.model.sensitivity(state.theta, response)
             sensitivities.append(sensitivity)
-            n_part, g_part = model.normal_equations(sensitivity, nu, W)
+            n_part, g_part = form.equations(sensitivity, nu, W)
             N, g = N + n_part, g + g_part
-            if W.ndim == 2:
-                counts = np.bincount(model.experiment.group)
-                gradients = model.output_gradients(sensitivity, nu, W)
+        return _Expansion(N, g, weights, sensitivities)
+
+    def followed(self, state: _State, around: _Expansion) -> Float[np.ndarray, "n_theta any"]:
+        """What letting a diagonal S follow takes off the curvature, as columns of a square.
+
+        With S concentrated out the cost is sum M ln c_o, whose curvature lacks
+        2/M g_o g_o^T of every output o. Without this term the relaxation of S
+        converges only linearly where the model is of too low an order.
+        """
+        columns = [np.empty((state.theta.size, 0))]
+        for form, sensitivity, nu, W in zip(
+            self.forms, around.sensitivities, state.residuals, around.weights, strict=True
+        ):
+            if W.is_diagonal:
+                gradients = form.output_gradients(sensitivity, nu, W)
+                counts = np.bincount(W.block)
                 columns.extend(gradients * np.sqrt(2.0 / counts)[:, None, None])
-        stacked = np.concatenate(columns, axis=1) if columns else None
-        return _Expansion(N, g, stacked, sensitivities)
+        return np.concatenate(columns, axis=1)
 
     def _step(
         self, state: _State, around: _Expansion, damping: float, *, near: bool
@@ -208,21 +207,21 @@ class _Problem:
         With S concentrated out the curvature is exact near the optimum; far from it either
         matrix may lead further, so both are tried.
         """
-        scale = np.sqrt(np.maximum(np.diag(around.N), np.finfo(float).tiny))
-        candidates = [around.N / np.outer(scale, scale)]
-        if around.gradients is not None:
-            scaled = around.gradients / scale[:, None]
-            candidates.insert(0, candidates[0] - scaled @ scaled.T)
+        candidates = [around.N]
+        followed = self.followed(state, around)
+        if followed.size:
+            candidates.insert(0, around.N - followed @ followed.T)
         while damping < 1e9:
             best = state
             for matrix in candidates:
-                delta = _damped_step(matrix, around.g / scale, damping)
+                delta = _damped_step(matrix, around, damping)
                 if delta is None:
                     continue
-                trial = self.at(state.theta + delta / scale)
+                trial = self.at(state.theta + delta)
                 if trial.cost <= best.cost + 1e-12 * abs(best.cost):
                     best = trial
-                    if near:
+                    expected = float(around.g @ delta)
+                    if near or state.cost - trial.cost > _AS_EXPECTED * expected:
                         break
             if best is not state:
                 return best, max(0.1 * damping, 1e-12)
@@ -233,12 +232,11 @@ class _Problem:
         n_theta = state.theta.size
         n_data = sum(2 * e.measured.size for e in self.experiments)
         inflation = n_data / (n_data - n_theta)
-        weights = [W / inflation for W in self.weights(state.densities)]
-        around = self.expand(state, weights)
+        around = self.expand(state, [S.scaled(inflation).inverse() for S in state.densities])
         lines = [
-            FinalLines(model, sensitivity, nu, W, state.theta)
-            for model, sensitivity, nu, W in zip(
-                self.models, around.sensitivities, state.residuals, weights, strict=True
+            FinalLines(form, sensitivity, nu, W, state.theta)
+            for form, sensitivity, nu, W in zip(
+                self.forms, around.sensitivities, state.residuals, around.weights, strict=True
             )
         ]
         found = covariance(lines, around.N, self.prior_information, inflation)
@@ -297,17 +295,27 @@ def _prior(
     return mean, information
 
 
-def _damped_step(matrix: np.ndarray, g: np.ndarray, damping: float) -> np.ndarray | None:
-    """Solve with the diagonal raised, None where the matrix is still not positive."""
-    damped = matrix.copy()
-    damped[np.diag_indices(g.size)] += damping
-    factor, info = lapack.dpotrf(damped, lower=False, overwrite_a=True)
-    return None if info != 0 else lapack.dpotrs(factor, g, lower=False)[0]
+def _damped_step(matrix: np.ndarray, around: _Expansion, damping: float) -> np.ndarray | None:
+    """Solve with the diagonal raised, None where the matrix is still not positive.
+
+    Cholesky's rounding does not depend on how the parameters are scaled.
+    """
+    damped = matrix.copy(order="F")
+    damped.ravel("K")[:: len(damped) + 1] += damping * np.diag(around.N)
+    factor, info = lapack.dpotrf(damped, lower=False, overwrite_a=True, clean=False)
+    return None if info != 0 else lapack.dpotrs(factor, around.g, lower=False)[0]
 
 
 def _size_in_std_errors(N: np.ndarray, delta: np.ndarray) -> float:
     """Largest step against a lower bound of its standard error, correlation ignored."""
     return float(np.max(np.abs(delta) * np.sqrt(2.0 * np.diag(N))))
+
+
+def _left_to_go(steps: Sequence[Step]) -> float:
+    """Standard errors still to go if steps keep shrinking as the last one did."""
+    last, before = steps[-1].step, steps[-2].step
+    rate = last / before if np.isfinite(before) and before > 0 else 1.0
+    return last * rate / (1.0 - rate) if rate < _CONVERGING else last
 
 
 def _gradient_is_small(N: np.ndarray, g: np.ndarray) -> bool:

@@ -2,55 +2,136 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from itertools import pairwise
+
 import numpy as np
-from jaxtyping import Complex
+from jaxtyping import Complex, Float
 
 _SEGMENT = 5  # lines
+_NEIGHBOURS = 2  # segments on either side
 _RELATIVE_FLOOR = 1e-20  # of the measured power: keeps weights finite on noise-free data
+
+
+@dataclass(frozen=True, slots=True)
+class LineMatrix:
+    """A Hermitian matrix over the outputs at every line; the lines of a block share it.
+
+    ``blocks`` is (n_blocks, n_y) real where the matrix is diagonal, else
+    (n_blocks, n_y, n_y); ``block`` numbers the block of every line, in order.
+    """
+
+    blocks: np.ndarray
+    block: np.ndarray
+
+    @property
+    def is_diagonal(self) -> bool:
+        """Whether nothing couples the outputs."""
+        return self.blocks.ndim == 2
+
+    def inverse(self) -> LineMatrix:
+        """The weights that belong to a density."""
+        if self.is_diagonal:
+            return LineMatrix(1.0 / self.blocks, self.block)
+        identity = np.broadcast_to(np.eye(self.blocks.shape[1]), self.blocks.shape)
+        return LineMatrix(np.linalg.solve(self.blocks, identity), self.block)
+
+    def scaled(self, factor: float) -> LineMatrix:
+        """Every matrix multiplied."""
+        return LineMatrix(factor * self.blocks, self.block)
+
+    def of_lines(self) -> np.ndarray:
+        """The matrix, or its diagonal, of every line; a single one where all share it."""
+        return self.blocks if self.blocks.shape[0] == 1 else self.blocks[self.block]
+
+    def between(self, weights: LineMatrix) -> LineMatrix:
+        """W S W, for weights whose blocks are unions of blocks of this density S."""
+        first = np.searchsorted(self.block, np.arange(self.blocks.shape[0]))
+        W, S = weights.blocks[weights.block[first]], self.blocks
+        both = W[:, :, None] * S * W[:, None, :] if weights.is_diagonal else W @ S @ W
+        return LineMatrix(both, self.block)
+
+    def times(
+        self,
+        values: Complex[np.ndarray, "n_omega n_y n_k"],
+        out: Complex[np.ndarray, "n_omega n_y n_k"] | None = None,
+    ) -> Complex[np.ndarray, "n_omega n_y n_k"]:
+        """Matrix product at every line, into ``out`` where it is given."""
+        if self.is_diagonal:
+            return np.multiply(values, self.of_lines()[:, :, None], out=out)
+        if self.blocks.shape[0] == self.block.size:
+            return np.matmul(self.blocks, values, out=out)
+        result = np.empty(values.shape, dtype=complex) if out is None else out
+        n_y, n_k = values.shape[1:]
+        for matrix, lines in zip(self.blocks, self.block_lines(), strict=True):
+            # The lines of a block side by side: one product instead of one for each line.
+            beside = values[lines].transpose(1, 0, 2).reshape(n_y, -1)
+            result[lines] = (matrix @ beside).reshape(n_y, -1, n_k).transpose(1, 0, 2)
+        return result
+
+    def block_lines(self) -> list[slice]:
+        """The lines of every block."""
+        if self.blocks.shape[0] == 1:
+            return [slice(None)]
+        ends = np.searchsorted(self.block, np.arange(self.blocks.shape[0] + 1)).tolist()
+        return [slice(a, b) for a, b in pairwise(ends)]
+
+
+def group_powers(
+    values: Complex[np.ndarray, "n_omega n_y"], group: np.ndarray, n_groups: int
+) -> Float[np.ndarray, "n_groups n_y"]:
+    """Mean square of every output over the lines of each group."""
+    if n_groups == 1:
+        parts = np.ascontiguousarray(values).view(float).reshape(*values.shape, 2)
+        return (np.einsum("kyc,kyc->y", parts, parts) / values.shape[0])[None]
+    member = (group == np.arange(n_groups)[:, None]) / np.bincount(group, minlength=n_groups)[
+        :, None
+    ]
+    return member @ (np.real(values) ** 2 + np.imag(values) ** 2)
 
 
 def residual_density(
     residuals: Complex[np.ndarray, "n_omega n_y"],
-    measured: Complex[np.ndarray, "n_omega n_y"],
+    measured_power: Float[np.ndarray, "n_groups n_y"],
     group: np.ndarray,
-    n_groups: int,
     kind: str,
-) -> np.ndarray:
-    """Covariance of one line's residual, by group of lines.
+) -> tuple[LineMatrix, float]:
+    """Covariance of one line's residual by group of lines, and the cost with it.
 
     Parameters
     ----------
-    residuals, measured
+    residuals
         Of all lines. [output unit * s]
+    measured_power
+        Of the outputs in each group, which bounds the density from below.
     group
-        Group of each line.
-    n_groups
-        Number of groups.
+        Group of each line, in order.
     kind
         ``diagonal``, or ``full`` with shrinkage towards the diagonal where the
         lines are too few to fill a matrix.
 
     Returns
     -------
-    array
-        (n_groups, n_y) real, or (n_groups, n_y, n_y) Hermitian.
+    tuple
+        The density S, and the negative log likelihood, constants dropped: the sum
+        over lines of nu^H S^-1 nu + ln |S| (Eq. 19).
     """
-    n_y = residuals.shape[1]
-    full = kind == "full"
-    density = np.zeros((n_groups, n_y, n_y), dtype=complex) if full else np.zeros((n_groups, n_y))
+    n_groups, n_y = measured_power.shape
+    power = group_powers(residuals, group, n_groups)
+    diagonal = np.maximum(power, _RELATIVE_FLOOR * measured_power)
+    counts = np.bincount(group, minlength=n_groups)
+    if kind != "full":
+        cost = counts @ (power / diagonal + np.log(diagonal)).sum(axis=1)
+        return LineMatrix(diagonal, group), float(cost)
+    blocks = np.empty((n_groups, n_y, n_y), dtype=complex)
     for g in range(n_groups):
-        lines = group == g
-        nu, z = residuals[lines], measured[lines]
-        power = np.mean(np.abs(nu) ** 2, axis=0)
-        diagonal = np.maximum(power, _RELATIVE_FLOOR * np.mean(np.abs(z) ** 2, axis=0))
-        if not full:
-            density[g] = diagonal
-            continue
-        sample = nu.T @ nu.conj() / nu.shape[0]
-        keep = 1.0 - shrinkage(nu.shape[0], n_y)
-        density[g] = keep * sample
-        density[g][np.diag_indices(n_y)] = diagonal
-    return density
+        nu = residuals[group == g]
+        blocks[g] = (1.0 - shrinkage(nu.shape[0], n_y)) * (nu.T @ nu.conj()) / nu.shape[0]
+        blocks[g][np.diag_indices(n_y)] = diagonal[g]
+    density = LineMatrix(blocks, group)
+    weighted = density.inverse().times(residuals[:, :, None])[:, :, 0]
+    cost = np.vdot(residuals, weighted).real + counts @ np.linalg.slogdet(blocks)[1]
+    return density, float(cost)
 
 
 def shrinkage(n_lines: int, n_y: int) -> float:
@@ -62,47 +143,26 @@ def shrinkage(n_lines: int, n_y: int) -> float:
     return float(np.clip(n_y / n_lines, 0.0, 0.9)) if n_lines < 10 * n_y else 0.0
 
 
-def line_weights(density: np.ndarray, group: np.ndarray) -> np.ndarray:
-    """Inverse density of every line: (n_omega, n_y), or (n_omega, n_y, n_y)."""
-    if density.ndim == 2:
-        return (1.0 / density)[group]
-    return np.linalg.solve(density, np.broadcast_to(np.eye(density.shape[1]), density.shape))[group]
-
-
-def negative_log_likelihood(
-    residuals: Complex[np.ndarray, "n_omega n_y"], density: np.ndarray, group: np.ndarray
-) -> float:
-    """Sum over lines of nu^H S^-1 nu + ln |S|, constants dropped (Eq. 19)."""
-    counts = np.bincount(group, minlength=density.shape[0])
-    if density.ndim == 2:
-        power = np.real(residuals) ** 2 + np.imag(residuals) ** 2
-        misfit = float(np.sum(power / density[group]))
-        return misfit + float(counts @ np.log(density).sum(axis=1))
-    weighted = line_weights(density, group) @ residuals[:, :, None]
-    misfit = float(np.vdot(residuals, weighted[:, :, 0]).real)
-    return misfit + float(counts @ np.linalg.slogdet(density)[1])
-
-
 def smoothed_density(
     residuals: Complex[np.ndarray, "n_omega n_y"], group: np.ndarray, n_groups: int
-) -> Complex[np.ndarray, "n_omega n_y n_y"]:
+) -> LineMatrix:
     """Full density that may change with frequency, from neighbouring lines.
 
     The estimator weights with one density per group; what the residuals really
     are (coloured, correlated between outputs by noise on the measured inputs)
     is read from about twelve lines on either side, in segments of five.
     """
-    result = np.empty((*residuals.shape, residuals.shape[1]), dtype=complex)
+    densities, block = [], np.empty(group.size, dtype=int)
     for g in range(n_groups):
         lines = np.flatnonzero(group == g)
         first = np.arange(0, lines.size, _SEGMENT)
         ends = np.append(first[1:], lines.size)
         nu = residuals[lines]
-        sums = np.stack([nu[a:b].T @ nu[a:b].conj() for a, b in zip(first, ends, strict=True)])
-        total = np.concatenate([np.zeros_like(sums[:1]), np.cumsum(sums, axis=0)])
+        sums = [nu[a:b].T @ nu[a:b].conj() for a, b in zip(first, ends, strict=True)]
         at = np.arange(first.size)
-        low, high = np.maximum(at - 2, 0), np.minimum(at + 3, first.size)
-        count = ends[high - 1] - first[low]
-        density = (total[high] - total[low]) / count[:, None, None]
-        result[lines] = density[np.arange(lines.size) // _SEGMENT]
-    return result
+        near = np.abs(at[:, None] - at) <= _NEIGHBOURS
+        share = near / (near @ (ends - first))[:, None]
+        block[lines] = sum(len(d) for d in densities) + np.arange(lines.size) // _SEGMENT
+        flat = np.stack(sums).reshape(first.size, -1).view(float)
+        densities.append((share @ flat).view(complex).reshape(-1, *sums[0].shape))
+    return LineMatrix(np.concatenate(densities), block)

@@ -1,0 +1,144 @@
+"""Normal equations without a Jacobian: sums over lines as products of small matrices.
+
+With J = G_i w_j the normal matrix is N[(i,j),(i',j')] = Re sum_k A_ii' conj(w_j) w_j',
+A = G^H W G. The real part of a sum of complex products is one real matrix product of
+their interleaved parts, so nothing complex is ever multiplied out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexsid.sysid.estimation.line_model import LineModel, Sensitivity
+from flexsid.sysid.estimation.noise import LineMatrix
+
+
+class NormalForm:
+    """Where every pair of parameters of a line model finds its sum."""
+
+    def __init__(self, model: LineModel) -> None:
+        self.model = model
+        n_r, n_w = model.rows.size, model.columns.size
+        n_w += int(np.count_nonzero(model.pair_columns >= n_w))
+        upper = np.triu_indices(n_r)
+        self._upper = upper[0] * n_r + upper[1]
+        self._places = _places_of_pairs(model.pair_rows, model.pair_columns, n_r, n_w)
+        self._scales = np.outer(model.scale, model.scale)
+        # Kept, because asking the system for that much memory anew takes as long as filling it.
+        self._weighted = np.empty(model.sensors.shape, dtype=complex)
+        self._outer = np.empty((n_w, n_w, model.s.size), dtype=complex)
+        self._in_order = bool(np.all(np.diff(model.order) > 0))
+
+    def equations(
+        self,
+        sensitivity: Sensitivity,
+        residuals: Complex[np.ndarray, "n_omega n_y"],
+        weights: LineMatrix,
+    ) -> tuple[Float[np.ndarray, "n_theta n_theta"], Float[np.ndarray, " n_theta"]]:
+        """Re sum J^H W J and Re sum J^H W nu.
+
+        Parameters
+        ----------
+        sensitivity
+            Factored sensitivities.
+        residuals
+            Measured less modelled outputs.
+        weights
+            Inverse noise covariance of each line.
+        """
+        model = self.model
+        G, w = sensitivity.forces, sensitivity.variables
+        weighted = weights.times(G, out=self._weighted)
+        np.conjugate(weighted, out=weighted)
+        left = weighted.transpose(0, 2, 1)
+        A = np.matmul(left, G).reshape(G.shape[0], -1)
+        b = np.matmul(left, residuals[:, :, None])[:, :, 0]
+        blocks = np.ascontiguousarray(A.T[self._upper])
+        np.multiply(w[:, None, :], w.conj(), out=self._outer)
+        sums = _real_products(blocks, self._outer.reshape(-1, w.shape[1]))
+        p, own = model.pair_rows.size, model.own_outputs
+        N = np.empty((p + own.size,) * 2)
+        np.multiply(sums.ravel()[self._places], self._scales, out=N[:p, :p])
+        pull = _real_products(np.ascontiguousarray(b.T), w)
+        g = pull[model.pair_rows, model.pair_columns] * model.scale
+        if own.size:
+            E = sensitivity.own
+            loads = np.empty((own.size, G.shape[2], w.shape[1]), dtype=complex)
+            np.multiply(weighted.transpose(1, 2, 0)[own], E[:, None, :], out=loads)
+            cross = _real_products(loads.reshape(-1, w.shape[1]), w)
+            cross = cross.reshape(own.size, -1, w.shape[0])[:, model.pair_rows, model.pair_columns]
+            np.multiply(cross, model.scale, out=N[p:, :p])
+            N[:p, p:] = N[p:, :p].T
+            N[p:, p:] = _own_products(E, own, weights)
+            weighted_residuals = weights.times(residuals[:, :, None])[:, :, 0]
+            g = np.append(g, np.real(np.einsum("ek,ke->e", E.conj(), weighted_residuals[:, own])))
+        return self._ordered(N), g if self._in_order else g[np.argsort(model.order)]
+
+    def output_gradients(
+        self,
+        sensitivity: Sensitivity,
+        residuals: Complex[np.ndarray, "n_omega n_y"],
+        weights: LineMatrix,
+    ) -> Float[np.ndarray, "n_groups n_theta n_y"]:
+        """Re sum J^H W nu of every single output, by group of lines; W diagonal."""
+        model = self.model
+        pull = (weights.of_lines() * residuals).T
+        n_y, n_r = sensitivity.forces.shape[1:]
+        loads = np.empty((n_y, n_r, pull.shape[1]), dtype=complex)
+        np.conjugate(sensitivity.forces.transpose(1, 2, 0), out=loads)
+        loads *= pull[:, None, :]
+        n_pairs, own = model.pair_rows.size, model.own_outputs
+        parts = np.zeros((weights.blocks.shape[0], self.model.order.size, n_y))
+        for part, lines in zip(parts, weights.block_lines(), strict=True):
+            spread = _real_products(
+                np.ascontiguousarray(loads[:, :, lines]).reshape(n_y * n_r, -1),
+                np.ascontiguousarray(sensitivity.variables[:, lines]),
+            ).reshape(n_y, n_r, -1)
+            picked = spread[:, model.pair_rows, model.pair_columns] * model.scale
+            part[model.order[:n_pairs]] = picked.T
+            E = sensitivity.own[:, lines]
+            part[model.order[n_pairs:], own] = np.real(
+                np.einsum("ek,ek->e", E.conj(), pull[own][:, lines])
+            )
+        return parts
+
+    def _ordered(
+        self, N: Float[np.ndarray, "n_theta n_theta"]
+    ) -> Float[np.ndarray, "n_theta n_theta"]:
+        if self._in_order:
+            return N
+        back = np.argsort(self.model.order)
+        return N[np.ix_(back, back)]
+
+
+def _real_products(
+    a: Complex[np.ndarray, "n_a n_omega"], b: Complex[np.ndarray, "n_b n_omega"]
+) -> Float[np.ndarray, "n_a n_b"]:
+    """Re sum over lines of a conj(b), for every pair of rows."""
+    return a.view(float) @ b.view(float).T
+
+
+def _own_products(
+    E: Complex[np.ndarray, "n_own n_omega"], own: np.ndarray, weights: LineMatrix
+) -> Float[np.ndarray, "n_own n_own"]:
+    if weights.is_diagonal:
+        products = _real_products(weights.of_lines().T[own] * E, E)
+        return np.where(own[:, None] == own, products, 0.0)
+    total = np.zeros((own.size, own.size))
+    for matrix, lines in zip(weights.blocks, weights.block_lines(), strict=True):
+        total += np.real((E[:, lines].conj() @ E[:, lines].T) * matrix[np.ix_(own, own)])
+    return total
+
+
+def _places_of_pairs(rows: np.ndarray, columns: np.ndarray, n_r: int, n_w: int) -> np.ndarray:
+    """Where the sum of A_ii' conj(w_j) w_j' of every pair of parameters is kept.
+
+    Only i <= i' is computed; the rest follows from A being Hermitian.
+    """
+    number = np.zeros((n_r, n_r), dtype=int)
+    number[np.triu_indices(n_r)] = np.arange(n_r * (n_r + 1) // 2)
+    number = np.maximum(number, number.T) * n_w**2
+    across = columns * n_w
+    place = np.where(rows[:, None] <= rows, across[:, None] + columns, columns[:, None] + across)
+    return number[rows][:, rows] + place
