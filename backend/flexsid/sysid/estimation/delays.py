@@ -7,13 +7,11 @@ the residual of equation error, which needs no iteration.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.sysid.estimation.equation_error import aerodynamic_coefficients, regressors
-from flexsid.sysid.estimation.reconstruction import reconstruct_motion
+from flexsid.sysid.estimation.reconstruction import Motion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import FrequencyData
 
@@ -21,6 +19,7 @@ _ITERATIONS = 40
 _LARGEST_STEP_RAD = 0.3  # at the highest line: beyond that a delay may slip by a whole turn
 _COMMON_S = np.arange(-0.02, 0.0801, 0.002)
 _ENOUGH_LINES = 100
+_RIDGE = 1e-12  # of a regressor's power: keeps collinear regressors solvable
 
 
 def find_delays(
@@ -51,18 +50,36 @@ def find_delays(
     relative = relative_delays(model, z, instruments[some])
     shifted = instruments[some] * np.exp(-1j * np.outer(omega, relative))
     motion = reconstruct_motion(model, z, shifted, noise=_level(z))
-    costs = []
-    for common in _COMMON_S:
-        turned = replace(motion, values=motion.values * np.exp(1j * omega * common)[:, None])
-        X = regressors(model, turned, u)
-        C = aerodynamic_coefficients(model, turned)
-        X, C = X / np.linalg.norm(X, axis=0), C / np.linalg.norm(C, axis=0)
-        stacked = np.concatenate([np.real(X), np.imag(X)])
-        target = np.concatenate([np.real(C), np.imag(C)])
-        q, _ = np.linalg.qr(stacked)
-        left = 1.0 - np.sum((q.T @ target) ** 2, axis=0)
-        costs.append(float(np.sum(np.log(np.maximum(left, 1e-12)))))
-    return relative + _parabola_minimum(_COMMON_S, np.array(costs))
+    costs = _unexplained(model, motion, u)
+    return relative + _parabola_minimum(_COMMON_S, costs)
+
+
+def _unexplained(
+    model: AeroelasticModel, motion: Motion, inputs: FrequencyData
+) -> Float[np.ndarray, " n_delays"]:
+    """Log of what the regressions leave of all coefficients, for every common delay.
+
+    A delay turns motion and coefficients alike, so that among their products only those
+    with the inputs change: every delay costs one row of a matrix product and small solves.
+    """
+    n_u = len(model.inputs)
+    X, C = regressors(model, motion, inputs), aerodynamic_coefficients(model, motion)
+    both = np.concatenate([X[:, :-n_u], C, X[:, -n_u:]], axis=1)
+    both = both / np.linalg.norm(both, axis=0)
+    n_turned = both.shape[1] - n_u
+    turned, still = both[:, :n_turned], both[:, n_turned:]
+    products = np.tile(np.real(both.conj().T @ both), (_COMMON_S.size, 1, 1))
+    turns = np.exp(-1j * np.outer(_COMMON_S, motion.omega))
+    mixed = (turned.conj()[:, :, None] * still[:, None, :]).reshape(len(turned), -1)
+    cross = np.real(turns @ mixed).reshape(-1, n_turned, n_u)
+    products[:, :n_turned, n_turned:] = cross
+    products[:, n_turned:, :n_turned] = cross.transpose(0, 2, 1)
+    given = np.r_[: X.shape[1] - n_u, n_turned : both.shape[1]]
+    sought = np.arange(X.shape[1] - n_u, n_turned)
+    normal = products[:, given[:, None], given] + _RIDGE * np.eye(given.size)
+    right = products[:, given[:, None], sought]
+    explained = np.sum(right * np.linalg.solve(normal, right), axis=1)
+    return np.sum(np.log(np.maximum(1.0 - explained, 1e-12)), axis=1)
 
 
 def relative_delays(
@@ -113,8 +130,8 @@ def _projected(
     seen = np.matmul(q, np.matmul(q.conj().transpose(0, 2, 1), z[:, :, None]))[:, :, 0]
     residual = z - seen
     slope = 1j * omega[:, None] * seen
-    keep = np.eye(z.shape[1]) - np.matmul(q, q.conj().transpose(0, 2, 1))
-    normal = np.einsum("ka,kab,kb->ab", slope.conj(), keep, slope).real
+    along = (q.conj() * slope[:, :, None]).transpose(0, 2, 1).reshape(-1, z.shape[1])
+    normal = np.diag(np.sum(np.abs(slope) ** 2, axis=0)) - np.real(along.T @ along.conj())
     gradient = np.sum((slope.conj() * residual).real, axis=0)
     return float(np.sum(np.abs(residual) ** 2)), normal, gradient
 

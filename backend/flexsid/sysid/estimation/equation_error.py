@@ -128,11 +128,17 @@ class _MotionNoise:
         L[:, 2 + n + np.arange(n), 2 + np.arange(n)] = s[:, None]
         self.regressor = L * model.column_factors()[:, None]
         self.coefficient = model.known_dynamics(motion.omega) / model.row_factors()[:, None]
+        self.spread = self.regressor @ motion.covariance
+        self.regressors = np.real(self.spread @ self.regressor.conj().transpose(0, 2, 1))
         self.covariance = motion.covariance
 
     def of_row(self, row: int, held: Float[np.ndarray, " n_w"], columns: np.ndarray) -> Disturbance:
-        """Joint covariance of the row's free regressors and dependent variable."""
-        dependent = self.coefficient[:, row] - np.tensordot(self.regressor, held, axes=(1, 0))
-        both = np.concatenate([self.regressor[:, columns], dependent[:, None, :]], axis=1)
-        joint = both @ self.covariance @ both.conj().transpose(0, 2, 1)
-        return Disturbance(joint[:, :-1, :-1], joint[:, :-1, -1], joint[:, -1, -1].real)
+        """Errors of the row's free regressors and dependent variable."""
+        dependent = self.coefficient[:, row] - np.tensordot(held, self.regressor, axes=(0, 1))
+        cross = np.matmul(self.spread, dependent.conj()[:, :, None])[:, :, 0]
+        own = np.matmul(self.covariance, dependent.conj()[:, :, None])[:, :, 0]
+        return Disturbance(
+            self.regressors[:, columns[:, None], columns],
+            np.real(cross[:, columns]),
+            np.real(np.sum(dependent * own, axis=1)),
+        )

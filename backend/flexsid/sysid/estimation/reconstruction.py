@@ -19,6 +19,7 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import FrequencyData
 
 _WORST_CONDITION = 1e8
+_ITERATIONS = 20
 _BEST_SENSOR = 1e-3  # of its signal: keeps a few sensors from being fitted exactly
 
 
@@ -79,16 +80,15 @@ def reconstruct_motion(
             motions=n_r,
         )
     sigma = _relative_level(z) if noise is None else np.asarray(noise, dtype=float)
-    motion, covariance = _weighted_solution(P, z, sigma, model)
+    sensors = _Sensors(model, P, z, sigma)
     if noise is None and n_y > n_r:
-        for _ in range(20):
-            update = _noise_from_redundancy(P, z, motion, covariance, sigma)
+        for _ in range(_ITERATIONS):
+            update = sensors.noise_from_redundancy(sigma)
             change = np.max(np.abs(np.log(update / sigma)))
             sigma = update
-            motion, covariance = _weighted_solution(P, z, sigma, model)
             if change < 0.01:
                 break
-    return Motion(outputs.omega, motion, covariance, sigma)
+    return Motion(outputs.omega, *sensors.solve(sigma), sigma)
 
 
 def _relative_level(z: Complex[np.ndarray, "n_omega n_y"]) -> Float[np.ndarray, " n_y"]:
@@ -96,48 +96,75 @@ def _relative_level(z: Complex[np.ndarray, "n_omega n_y"]) -> Float[np.ndarray, 
     return 0.05 * np.sqrt(np.mean(np.abs(z) ** 2, axis=0))
 
 
-def _weighted_solution(
-    P: Complex[np.ndarray, "n_omega n_y n_r"],
-    z: Complex[np.ndarray, "n_omega n_y"],
-    sigma: Float[np.ndarray, " n_y"],
-    model: AeroelasticModel,
-) -> tuple[Complex[np.ndarray, "n_omega n_r"], Complex[np.ndarray, "n_omega n_r n_r"]]:
-    rows = P / sigma[:, None]
-    size = np.linalg.norm(rows, axis=1)  # (n_omega, n_r): columns differ by 1e3
-    blind = np.flatnonzero((size == 0).any(axis=0))
-    if blind.size:
-        raise NotIdentifiable(
-            f"no sensor in use sees {_motion_names(model)[blind[0]]}; add one that does",
-            code="unobservable",
-            motion=_motion_names(model)[blind[0]],
-        )
-    q, r = np.linalg.qr(rows / size[:, None, :])
-    worst = int(np.argmax(np.linalg.cond(r)))
-    if np.linalg.cond(r[worst]) > _WORST_CONDITION:
-        raise NotIdentifiable(
-            "the sensors in use cannot tell the motions "
-            f"{', '.join(_motion_names(model))} apart; use more sensors or fewer modes",
-            code="unobservable",
-        )
-    projected = np.matmul(q.conj().transpose(0, 2, 1), (z / sigma)[:, :, None])
-    motion = np.linalg.solve(r, projected)[:, :, 0] / size
-    half = np.linalg.solve(r, np.broadcast_to(np.eye(r.shape[1]), r.shape)) / size[:, :, None]
-    return motion, half @ half.conj().transpose(0, 2, 1)
+class _Sensors:
+    """Sensor rows of all lines, orthogonalised once for a first guess of the noise.
+
+    In the orthonormal columns the normal equations of any other weighting stay well
+    conditioned, so that trying one costs a small solve per line.
+    """
+
+    def __init__(
+        self,
+        model: AeroelasticModel,
+        P: Complex[np.ndarray, "n_omega n_y n_r"],
+        z: Complex[np.ndarray, "n_omega n_y"],
+        sigma: Float[np.ndarray, " n_y"],
+    ) -> None:
+        names = _motion_names(model)
+        rows = P / sigma[:, None]
+        size = np.linalg.norm(rows, axis=1)  # (n_omega, n_r): columns differ by 1e3
+        blind = np.flatnonzero((size == 0).any(axis=0))
+        if blind.size:
+            raise NotIdentifiable(
+                f"no sensor in use sees {names[blind[0]]}; add one that does",
+                code="unobservable",
+                motion=names[blind[0]],
+            )
+        self.q, r = np.linalg.qr(rows / size[:, None, :])
+        pivots = np.abs(np.einsum("kii->ki", r))
+        if not pivots.all() or _condition(r) > _WORST_CONDITION:
+            raise NotIdentifiable(
+                f"the sensors in use cannot tell the motions {', '.join(names)} apart; use more "
+                "sensors or fewer modes",
+                code="unobservable",
+            )
+        self.back = np.linalg.inv(r) / size[:, :, None]
+        self.sigma = sigma
+        self.z = z / sigma
+        self.level = np.sqrt(np.mean(np.abs(z) ** 2, axis=0))
+
+    def solve(
+        self, sigma: Float[np.ndarray, " n_y"]
+    ) -> tuple[Complex[np.ndarray, "n_omega n_r"], Complex[np.ndarray, "n_omega n_r n_r"]]:
+        """Motion and its covariance for these noise levels."""
+        inverse, x, _ = self._weighted(sigma)
+        motion = np.matmul(self.back, x)[:, :, 0]
+        return motion, self.back @ inverse @ self.back.conj().transpose(0, 2, 1)
+
+    def noise_from_redundancy(self, sigma: Float[np.ndarray, " n_y"]) -> Float[np.ndarray, " n_y"]:
+        """Noise level from what the sensors disagree on, own pull on the solution removed."""
+        inverse, x, weight = self._weighted(sigma)
+        residual = self.z - np.matmul(self.q, x)[:, :, 0]
+        seen = np.real(np.sum(np.matmul(self.q, inverse) * self.q.conj(), axis=(0, 2)))
+        n_omega = residual.shape[0]
+        freedom = np.maximum(n_omega - weight * seen, 0.05 * n_omega)
+        power = np.sum(np.real(residual) ** 2 + np.imag(residual) ** 2, axis=0)
+        return np.maximum(self.sigma * np.sqrt(power / freedom), _BEST_SENSOR * self.level)
+
+    def _weighted(
+        self, sigma: Float[np.ndarray, " n_y"]
+    ) -> tuple[np.ndarray, np.ndarray, Float[np.ndarray, " n_y"]]:
+        """Inverse normal matrix and solution in the orthonormal columns, and the weights."""
+        weight = (self.sigma / sigma) ** 2
+        left = (self.q.conj() * weight[:, None]).transpose(0, 2, 1)
+        inverse = np.linalg.inv(np.matmul(left, self.q))
+        return inverse, np.matmul(inverse, np.matmul(left, self.z[:, :, None])), weight
 
 
-def _noise_from_redundancy(
-    P: Complex[np.ndarray, "n_omega n_y n_r"],
-    z: Complex[np.ndarray, "n_omega n_y"],
-    motion: Complex[np.ndarray, "n_omega n_r"],
-    covariance: Complex[np.ndarray, "n_omega n_r n_r"],
-    sigma: Float[np.ndarray, " n_y"],
-) -> Float[np.ndarray, " n_y"]:
-    """Noise level from what the sensors disagree on, own pull on the solution removed."""
-    residual = z - np.matmul(P, motion[:, :, None])[:, :, 0]
-    explained = np.einsum("kyi,kij,kyj->y", P, covariance, P.conj()).real / sigma**2
-    freedom = np.maximum(z.shape[0] - explained, 0.05 * z.shape[0])
-    level = np.sqrt(np.sum(np.abs(residual) ** 2, axis=0) / freedom)
-    return np.maximum(level, _BEST_SENSOR * np.sqrt(np.mean(np.abs(z) ** 2, axis=0)))
+def _condition(r: Complex[np.ndarray, "n_omega n_r n_r"]) -> float:
+    """Largest condition number of any line, a little overestimated."""
+    size = np.linalg.norm(r, axis=(1, 2)) * np.linalg.norm(np.linalg.inv(r), axis=(1, 2))
+    return float(size.max())
 
 
 def _motion_names(model: AeroelasticModel) -> tuple[str, ...]:

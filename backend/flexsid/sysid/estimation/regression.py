@@ -13,24 +13,26 @@ from flexsid.sysid.estimation import noise
 
 _WORST_CONDITION = 1e10
 _ITERATIONS = 20
+_STILL = 1e-7  # of the largest derivative, in equal units: no change worth a round
 _MARGIN = 1.5  # the compensated normal matrix keeps at least 1/3 of its weakest direction
 
 
 @dataclass(frozen=True, slots=True)
 class Disturbance:
-    """Covariance of the errors at every line.
+    """Covariance of the errors at every line, real parts: theta is real.
 
     Of the regressors, of the dependent variable, and E[x z*] between the two.
     """
 
-    regressors: Complex[np.ndarray, "n_omega p p"]
-    cross: Complex[np.ndarray, "n_omega p"]
+    regressors: Float[np.ndarray, "n_omega p p"]
+    cross: Float[np.ndarray, "n_omega p"]
     dependent: Float[np.ndarray, " n_omega"]
 
     def equation_variance(self, theta: Float[np.ndarray, " p"]) -> Float[np.ndarray, " n_omega"]:
         """Variance that these errors give to z - X theta at every line."""
-        quadratic = np.real(np.einsum("a,kab,b->k", theta, self.regressors, theta))
-        return quadratic - 2.0 * np.real(self.cross @ theta) + self.dependent
+        n_omega = self.dependent.size
+        quadratic = self.regressors.reshape(n_omega, -1) @ np.outer(theta, theta).ravel()
+        return quadratic - 2.0 * (self.cross @ theta) + self.dependent
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,24 +108,29 @@ def _compensated(
     theta: Float[np.ndarray, " p"],
     disturbance: Disturbance,
 ) -> tuple[Float[np.ndarray, " p"], Float[np.ndarray, "p p"], Float[np.ndarray, " n_omega"]]:
-    normal = np.empty((theta.size,) * 2)
-    variance = np.ones(X.shape[0])
+    n_lines, p = X.shape
+    normal = np.empty((p, p))
+    variance = np.ones(n_lines)
+    stacked = np.concatenate([np.real(X), np.imag(X)])
+    target = np.concatenate([np.real(z), np.imag(z)])
+    spread = disturbance.regressors.reshape(n_lines, -1)
     for _ in range(_ITERATIONS):
         variance = _line_variance(X, z, theta, disturbance)
-        weighted = X.conj() / variance[:, None]
-        noisy = (weighted.T @ X).real
-        bias = np.tensordot(1.0 / variance, disturbance.regressors, axes=(0, 0)).real
-        pull = ((1.0 / variance) @ disturbance.cross).real
+        weight = 1.0 / variance
+        weighted = stacked.T * np.concatenate([weight, weight])
+        noisy = weighted @ stacked
+        bias = (weight @ spread).reshape(p, p)
+        pull = weight @ disturbance.cross
         scale = np.sqrt(np.diag(noisy))
         outer = np.outer(scale, scale)
         share = linalg.eigh(bias / outer, noisy / outer, eigvals_only=True)[-1]
         keep = min(1.0, 1.0 / max(_MARGIN * share, np.finfo(float).tiny))
         normal = noisy - keep * bias
-        right = (weighted.T @ z).real - keep * pull
+        right = weighted @ target - keep * pull
         update = np.linalg.solve(normal / outer, right / scale) / scale
         moved = np.max(np.abs(update - theta) * scale) / np.max(np.abs(theta) * scale)
         theta = update
-        if moved < 1e-8:
+        if moved < _STILL:
             break
     return theta, normal, variance
 
@@ -157,7 +164,7 @@ def _with_covariance(
     freedom = n_lines - 0.5 * p
     level = float(np.sum(np.abs(nu) ** 2)) / freedom
     one_group = np.zeros(n_lines, dtype=int)
-    density = np.real(noise.smoothed_density(nu[:, None], one_group, 1)[:, 0, 0])
+    density = np.real(noise.smoothed_density(nu[:, None], one_group, 1).of_lines()[:, 0, 0])
     density *= n_lines / freedom
     middle = np.real((X.conj() * (density / variance)[:, None]).T @ X)
     return Regression(theta, 0.5 * level * inverse, 0.5 * inverse @ middle @ inverse)
