@@ -85,10 +85,14 @@ def bare_airframe_responses(
     omega = outputs.omega
     low = max(omega[own[0]] for own in lines)
     high = min(omega[own[-1]] for own in lines)
-    columns, gains, kept, conditions = [], [], [], []
-    for j, own in enumerate(lines):
-        wanted = omega[own][(omega[own] >= low) & (omega[own] <= high)]
-        parts = [_interpolate(omega[lines[m]], ratios[m], command[m], wanted) for m in range(n_u)]
+    kept = [omega[own][(omega[own] >= low) & (omega[own] <= high)] for own in lines]
+    everywhere = [
+        _interpolate(omega[own], ratio, r, kept)
+        for own, ratio, r in zip(lines, ratios, command, strict=True)
+    ]
+    columns, gains, conditions = [], [], []
+    for j, wanted in enumerate(kept):
+        parts = [of_command[j] for of_command in everywhere]
         responses = np.stack([part.values for part in parts], axis=2)
         unit = np.broadcast_to(np.eye(n_u)[:, [j]], (wanted.size, n_u, 1))
         mixture = np.linalg.solve(responses[:, :n_u], unit)
@@ -100,7 +104,6 @@ def bare_airframe_responses(
         for m, part in enumerate(parts):
             gain[:, lines[m]] = mixture[:, m] * part.gain
         gains.append(gain)
-        kept.append(wanted)
     noise = _noise(omega, lines, ratios, command, kept, columns)
     return {
         names[j]: FrequencyResponse(
@@ -134,11 +137,13 @@ def _interpolate(
     omega: Float[np.ndarray, " n_own"],
     values: Complex[np.ndarray, "n_own n_channels"],
     command: Complex[np.ndarray, " n_own"],
-    wanted: Float[np.ndarray, " n_wanted"],
-) -> _Interpolation:
+    wanted: list[np.ndarray],
+) -> list[_Interpolation]:
+    """One interpolation for every set of wanted lines."""
     degree = 3 if omega.size > 3 else 1
-    matrix = make_interp_spline(omega, np.eye(omega.size), k=degree)(wanted)
-    return _Interpolation(matrix @ values, matrix / command)
+    matrix = make_interp_spline(omega, np.eye(omega.size), k=degree)(np.concatenate(wanted))
+    ends = np.cumsum([lines.size for lines in wanted])[:-1]
+    return [_Interpolation(part @ values, part / command) for part in np.split(matrix, ends)]
 
 
 def _spread(

@@ -10,6 +10,7 @@ from jaxtyping import Complex, Float
 _WINDOW = 7  # lines in a local fit
 _DEGREE = 5
 _NEIGHBOURS = 24  # residuals on either side that share one noise level
+_STRIDE = 4  # lines from one level to the next
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,14 +69,15 @@ def line_noise(
     omega = np.concatenate(places)
     order = np.argsort(omega)
     omega, power = omega[order], np.concatenate(powers)[order]
+    count = min(2 * _NEIGHBOURS, omega.size)
+    last = omega.size - count
+    starts = np.append(np.arange(0, last, _STRIDE), last)
+    windows = np.lib.stride_tricks.sliding_window_view(power, count, axis=0)[starts]
+    levels = np.median(windows, axis=2) / np.log(2.0)
     result = []
     for at in wanted:
-        center = np.searchsorted(omega, at)
-        low = np.clip(center - _NEIGHBOURS, 0, max(0, omega.size - 2 * _NEIGHBOURS))
-        levels = [
-            np.median(power[first : first + 2 * _NEIGHBOURS], axis=0) / np.log(2.0) for first in low
-        ]
-        result.append(np.array(levels).reshape(at.size, -1))
+        first = np.clip(np.searchsorted(omega, at) - count // 2, 0, last)
+        result.append(levels[np.minimum((first + _STRIDE // 2) // _STRIDE, starts.size - 1)])
     return result
 
 
