@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import control
 import numpy as np
 import pytest
 
 from flexsid.errors import BadInput
+from flexsid.sysid.model.aeroelastic import StateSpace
 from flexsid.sysid.model.derivatives import Derivative, derivative_names
 
 FOOT = 0.3048
@@ -38,9 +42,28 @@ def test_response_is_that_of_the_state_space_in_python_control(make_case, n_mode
 
 def test_derivatives_are_read_back_from_a_state_space(make_case):
     case = make_case(2)
-    system = case.model.state_space(case.truth)
-    found = case.model.read_derivatives(system.A, system.B)
+    ours = case.model.state_space(case.truth)
+    back = StateSpace.from_control(ours.to_control())
+    assert back.outputs == ours.outputs
+    assert np.array_equal(back.C, ours.C)
+    turn = np.random.default_rng(1).permutation(len(back.states))
+    mixed = replace(
+        back,
+        A=back.A[np.ix_(turn, turn)],
+        B=back.B[turn],
+        states=tuple(np.array(back.states)[turn]),
+    )
+    found = case.model.read_derivatives(mixed)
     assert np.allclose(found.values, case.truth.values, rtol=1e-9, atol=1e-12)
+
+
+def test_a_foreign_system_is_refused_with_the_states_it_needs(make_case):
+    case = make_case(2)
+    system = case.model.state_space(case.truth)
+    with pytest.raises(BadInput, match="needs alpha, q, theta, eta7, eta9"):
+        case.model.read_derivatives(replace(system, states=tuple("abcdefg")))
+    with pytest.raises(BadInput, match=r"sampled every 0\.1"):
+        StateSpace.from_control(control.ss(-1.0, 1.0, 1.0, 0.0, 0.1))
 
 
 def test_state_matrices_are_affine_in_the_derivatives(make_case):

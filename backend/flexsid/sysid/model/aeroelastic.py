@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexsid.errors import BadInput
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable, variables
 from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE, SensorRows
@@ -28,6 +29,30 @@ class StateSpace:
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
+
+    @classmethod
+    def from_control(cls, system: control.StateSpace) -> StateSpace:
+        """Take over a continuous system of python-control with its names.
+
+        Raises
+        ------
+        BadInput
+            If the system is sampled.
+        """
+        if system.isdtime(strict=True):
+            raise BadInput(
+                f"the system is sampled every {system.dt} s; give a continuous one",
+                code="sampled-system",
+            )
+        return cls(
+            A=np.asarray(system.A, dtype=float),
+            B=np.asarray(system.B, dtype=float),
+            C=np.asarray(system.C, dtype=float),
+            D=np.asarray(system.D, dtype=float),
+            states=tuple(system.state_labels),
+            inputs=tuple(system.input_labels),
+            outputs=tuple(system.output_labels),
+        )
 
     def to_control(self) -> control.StateSpace:
         """The same system for python-control."""
@@ -140,9 +165,7 @@ class AeroelasticModel:
         states = ("alpha", "q", "theta", *variables(self.modes.numbers, ())[2:])
         return StateSpace(A, B, C, D, states, self.inputs, self.outputs)
 
-    def read_derivatives(
-        self, A: Float[np.ndarray, "n_x n_x"], B: Float[np.ndarray, "n_x n_u"]
-    ) -> DerivativeTable:
+    def read_derivatives(self, system: StateSpace) -> DerivativeTable:
         """Nondimensional derivatives of a state-space model in these states.
 
         The inverse of ``state_space``: known kinematics and structure are taken out,
@@ -150,10 +173,19 @@ class AeroelasticModel:
 
         Parameters
         ----------
-        A, B
-            States alpha, q, theta, eta..., etadot...; e.g. of a ``control.StateSpace``.
+        system
+            With this model's states and inputs by name, in any order.
+
+        Raises
+        ------
+        BadInput
+            If a state or input is missing or not of this model.
         """
         n, n_u = len(self.modes.numbers), len(self.inputs)
+        states = ("alpha", "q", "theta", *variables(self.modes.numbers, ())[2:])
+        x = _places(states, system.states, "states")
+        A = system.A[np.ix_(x, x)]
+        B = system.B[np.ix_(x, _places(self.inputs, system.inputs, "inputs"))]
         empty = DerivativeTable(self.modes.numbers, self.inputs, np.zeros((2 + n, 2 + 2 * n + n_u)))
         known = self.state_space(empty).A
         force_rows, state_columns = self._force_places()
@@ -188,3 +220,12 @@ class AeroelasticModel:
         rates = np.r_[0, 1, etadot]  # alpha-dot, q-dot and eta-double-dot come from A and B
         weights = np.concatenate([P[RATE, :, :2], P[ACCELERATION, :, 2:]], axis=1)
         return C + weights @ A[rates], weights @ B[rates]
+
+
+def _places(wanted: tuple[str, ...], given: tuple[str, ...], what: str) -> list[int]:
+    if sorted(wanted) != sorted(given):
+        raise BadInput(
+            f"the system has {what} {', '.join(given)}; this model needs {', '.join(wanted)}",
+            code="other-system",
+        )
+    return [given.index(name) for name in wanted]
