@@ -236,7 +236,7 @@ BAD: dict[str, tuple[str, bytes, str]] = {
     "an archive cut": ("f.npz", npz()[:-30], "damaged"),
     "an archive with bits turned": ("f.npz", changed(npz(), 0.5, b"\x55" * 9), "f.npz"),
     "an archive with infinity": ("f.npz", npz(q=with_nan(-np.inf)), "row 31, column 'q'"),
-    "an archive of two lengths": ("f.npz", npz(bf=GOOD["bf"][:7]), "'bf' has 7: equal up to row 7"),
+    "an archive of two lengths": ("f.npz", npz(bf=GOOD["bf"][:7]), "'bf' has 7 samples"),
     "an archive of complex numbers": ("f.npz", npz(q=GOOD["q"] * 1j), "'q'"),
     "an archive of archives": ("f.npz", zipped(q=zipped(q=npz())), "'q'"),
     "an empty archive": ("f.npz", zipped(), "no plain array"),

@@ -127,7 +127,7 @@ def test_the_environment_names_database_and_port(monkeypatch, capsys, tmp_path: 
     monkeypatch.setenv("FLEXSID_DATABASE", f"sqlite:///{tmp_path}/other.db")
     assert main(["migrate"]) == 0
     assert (tmp_path / "other.db").is_file()
-    assert "schema 0002" in capsys.readouterr().out
+    assert "the database is at schema 0" in capsys.readouterr().out
     monkeypatch.setenv("FLEXSID_PORT", "eighty")
     assert "FLEXSID_PORT" in refused(capsys, 2, "migrate")
 

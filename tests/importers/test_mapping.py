@@ -43,8 +43,9 @@ role = "output"
 def test_a_good_mapping_is_read() -> None:
     mapping = parse_mapping(GOOD)
     assert mapping.maneuver is not None
-    assert [rule.name for rule in mapping.maneuver.channels] == ["wf1s", "q"]
-    assert mapping.maneuver.channels[0].sign == -1.0
+    assert mapping.recording is not None
+    assert [rule.name for rule in mapping.recording.channels] == ["wf1s", "q"]
+    assert mapping.recording.channels[0].sign == -1.0
     assert mapping.flight is not None
     assert mapping.flight.number == 3
 

@@ -18,6 +18,8 @@ from flexsid.storage.database import DatabaseUnavailable, make_engine, parse_url
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
 
+NEWEST = max(file.name for file in migrate.find_migrations().glob("versions/*.py"))[:4]
+
 
 def _file(url: str) -> Path:
     return Path(url.removeprefix("sqlite:///"))
@@ -33,7 +35,7 @@ def _pretend_newest_is(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
     (copy / "versions" / "9999_next.py").write_text(
         "import sqlalchemy as sa\n"
         "from alembic import op\n"
-        "revision, down_revision = '9999', '0002'\n"
+        f"revision, down_revision = '9999', '{NEWEST}'\n"
         "def upgrade():\n"
         "    with op.batch_alter_table('aircraft') as table:\n"
         "        table.add_column(sa.Column('colour', sa.String()))\n"
@@ -68,7 +70,7 @@ def test_up_and_down_with_data_in_it(
     _pretend_newest_is(monkeypatch, tmp_path)
     assert migrate.upgrade(database_url) == "9999"
     assert store.aircraft.find() == [aircraft]
-    assert migrate.move(database_url, "0002") == "0002"
+    assert migrate.move(database_url, NEWEST) == NEWEST
     assert store.aircraft.find() == [aircraft]
     assert store.maneuvers.find() == [maneuver]
     assert len(store.channels.find(maneuver_id=maneuver.id)) == 2
@@ -85,7 +87,7 @@ def test_the_database_is_copied_before_it_changes(
     assert list(file.parent.glob("*.backup*")) == []
     _pretend_newest_is(monkeypatch, tmp_path)
     migrate.upgrade(database_url)
-    copy = Store.open(f"sqlite:///{file}.backup-0002")
+    copy = Store.open(f"sqlite:///{file}.backup-{NEWEST}")
     assert copy.aircraft.find() == [aircraft]
     copy.close()
 
@@ -102,7 +104,7 @@ def test_a_migration_that_fails_changes_nothing(
         migrate.upgrade(database_url)
     assert store.aircraft.find() == [aircraft]
     monkeypatch.undo()
-    assert migrate.upgrade(database_url) == "0002"
+    assert migrate.upgrade(database_url) == NEWEST
 
 
 def test_a_database_of_a_newer_release_is_left_alone(database_url: str) -> None:
@@ -123,7 +125,7 @@ def test_two_that_start_together_make_one_schema(tmp_path: Path) -> None:
         thread.start()
     for thread in threads:
         thread.join()
-    assert heads == ["0002", "0002"]
+    assert heads == [NEWEST, NEWEST]
 
 
 def test_a_file_that_is_no_database_is_said_so(tmp_path: Path) -> None:

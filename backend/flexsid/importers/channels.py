@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 
 import numpy as np
 
 from flexsid import units
-from flexsid.errors import BadInput, UnreadableFile
+from flexsid.errors import BadInput
+from flexsid.importers.clock import Clock, Timing
+from flexsid.importers.plausibility import DOUBTS
 from flexsid.importers.quantity import refuse
 from flexsid.importers.source import Source, Sources
 from flexsid.importers.table import Table
@@ -22,7 +24,9 @@ class ChannelRule:
     ``column`` alone is a field of the file; with ``array`` it is a column
     number from 1. ``labels`` names all columns of ``array`` (a field of the
     file, or a list); then ``unit`` may hold one unit per label or pattern and
-    ``name`` is a template with ``{label}``.
+    ``name`` is a template with ``{label}``. ``sensor`` is what took it, ``clock``
+    one of ``[[clocks]]``; ``confirmed`` holds the doubts that an analyst has
+    looked into.
     """
 
     path: str
@@ -33,16 +37,35 @@ class ChannelRule:
     array: str | None = None
     labels: str | tuple[str, ...] | None = None
     sign: float = 1.0
+    sensor: str | None = None
+    clock: str | None = None
+    confirmed: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RawChannel:
-    """One channel as recorded, with its name and role."""
+    """One channel as recorded, with its name, role and time base."""
 
     name: str
     unit: str
     role: Role
     samples: np.ndarray
+    clock: Clock
+    field: str
+    source: Source
+    sensor: str | None = None
+    confirmed: tuple[str, ...] = ()
+
+    def between(self, start_s: float | None, stop_s: float | None) -> RawChannel:
+        """Cut the channel."""
+        window = self.clock.window(start_s, stop_s)
+        n_samples = max(0, window.stop - window.start)
+        clock = replace(
+            self.clock,
+            start_s=self.clock.start_s + window.start / self.clock.rate_hz,
+            n_samples=n_samples,
+        )
+        return replace(self, samples=self.samples[window], clock=clock)
 
 
 def read_channel(table: Table) -> ChannelRule:
@@ -75,7 +98,13 @@ def read_channel(table: Table) -> ChannelRule:
         array=array,
         labels=labels,
         sign=sign,
+        sensor=table.optional_text("sensor"),
+        clock=table.optional_text("clock"),
+        confirmed=table.texts("confirmed") if "confirmed" in table else (),
     )
+    for doubt in rule.confirmed:
+        if doubt not in DOUBTS:
+            raise refuse(table.path("confirmed"), f"knows {', '.join(DOUBTS)}; found '{doubt}'.")
     table.close()
     return rule
 
@@ -108,32 +137,24 @@ def _units(table: Table) -> tuple[tuple[str, str], ...]:
 
 
 def extract_channels(
-    rules: tuple[ChannelRule, ...], sources: Sources
-) -> tuple[tuple[RawChannel, ...], tuple[Source, ...]]:
-    """Name the recorded columns and check their samples.
+    rules: tuple[ChannelRule, ...], sources: Sources, timing: Timing
+) -> tuple[RawChannel, ...]:
+    """Name the recorded columns, find their time base and check their samples.
 
     Returns
     -------
     channels
-        In the order of the mapping, in native unit and precision.
-    sources
-        The files they came from.
+        In the order of the mapping, in native unit, rate and precision.
 
     Raises
     ------
     BadInput
-        If a column is missing, a name comes twice, lengths differ or a sample
-        is not finite; the message names the place.
+        If a column is missing, a name comes twice, a channel is longer than its
+        time or a sample is not finite; the message names the place.
     """
     channels: list[RawChannel] = []
-    used: list[Source] = []
-    for rule in rules:
-        source, found = _extract(rule, sources)
-        channels.extend(found)
-        if source not in used:
-            used.append(source)
     seen: set[str] = set()
-    for channel in channels:
+    for channel in (found for rule in rules for found in _extract(rule, sources, timing)):
         if channel.name in seen:
             raise BadInput(
                 f"The mapping names two channels '{channel.name}'; each needs its own name.",
@@ -141,19 +162,11 @@ def extract_channels(
                 column=channel.name,
             )
         seen.add(channel.name)
-        if channel.samples.size != channels[0].samples.size:
-            row = min(channel.samples.size, channels[0].samples.size) + 1
-            raise UnreadableFile(
-                f"Channel '{channel.name}' has {channel.samples.size} samples but "
-                f"'{channels[0].name}' has {channels[0].samples.size}: equal up to row {row - 1}.",
-                code="unequal-lengths",
-                row=row,
-                column=channel.name,
-            )
-    return tuple(channels), tuple(used)
+        channels.append(channel)
+    return tuple(channels)
 
 
-def _extract(rule: ChannelRule, sources: Sources) -> tuple[Source, list[RawChannel]]:
+def _extract(rule: ChannelRule, sources: Sources, timing: Timing) -> list[RawChannel]:
     if rule.array is None:
         field = str(rule.column)
         source, _ = sources.find(field)
@@ -164,7 +177,7 @@ def _extract(rule: ChannelRule, sources: Sources) -> tuple[Source, list[RawChann
                 code="bad-mapping",
                 column=field,
             )
-        return source, [_channel(rule, rule.name, field, samples, source)]
+        return [_channel(rule, rule.name, field, samples, source, timing)]
     source, _ = sources.find(rule.array)
     matrix = sources.numbers(rule.array)
     matrix = matrix[:, None] if matrix.ndim == 1 else matrix
@@ -184,7 +197,7 @@ def _extract(rule: ChannelRule, sources: Sources) -> tuple[Source, list[RawChann
                 column=f"{rule.array}({rule.column})",
             )
         label = f"{rule.array}({rule.column})"
-        return source, [_channel(rule, rule.name, label, matrix[:, rule.column - 1], source)]
+        return [_channel(rule, rule.name, label, matrix[:, rule.column - 1], source, timing)]
     labels = sources.texts(rule.labels) if isinstance(rule.labels, str) else rule.labels or ()
     if len(labels) != matrix.shape[1]:
         raise BadInput(
@@ -192,15 +205,21 @@ def _extract(rule: ChannelRule, sources: Sources) -> tuple[Source, list[RawChann
             code="unequal-lengths",
             column=rule.array,
         )
-    return source, [
-        _channel(rule, rule.name.replace("{label}", label), label, matrix[:, index], source)
+    return [
+        _channel(rule, rule.name.replace("{label}", label), label, matrix[:, index], source, timing)
         for index, label in enumerate(labels)
     ]
 
 
 def _channel(
-    rule: ChannelRule, name: str, label: str, samples: np.ndarray, source: Source
+    rule: ChannelRule,
+    name: str,
+    label: str,
+    samples: np.ndarray,
+    source: Source,
+    timing: Timing,
 ) -> RawChannel:
+    clock = timing.clock(source, str(rule.array or label), label, samples.size, rule.clock)
     source.check_finite(samples, label)
     unit = next((unit for pattern, unit in rule.units if fnmatchcase(label, pattern)), None)
     if unit is None:
@@ -212,4 +231,9 @@ def _channel(
         unit=unit,
         role=rule.role,
         samples=np.ascontiguousarray(samples if rule.sign > 0 else -samples),
+        clock=clock,
+        field=label,
+        source=source,
+        sensor=rule.sensor,
+        confirmed=rule.confirmed,
     )

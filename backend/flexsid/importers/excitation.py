@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from flexsid.importers.quantity import Quantity, refuse, resolve
+from flexsid.importers.quantity import Quantity, refuse, scalar
 from flexsid.importers.source import Sources
 from flexsid.importers.table import Table
 from flexsid.records.maneuver import Excitation
@@ -92,7 +92,7 @@ def extract_excitation(part: ExcitationPart, sources: Sources, inputs: Sequence[
                 by = f"{owner[line]} and {name} own" if line in owner else f"{name} owns"
                 raise refuse("excitation", f"cannot hold: {by} harmonic {line}.")
             owner[line] = name
-    period_s = resolve(part.period, sources, None)
+    period_s = scalar(part.period, sources)
     if period_s <= 0 or part.n_periods < 1:
         raise refuse("excitation.period", "and n_periods must be positive.")
     return Excitation(
@@ -103,8 +103,8 @@ def extract_excitation(part: ExcitationPart, sources: Sources, inputs: Sequence[
 def _deal(plan: Interleaving, sources: Sources) -> dict[str, tuple[int, ...]]:
     labels = sources.texts(plan.order) if isinstance(plan.order, str) else plan.order
     names = tuple(plan.name.replace("{label}", label) for label in labels)
-    first = round(resolve(plan.first, sources, None))
-    count = round(resolve(plan.per_input, sources, None))
+    first = round(scalar(plan.first, sources))
+    count = round(scalar(plan.per_input, sources))
     if not names or first < 1 or not 1 <= count * len(names) <= _MOST_LINES:
         raise refuse("excitation.first", "and per_input must be at least 1, with order not empty.")
     step = len(names)

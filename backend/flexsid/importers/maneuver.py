@@ -1,4 +1,4 @@
-"""The ``[flight]`` and ``[maneuver]`` parts of a mapping."""
+"""The ``[flight]`` and ``[maneuver]`` parts of a mapping; without a maneuver, a whole recording."""
 
 from __future__ import annotations
 
@@ -8,11 +8,14 @@ from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 
+import numpy as np
+
+from flexsid import units
 from flexsid.errors import BadInput
 from flexsid.importers.channels import ChannelRule, RawChannel, extract_channels
-from flexsid.importers.clock import TimeRule, extract_clock
+from flexsid.importers.clock import TimeRule, Timing
 from flexsid.importers.excitation import ExcitationPart, extract_excitation, read_excitation
-from flexsid.importers.quantity import Quantity, refuse, resolve
+from flexsid.importers.quantity import Quantity, refuse, scalar
 from flexsid.importers.source import Sources
 from flexsid.importers.table import Table
 from flexsid.records.maneuver import Excitation, Role
@@ -46,8 +49,6 @@ class ManeuverPart:
     """What a maneuver is called, when it was flown, at which condition."""
 
     label: str
-    time: TimeRule
-    channels: tuple[ChannelRule, ...]
     condition: Mapping[str, Quantity]
     excitation: ExcitationPart | None = None
     fta: int | None = None
@@ -60,6 +61,15 @@ class ManeuverPart:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RecordingPart:
+    """Which channels the files hold, and when their samples were taken."""
+
+    time: TimeRule | None
+    clocks: Mapping[str, TimeRule]
+    channels: tuple[ChannelRule, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RawManeuver:
     """A maneuver taken out of its files, nothing completed or computed yet."""
 
@@ -68,18 +78,12 @@ class RawManeuver:
     axis: str
     note: str
     start_s: float
-    rate_hz: float
-    n_samples: int
+    duration_s: float
     channels: tuple[RawChannel, ...]
     condition: Mapping[str, float]
     excitation: Excitation | None
     source_file: str
     source_hash: str
-
-    @property
-    def duration_s(self) -> float:
-        """Length of the record. [s]"""
-        return self.n_samples / self.rate_hz
 
 
 def read_flight(table: Table) -> FlightPart:
@@ -98,9 +102,7 @@ def read_flight(table: Table) -> FlightPart:
     return part
 
 
-def read_maneuver(
-    table: Table, time: TimeRule, channels: tuple[ChannelRule, ...], excitation: Table | None
-) -> ManeuverPart:
+def read_maneuver(table: Table, excitation: Table | None) -> ManeuverPart:
     """Read the maneuver's own keys and its ``condition``."""
     condition = table.table("condition")
     quantities = {
@@ -126,8 +128,6 @@ def read_maneuver(
         fta = table.integer("fta")
     part = ManeuverPart(
         label=table.text("label", "{file}"),
-        time=time,
-        channels=channels,
         condition=quantities,
         excitation=None if excitation is None else read_excitation(excitation),
         fta=fta,
@@ -142,7 +142,19 @@ def read_maneuver(
     return part
 
 
-def extract_maneuver(part: ManeuverPart, sources: Sources) -> RawManeuver:
+def extract_recording(part: RecordingPart, sources: Sources) -> tuple[RawChannel, ...]:
+    """Take the channels out of the files, at full length.
+
+    Raises
+    ------
+    BadInput
+        If anything is missing or not what it must be; the message names the
+        key of the mapping, or row and column of the file.
+    """
+    return extract_channels(part.channels, sources, Timing(part.time, part.clocks, sources))
+
+
+def extract_maneuver(part: ManeuverPart, recording: RecordingPart, sources: Sources) -> RawManeuver:
     """Take one maneuver out of its files.
 
     Raises
@@ -151,60 +163,72 @@ def extract_maneuver(part: ManeuverPart, sources: Sources) -> RawManeuver:
         If anything is missing or not what it must be; the message names the
         key of the mapping, or row and column of the file.
     """
-    channels, used = extract_channels(part.channels, sources)
-    n_samples = channels[0].samples.size
-    clock = extract_clock(part.time, sources, n_samples)
-    if clock.n_samples != n_samples:
-        raise BadInput(
-            f"Channel '{channels[0].name}' has {n_samples} samples but the time column has "
-            f"{clock.n_samples} (row {min(n_samples, clock.n_samples) + 1}).",
-            code="unequal-lengths",
-            row=min(n_samples, clock.n_samples) + 1,
-            column=part.time.column,
-        )
+    timing = Timing(recording.time, recording.clocks, sources)
+    channels = extract_channels(recording.channels, sources, timing)
     if not any(channel.role is Role.INPUT for channel in channels):
         raise BadInput(
             "The mapping gives no channel the role 'input'; a maneuver has at least one measured "
             "surface.",
             code="bad-mapping",
         )
-    window = _window(part, clock.start_s, clock.rate_hz, n_samples)
-    kept = tuple(
-        RawChannel(name=item.name, unit=item.unit, role=item.role, samples=item.samples[window])
-        for item in channels
-    )
-    file = Path(used[0].name).stem
+    kept = tuple(channel.between(part.start_s, part.stop_s) for channel in channels)
+    for before, channel in zip(channels, kept, strict=True):
+        if channel.samples.size < 2:
+            raise BadInput(
+                f"Mapping: 'maneuver.start' and 'maneuver.stop' leave {channel.samples.size} "
+                f"samples of '{channel.name}', recorded from {before.clock.start_s:g} to "
+                f"{before.clock.stop_s:g} s.",
+                code="bad-mapping",
+                key="maneuver.start",
+            )
+    start_s = max(channel.clock.start_s for channel in kept)
+    stop_s = min(channel.clock.stop_s for channel in kept)
+    if stop_s <= start_s:
+        raise BadInput(
+            "The channels have no time in common; clocks that differ need an offset in [time] or "
+            "[[clocks]].",
+            code="no-common-time",
+        )
+    source_file, source_hash = origin(channels)
     return RawManeuver(
-        label=part.label.replace("{file}", file),
+        label=part.label.replace("{file}", Path(channels[0].source.name).stem),
         fta=_fta(part, sources),
         axis=part.axis,
         note=part.note,
-        start_s=clock.start_s + window.start / clock.rate_hz,
-        rate_hz=clock.rate_hz,
-        n_samples=window.stop - window.start,
+        start_s=start_s,
+        duration_s=stop_s - start_s,
         channels=kept,
-        condition={key: resolve(item, sources, window) for key, item in part.condition.items()},
+        condition={
+            key: _average(item, sources, timing, part) for key, item in part.condition.items()
+        },
         excitation=_excitation(part.excitation, sources, kept),
-        source_file=", ".join(source.name for source in used),
-        source_hash=_hash(tuple(source.sha256 for source in used)),
+        source_file=source_file,
+        source_hash=source_hash,
     )
 
 
-def _window(part: ManeuverPart, start_s: float, rate_hz: float, n_samples: int) -> slice:
-    first = 0 if part.start_s is None else max(0, round((part.start_s - start_s) * rate_hz))
-    last = (
-        n_samples
-        if part.stop_s is None
-        else min(n_samples, round((part.stop_s - start_s) * rate_hz))
-    )
-    if last - first < 2:
-        raise BadInput(
-            f"Mapping: 'maneuver.start' and 'maneuver.stop' leave {max(0, last - first)} "
-            f"samples; the record runs from {start_s:g} to {start_s + n_samples / rate_hz:g} s.",
-            code="bad-mapping",
-            key="maneuver.start",
-        )
-    return slice(first, last)
+def origin(channels: tuple[RawChannel, ...]) -> tuple[str, str]:
+    """Names of the files that channels came from, and one hash of them all."""
+    used: dict[str, str] = {}
+    for channel in channels:
+        used.setdefault(channel.source.sha256, channel.source.name)
+    digests = list(used)
+    joined = hashlib.sha256("".join(digests).encode()).hexdigest()
+    return ", ".join(used.values()), digests[0] if len(digests) == 1 else joined
+
+
+def _average(quantity: Quantity, sources: Sources, timing: Timing, part: ManeuverPart) -> float:
+    """One number in SI; a recorded channel is averaged over the maneuver."""
+    if quantity.field is None or (values := sources.numbers(quantity.field)).size == 1:
+        return scalar(quantity, sources)
+    source, _ = sources.find(quantity.field)
+    values = values.reshape(-1)
+    clock = timing.clock(source, quantity.field, quantity.field, values.size, None)
+    samples = values[clock.window(part.start_s, part.stop_s)]
+    if samples.size == 0:
+        raise refuse(quantity.path, f"has no sample of '{quantity.field}' inside the maneuver.")
+    source.check_finite(samples, quantity.field)
+    return float(units.to_si(samples.mean(dtype=np.float64), quantity.unit))
 
 
 def _fta(part: ManeuverPart, sources: Sources) -> int | None:
@@ -220,9 +244,3 @@ def _excitation(
         return None
     inputs = [channel.name for channel in channels if channel.role is Role.INPUT]
     return extract_excitation(part, sources, inputs)
-
-
-def _hash(digests: tuple[str, ...]) -> str:
-    if len(digests) == 1:
-        return digests[0]
-    return hashlib.sha256("".join(digests).encode()).hexdigest()

@@ -12,8 +12,14 @@ from pathlib import Path
 from flexsid.errors import BadInput
 from flexsid.importers.aircraft import AircraftPart, read_aircraft
 from flexsid.importers.channels import read_channel
-from flexsid.importers.clock import read_time
-from flexsid.importers.maneuver import FlightPart, ManeuverPart, read_flight, read_maneuver
+from flexsid.importers.clock import read_clocks, read_time
+from flexsid.importers.maneuver import (
+    FlightPart,
+    ManeuverPart,
+    RecordingPart,
+    read_flight,
+    read_maneuver,
+)
 from flexsid.importers.modal_table import ModalPart, read_modal_table
 from flexsid.importers.predictions import PredictionPart, read_prediction
 from flexsid.importers.quantity import refuse
@@ -30,6 +36,7 @@ class Mapping:
 
     aircraft: AircraftPart | None = None
     flight: FlightPart | None = None
+    recording: RecordingPart | None = None
     maneuver: ManeuverPart | None = None
     modal_tables: tuple[ModalPart, ...] = ()
     predictions: tuple[PredictionPart, ...] = ()
@@ -53,32 +60,42 @@ def parse_mapping(text: str) -> Mapping:
     mapping = Mapping(
         aircraft=read_aircraft(table.table("aircraft")) if "aircraft" in table else None,
         flight=read_flight(table.table("flight")) if "flight" in table else None,
+        recording=_recording(table),
         maneuver=_maneuver(table),
         modal_tables=tuple(read_modal_table(row) for row in table.tables("modal_tables")),
         predictions=tuple(read_prediction(row) for row in table.tables("predictions")),
     )
     table.close()
-    if mapping.maneuver is None and not mapping.modal_tables and not mapping.predictions:
-        raise refuse("maneuver", "or modal_tables or predictions must be there; nothing to import.")
-    if mapping.maneuver is not None and mapping.flight is None:
-        raise refuse("flight", "is missing; a maneuver belongs to a flight with a number.")
+    if mapping.recording is None and not mapping.modal_tables and not mapping.predictions:
+        raise refuse("channels", "or modal_tables or predictions must be there; nothing to import.")
+    if mapping.maneuver is not None and mapping.recording is None:
+        raise refuse("channels", "is missing; name at least the inputs and one output.")
+    if mapping.recording is not None and mapping.flight is None:
+        raise refuse("flight", "is missing; a recording belongs to a flight with a number.")
     return mapping
+
+
+def _recording(table: Table) -> RecordingPart | None:
+    channels = tuple(read_channel(row) for row in table.tables("channels"))
+    if not channels:
+        for key in ("time", "clocks"):
+            if key in table:
+                raise refuse("channels", f"is missing although there is '{key}'.")
+        return None
+    return RecordingPart(
+        time=read_time(table.table("time")) if "time" in table else None,
+        clocks=read_clocks(table.tables("clocks")),
+        channels=channels,
+    )
 
 
 def _maneuver(table: Table) -> ManeuverPart | None:
     if "maneuver" not in table:
-        for key in ("channels", "time", "excitation"):
-            if key in table:
-                raise refuse("maneuver", f"is missing although there is '{key}'.")
+        if "excitation" in table:
+            raise refuse("maneuver", "is missing although there is 'excitation'.")
         return None
-    channels = tuple(read_channel(row) for row in table.tables("channels"))
-    if not channels:
-        raise refuse("channels", "is missing; name at least the inputs and one output.")
     return read_maneuver(
-        table.table("maneuver"),
-        read_time(table.table("time")),
-        channels,
-        table.table("excitation") if "excitation" in table else None,
+        table.table("maneuver"), table.table("excitation") if "excitation" in table else None
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -13,6 +14,9 @@ from flexsid.errors import BadInput, UnreadableFile
 
 LARGEST_CONTENT = 2 * 1024**3
 """Bytes of samples of one file; a small file may claim, or unpack to, any number."""
+
+
+_COLUMN = re.compile(r"(?P<array>.+)\((?P<number>\d{1,6})\)")
 
 
 class Field(NamedTuple):
@@ -73,38 +77,52 @@ class Sources:
         """Tell whether some file holds this field."""
         return any(field in source.arrays for source in self.items)
 
-    def find(self, field: str) -> tuple[Source, np.ndarray]:
+    def find(self, path: str) -> tuple[Source, np.ndarray]:
         """Find a field; ``file.mat:path`` says which file where several hold it.
+
+        ``fdata(3)`` is the third column of a matrix.
 
         Raises
         ------
         BadInput
             If no file holds the field, or more than one does.
         """
-        holders = [source for source in self.items if field in source.arrays]
-        if not holders and ":" in field:
-            file, _, path = field.partition(":")
+        holders = [source for source in self.items if path in source.arrays]
+        if not holders and ":" in path:
+            file, _, inside = path.partition(":")
             holders = [
-                source for source in self.items if source.name == file and path in source.arrays
+                source for source in self.items if source.name == file and inside in source.arrays
             ]
             if holders:
-                return holders[0], holders[0].arrays[path]
+                return holders[0], holders[0].arrays[inside]
         if len(holders) == 1:
-            return holders[0], holders[0].arrays[field]
+            return holders[0], holders[0].arrays[path]
+        column = _COLUMN.fullmatch(path)
+        if not holders and column is not None and self.has(column["array"]):
+            source, matrix = self.find(column["array"])
+            number = int(column["number"])
+            if matrix.ndim == 2 and 1 <= number <= matrix.shape[1]:
+                return source, matrix[:, number - 1]
+            raise BadInput(
+                f"Array '{column['array']}' has shape {matrix.shape}, the mapping asks for column "
+                f"{number}.",
+                code="missing-column",
+                column=path,
+            )
         names = ", ".join(source.name for source in self.items)
         if holders:
             several = " and ".join(source.name for source in holders)
             raise BadInput(
-                f"Field '{field}' is in {several}; write '{holders[0].name}:{field}' "
+                f"Field '{path}' is in {several}; write '{holders[0].name}:{path}' "
                 "to say which is meant.",
                 code="ambiguous-field",
-                column=field,
+                column=path,
             )
-        known = [path for source in self.items for path in source.arrays]
-        close = difflib.get_close_matches(field, known, n=4, cutoff=0.5)
+        known = [name for source in self.items for name in source.arrays]
+        close = difflib.get_close_matches(path, known, n=4, cutoff=0.5)
         hint = f"Close: {', '.join(close)}." if close else f"It holds: {_listing(known)}."
         raise BadInput(
-            f"No column or field '{field}' in {names}. {hint}", code="missing-column", column=field
+            f"No column or field '{path}' in {names}. {hint}", code="missing-column", column=path
         )
 
     def numbers(self, field: str) -> np.ndarray:

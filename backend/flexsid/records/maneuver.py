@@ -30,6 +30,10 @@ class Channel:
     start_s: float
     n_samples: int
     array: str
+    sensor: str | None = None
+    source_file: str | None = None
+    source_hash: str | None = None
+    source_field: str | None = None
     maneuver_id: int | None = None
     id: int | None = None
 

@@ -8,8 +8,9 @@ from typing import Any, Unpack
 
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.excitation import ExcitationDesign
-from flexsid.records.flight import Flight
+from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.maneuver import Channel, Maneuver
+from flexsid.records.mapping import StoredMapping
 from flexsid.records.modal_table import ModalTable
 from flexsid.records.model_structure import ModelStructure
 from flexsid.records.prediction import Prediction
@@ -38,6 +39,10 @@ class Store:
             database, tables.maneuvers, Maneuver, "maneuver", copied=_condition_columns
         )
         self.channels = Repository(database, tables.channels, Channel, "channel")
+        self.flight_channels = Repository(
+            database, tables.flight_channels, FlightChannel, "channel of a flight"
+        )
+        self.mappings = Repository(database, tables.mappings, StoredMapping, "mapping")
         self.modal_tables = Repository(database, tables.modal_tables, ModalTable, "modal table")
         self.predictions = Repository(database, tables.predictions, Prediction, "prediction")
         self.model_structures = Repository(

@@ -142,7 +142,38 @@ channels = _table(
     _number("start_s"),
     sa.Column("n_samples", sa.Integer, nullable=False),
     sa.Column("array", sa.String(64), sa.ForeignKey("arrays.hash"), nullable=False, index=True),
+    _text("sensor", required=False),
+    _text("source_file", required=False),
+    _text("source_hash", required=False),
+    _text("source_field", required=False),
     sa.UniqueConstraint("maneuver_id", "name"),
+)
+
+flight_channels = _table(
+    "flight_channels",
+    _identity(),
+    _refers_to("flight_id", "flights", index=False, ondelete="CASCADE"),
+    _text("name"),
+    _text("unit"),
+    _text("role"),
+    _number("rate_hz"),
+    _number("start_s"),
+    sa.Column("n_samples", sa.Integer, nullable=False),
+    sa.Column("array", sa.String(64), sa.ForeignKey("arrays.hash"), nullable=False, index=True),
+    _text("sensor", required=False),
+    _text("source_file", required=False),
+    _text("source_hash", required=False),
+    _text("source_field", required=False),
+    sa.UniqueConstraint("flight_id", "name"),
+)
+
+mappings = _table(
+    "mappings",
+    _identity(),
+    sa.Column("name", sa.String, nullable=False, unique=True),
+    _text("text"),
+    _text("note"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
 )
 
 modal_tables = _table(

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
 from itertools import combinations
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -14,13 +14,19 @@ from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.importers import confined
 from flexsid.importers.aircraft import AircraftPart
 from flexsid.importers.channels import RawChannel
-from flexsid.importers.maneuver import FlightPart, RawManeuver, extract_maneuver
+from flexsid.importers.maneuver import (
+    FlightPart,
+    RawManeuver,
+    extract_maneuver,
+    extract_recording,
+)
 from flexsid.importers.mapping import Mapping, parse_mapping, recognise
 from flexsid.importers.modal_table import RawModalTable, extract_modal_table
+from flexsid.importers.plausibility import Doubt, find_doubt
 from flexsid.importers.predictions import RawPrediction, extract_prediction
 from flexsid.importers.source import Sources
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.flight import Flight
+from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.records.modal_table import ModalTable
 from flexsid.records.prediction import Prediction
@@ -38,6 +44,7 @@ class Imported:
 
     aircraft: Aircraft
     flight: Flight | None = None
+    flight_channels: tuple[FlightChannel, ...] = ()
     maneuver: Maneuver | None = None
     modal_tables: tuple[ModalTable, ...] = ()
     predictions: tuple[Prediction, ...] = ()
@@ -94,7 +101,12 @@ def read_upload(
     return Upload(sources, parsed)
 
 
-def keep_upload(store: Store, upload: Upload, aircraft_id: int | None = None) -> Imported:
+def keep_upload(
+    store: Store,
+    upload: Upload,
+    aircraft_id: int | None = None,
+    report: Callable[[float], None] = lambda fraction: None,
+) -> Imported:
     """Store everything that an upload holds in one transaction.
 
     Parameters
@@ -105,22 +117,39 @@ def keep_upload(store: Store, upload: Upload, aircraft_id: int | None = None) ->
         Files with their mapping.
     aircraft_id
         Aircraft chosen by the user; needed where the mapping names none.
+    report
+        Is told which fraction of the samples is written; what it raises undoes all.
 
     Raises
     ------
     BadInput
-        If the files do not hold what the mapping says; nothing is stored.
+        If the files do not hold what the mapping says, or a unit is doubtful and
+        nobody confirmed it; nothing is stored.
     Conflict
         If this maneuver is already there, or a name stands for something else.
     """
     mapping, sources = upload.mapping, upload.sources
+    raw: RawManeuver | None = None
+    channels: tuple[RawChannel, ...] = ()
+    if mapping.recording is not None:
+        if mapping.maneuver is None:
+            channels = extract_recording(mapping.recording, sources)
+        else:
+            raw = extract_maneuver(mapping.maneuver, mapping.recording, sources)
+            channels = raw.channels
+        _ask(channels)
+    progress = _Progress(report, len(channels))
     with store.transaction():
         aircraft = _aircraft(store, mapping.aircraft, aircraft_id)
+        _check_sensors(aircraft, channels)
         flight = maneuver = None
-        if mapping.maneuver is not None and mapping.flight is not None:
-            raw = extract_maneuver(mapping.maneuver, sources)
+        recorded: tuple[FlightChannel, ...] = ()
+        if mapping.flight is not None and mapping.recording is not None:
             flight = _flight(store, aircraft, mapping.flight)
-            maneuver = _maneuver(store, aircraft, flight, raw)
+            if raw is None:
+                recorded = _recording(store, flight, channels, progress)
+            else:
+                maneuver = _maneuver(store, aircraft, flight, raw, progress)
         tables = tuple(
             _modal_table(store, aircraft, extract_modal_table(part, sources))
             for part in mapping.modal_tables
@@ -134,6 +163,7 @@ def keep_upload(store: Store, upload: Upload, aircraft_id: int | None = None) ->
     return Imported(
         aircraft=aircraft,
         flight=flight,
+        flight_channels=recorded,
         maneuver=maneuver,
         modal_tables=tables,
         predictions=predictions,
@@ -248,7 +278,9 @@ def _flight(store: Store, aircraft: Aircraft, part: FlightPart) -> Flight:
     )
 
 
-def _maneuver(store: Store, aircraft: Aircraft, flight: Flight, raw: RawManeuver) -> Maneuver:
+def _maneuver(
+    store: Store, aircraft: Aircraft, flight: Flight, raw: RawManeuver, progress: _Progress
+) -> Maneuver:
     assert aircraft.id is not None
     assert flight.id is not None
     for known in store.maneuvers.find(aircraft_id=aircraft.id, source_hash=raw.source_hash):
@@ -279,21 +311,94 @@ def _maneuver(store: Store, aircraft: Aircraft, flight: Flight, raw: RawManeuver
         )
     )
     for channel in raw.channels:
-        store.channels.add(_kept(store, channel, raw, maneuver.id))
+        store.channels.add(Channel(**_kept(store, channel), maneuver_id=maneuver.id))
+        progress.advance()
     return maneuver
 
 
-def _kept(store: Store, channel: RawChannel, raw: RawManeuver, maneuver_id: int | None) -> Channel:
-    return Channel(
-        name=channel.name,
-        unit=channel.unit,
-        role=channel.role,
-        rate_hz=raw.rate_hz,
-        start_s=raw.start_s,
-        n_samples=channel.samples.size,
-        array=store.arrays.put(channel.samples, channel.unit),
-        maneuver_id=maneuver_id,
+def _recording(
+    store: Store, flight: Flight, channels: Sequence[RawChannel], progress: _Progress
+) -> tuple[FlightChannel, ...]:
+    """Keep channels of a whole flight, beside those that it has from other files."""
+    assert flight.id is not None
+    known = {channel.name: channel for channel in store.flight_channels.find(flight_id=flight.id)}
+    kept: list[FlightChannel] = []
+    for channel in channels:
+        if channel.name in known:
+            raise Conflict(
+                f"Flight {flight.number} has a channel '{channel.name}' already, from "
+                f"{known[channel.name].source_file}; give this one another name.",
+                code="already-imported",
+                column=channel.name,
+                flight_id=flight.id,
+            )
+        row = FlightChannel(**_kept(store, channel), flight_id=flight.id)
+        kept.append(store.flight_channels.add(row))
+        progress.advance()
+    return tuple(kept)
+
+
+def _kept(store: Store, channel: RawChannel) -> dict[str, Any]:
+    """What a channel of a maneuver and one of a flight have in common; the samples are kept."""
+    return {
+        "name": channel.name,
+        "unit": channel.unit,
+        "role": channel.role,
+        "rate_hz": channel.clock.rate_hz,
+        "start_s": channel.clock.start_s,
+        "n_samples": channel.samples.size,
+        "array": store.arrays.put(channel.samples, channel.unit),
+        "sensor": channel.sensor,
+        "source_file": channel.source.name,
+        "source_hash": channel.source.sha256,
+        "source_field": channel.field,
+    }
+
+
+class _Progress:
+    """Counts the channels that are written."""
+
+    def __init__(self, report: Callable[[float], None], n_channels: int) -> None:
+        self._report = report
+        self._n_channels = n_channels
+        self._written = 0
+
+    def advance(self) -> None:
+        self._written += 1
+        self._report(self._written / self._n_channels)
+
+
+def find_doubts(channels: Sequence[RawChannel]) -> tuple[Doubt, ...]:
+    """Units that do not fit the size of their samples and that nobody confirmed."""
+    found = (find_doubt(c.name, c.unit, c.role, c.samples) for c in channels)
+    return tuple(
+        doubt
+        for channel, doubt in zip(channels, found, strict=True)
+        if doubt is not None and doubt.code not in channel.confirmed
     )
+
+
+def _ask(channels: Sequence[RawChannel]) -> None:
+    doubts = find_doubts(channels)
+    if doubts:
+        raise BadInput(
+            " ".join(doubt.question for doubt in doubts[:5]),
+            code="doubtful-unit",
+            column=doubts[0].channel,
+            questions=[asdict(doubt) for doubt in doubts],
+        )
+
+
+def _check_sensors(aircraft: Aircraft, channels: Sequence[RawChannel]) -> None:
+    known = {sensor.name for sensor in aircraft.sensors}
+    for channel in channels:
+        if channel.sensor is not None and channel.sensor not in known:
+            raise BadInput(
+                f"Channel '{channel.name}': aircraft '{aircraft.name}' has no sensor "
+                f"'{channel.sensor}'; it has {', '.join(sorted(known)) or 'none'}.",
+                code="unknown-sensor",
+                column=channel.name,
+            )
 
 
 def _modal_table(store: Store, aircraft: Aircraft, raw: RawModalTable) -> ModalTable:

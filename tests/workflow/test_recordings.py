@@ -1,0 +1,233 @@
+"""Recordings of several files: clocks, sources, doubtful units, whole flights."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from flexsid.errors import BadInput, Cancelled, Conflict, UnreadableFile
+from flexsid.importers.plausibility import find_doubt
+from flexsid.records.aircraft import Aircraft
+from flexsid.records.maneuver import Role
+from flexsid.storage.store import Store
+from flexsid.workflow.ingest import import_files, keep_upload, read_upload
+
+HEAD = """
+[aircraft]
+name = "X-1"
+[flight]
+number = 7
+"""
+MANEUVER = """
+[maneuver]
+label = "two recorders"
+start = { value = 101.0, unit = "s" }
+stop = { value = 103.0, unit = "s" }
+[maneuver.condition]
+airspeed = { field = "tas", unit = "kt" }
+density = { value = 1.2, unit = "kg/m3" }
+fuel_fraction = { value = 0.5 }
+"""
+CHANNELS = """
+[time]
+column = "t"
+[[clocks]]
+name = "fti"
+column = "fti.mat:clock"
+unit = "ms"
+offset = { value = 100, unit = "s" }
+[[channels]]
+column = "bf"
+name = "bfs"
+unit = "deg"
+role = "input"
+[[channels]]
+column = "tas"
+unit = "kt"
+role = "condition"
+[[channels]]
+array = "fdata"
+column = 2
+name = "q"
+unit = "deg/s"
+role = "output"
+sensor = "q"
+clock = "fti"
+"""
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> list[Path]:
+    """A recorder at 50 Hz, another at 20 Hz, and instrumentation at 200 Hz with its own time."""
+    fast, slow = np.arange(300) / 50.0 + 100.0, np.arange(120) / 20.0 + 100.0
+    rows = np.stack([fast, 3 * np.sin(fast)], axis=1)
+    np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header="t,bf", comments="")
+    rows = np.stack([slow, 40 + slow - 100], axis=1)
+    np.savetxt(tmp_path / "b.csv", rows, delimiter=",", header="t,tas", comments="")
+    clock = np.arange(1000) * 5.0
+    fdata = np.stack([clock, np.cos(clock / 500)], axis=1).astype(np.float32)
+    savemat(tmp_path / "fti.mat", {"clock": clock, "fdata": fdata})
+    return [tmp_path / name for name in ("a.csv", "b.csv", "fti.mat")]
+
+
+def test_channels_keep_rate_unit_precision_and_source(
+    store: Store, aircraft: Aircraft, files: list[Path]
+) -> None:
+    maneuver = import_files(store, files, HEAD + MANEUVER + CHANNELS).maneuver
+    assert maneuver is not None
+    assert (maneuver.start_s, maneuver.duration_s) == (101.0, 2.0)
+    assert maneuver.source_file == "a.csv, b.csv, fti.mat"
+    assert maneuver.condition.airspeed_m_s == pytest.approx(41.975 * 1852 / 3600)
+    found = {c.name: c for c in store.channels.find(maneuver_id=maneuver.id)}
+    assert {name: (c.rate_hz, c.start_s, c.n_samples) for name, c in found.items()} == {
+        "bfs": (50.0, 101.0, 100),
+        "tas": (20.0, 101.0, 40),
+        "q": (200.0, 101.0, 400),
+    }
+    q = found["q"]
+    assert (q.source_file, q.source_field, q.sensor, q.unit) == (
+        "fti.mat",
+        "fdata(2)",
+        "q",
+        "deg/s",
+    )
+    assert q.source_hash is not None
+    assert q.source_hash != found["bfs"].source_hash
+    samples = store.arrays.get(q.array)
+    assert samples.dtype == np.float32
+    np.testing.assert_array_equal(samples, np.cos(np.arange(200, 600) / 100).astype(np.float32))
+
+
+def test_a_whole_flight_is_kept_with_its_channels(
+    store: Store, aircraft: Aircraft, files: list[Path]
+) -> None:
+    imported = import_files(store, files, HEAD + CHANNELS)
+    assert imported.maneuver is None
+    assert imported.flight is not None
+    channels = store.flight_channels.find(flight_id=imported.flight.id)
+    assert [(c.name, c.start_s, c.n_samples) for c in channels] == [
+        ("bfs", 100.0, 300),
+        ("tas", 100.0, 120),
+        ("q", 100.0, 1000),
+    ]
+    with pytest.raises(Conflict, match=r"Flight 7 has a channel 'bfs' already, from a\.csv"):
+        import_files(store, files, HEAD + CHANNELS)
+    store.flights.delete(1)
+    assert store.flight_channels.find() == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('clock = "fti"', 'clock = "egi"', "no clock 'egi'; there is: fti"),
+        ("value = 100, unit", "value = 0, unit", "'maneuver.start' and 'maneuver.stop' leave"),
+        ('sensor = "q"', 'sensor = "r"', "has no sensor 'r'; it has q"),
+        ('column = "fti.mat:clock"', 'column = "fti.mat:watch"', "'fti.mat:watch'"),
+        ("column = 2", "column = 3", r"'fdata' has 2 columns"),
+        ('[time]\ncolumn = "t"', "", "'time' is missing; a.csv does not say"),
+    ],
+)
+def test_what_does_not_fit_is_named(
+    store: Store, aircraft: Aircraft, files: list[Path], old: str, new: str, words: str
+) -> None:
+    text = HEAD + MANEUVER + CHANNELS
+    assert old in text
+    with pytest.raises(BadInput, match=words):
+        import_files(store, files, text.replace(old, new))
+    assert store.flights.find() == []
+
+
+def test_a_channel_longer_than_its_time_is_refused(
+    store: Store, aircraft: Aircraft, files: list[Path]
+) -> None:
+    text = (HEAD + MANEUVER + CHANNELS).replace("fti.mat:clock", "b.csv:t")
+    with pytest.raises(UnreadableFile, match=r"has 1000 samples but its time 'b\.csv:t' has 120"):
+        import_files(store, files, text)
+
+
+def test_an_angle_in_degrees_taken_for_radians_is_asked_about(
+    store: Store, aircraft: Aircraft, files: list[Path]
+) -> None:
+    text = (HEAD + MANEUVER + CHANNELS).replace('unit = "deg"\n', 'unit = "rad"\n')
+    with pytest.raises(BadInput, match=r"'bfs' moves by [\d.]+ rad.* Is it deg\?") as caught:
+        import_files(store, files, text)
+    assert caught.value.code == "doubtful-unit"
+    (question,) = caught.value.context["questions"]  # type: ignore[misc]
+    assert question["code"] == "too-large"
+    assert store.maneuvers.find() == []
+    confirmed = text.replace('unit = "rad"\n', 'unit = "rad"\nconfirmed = ["too-large"]\n')
+    assert import_files(store, files, confirmed).maneuver is not None
+
+
+@pytest.mark.parametrize(
+    ("unit", "role", "size", "asked"),
+    [
+        ("rad", Role.INPUT, 0.03, None),
+        ("deg", Role.INPUT, 0.03, ("rad",)),
+        ("deg", Role.INPUT, 2.0, None),
+        ("rad", Role.OUTPUT, 360.0, ("deg",)),
+        ("rad/s", Role.OUTPUT, 40.0, ("deg/s",)),
+        ("g", Role.OUTPUT, 32.2, ("m/s2", "ft/s2", "in/s2")),
+        ("g", Role.OUTPUT, 9.8, None),
+        ("strain", Role.OUTPUT, 800.0, ("ustrain",)),
+        ("V", Role.OUTPUT, 1e9, None),
+    ],
+)
+def test_a_unit_that_does_not_fit_is_doubted(
+    unit: str, role: Role, size: float, asked: tuple[str, ...] | None
+) -> None:
+    doubt = find_doubt("x", unit, role, np.array([0.0, size]))
+    assert (None if doubt is None else doubt.instead) == asked
+    assert find_doubt("x", unit, role, np.array([size, size])) is None
+
+
+def test_progress_is_told_and_cancelling_keeps_nothing(
+    store: Store, aircraft: Aircraft, files: list[Path]
+) -> None:
+    told: list[float] = []
+
+    def report(fraction: float) -> None:
+        told.append(fraction)
+        if len(told) == 2:
+            raise Cancelled("enough")
+
+    upload = read_upload(files, HEAD + CHANNELS)
+    with pytest.raises(Cancelled):
+        keep_upload(store, upload, report=report)
+    assert store.flights.find() == store.flight_channels.find() == []
+    told.clear()
+    keep_upload(store, upload, report=lambda fraction: told.append(fraction))
+    assert told == pytest.approx([1 / 3, 2 / 3, 1.0])
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from flexsid.storage.store import Store
+from flexsid.workflow.ingest import keep_upload, read_upload
+
+def report(fraction):
+    if fraction > 0.5:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+upload = read_upload([Path(name) for name in sys.argv[3:]], sys.argv[2])
+keep_upload(Store.open(sys.argv[1]), upload, report=report)
+"""
+
+
+def test_killed_while_it_writes_an_import_leaves_nothing(
+    store: Store, aircraft: Aircraft, database_url: str, files: list[Path]
+) -> None:
+    text = HEAD + MANEUVER + CHANNELS
+    command = [sys.executable, "-c", KILLED, database_url, text, *map(str, files)]
+    ended = subprocess.run(command, check=False, env={**os.environ})
+    assert ended.returncode == -signal.SIGKILL
+    assert store.flights.find() == store.maneuvers.find() == store.channels.find() == []
+    assert import_files(store, files, text).maneuver is not None
