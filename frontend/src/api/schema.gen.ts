@@ -1003,6 +1003,14 @@ export interface components {
             n_samples: number;
             /** Array */
             array: string;
+            /** Sensor */
+            sensor?: string | null;
+            /** Source File */
+            source_file?: string | null;
+            /** Source Hash */
+            source_hash?: string | null;
+            /** Source Field */
+            source_field?: string | null;
             /** Maneuver Id */
             maneuver_id?: number | null;
             /** Id */
