@@ -174,7 +174,10 @@ def _transform(
         if last <= samples.shape[0] + 1:
             window = samples[first:last]
             return finite_fourier_transform(window, rate_hz, lines.omega, start_s + first / rate_hz)
-    transform = finite_fourier_transform(samples, rate_hz, lines.omega, start_s)
+    # A multisine starts and ends at trim; other records are cut wherever they were.
+    transform = finite_fourier_transform(
+        samples, rate_hz, lines.omega, start_s, end_corrected=excitation is None
+    )
     if settles.any():
         transform[:, settles] += _held_level(samples[:, settles], rate_hz, lines.omega, start_s)
     return transform

@@ -36,8 +36,8 @@ def finite_fourier_transform(
         Time of the first sample, so that channels of different clocks keep
         their phase relation. [s]
     end_corrected
-        For records that start or end away from trim: integrate the cubic through
-        the samples from the first sample to the last instead of summing them.
+        For records that start or end away from trim: integrate from the
+        first sample to the last instead of summing them.
 
     Returns
     -------
