@@ -24,7 +24,7 @@ def read(path: Path, name: str | None = None) -> Source:
     fields = list(opened.fields)
     return Source(
         name=opened.name,
-        sha256=opened.sha256,
+        sha256=opened.sha256.result(),
         first_row=opened.first_row,
         arrays={field.path: field.samples for field in fields},
         units={field.path: field.unit for field in fields if field.unit},

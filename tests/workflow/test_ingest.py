@@ -15,7 +15,8 @@ from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
-from flexsid.workflow.ingest import import_files, import_maneuver, largest_correlation, read_upload
+from flexsid.workflow.ingest import import_files, import_maneuver, read_upload
+from flexsid.workflow.keeping import largest_correlation
 
 ROOT = Path(__file__).parents[2]
 RECORDS = ROOT / "../shared/data/flex28/records"

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from flexsid.errors import BadInput, Cancelled, Conflict, UnreadableFile
+from flexsid.errors import BadInput, Cancelled, Conflict, FlexsidError, UnreadableFile
 from flexsid.importers.plausibility import find_doubt
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
-from flexsid.workflow.ingest import import_files, keep_upload, read_upload
+from flexsid.workflow.ingest import Imported, import_each, import_files, keep_upload, read_upload
 
 HEAD = """
 [aircraft]
@@ -189,8 +189,9 @@ def test_a_unit_that_does_not_fit_is_doubted(
 
 
 def test_progress_is_told_and_cancelling_keeps_nothing(
-    store: Store, aircraft: Aircraft, files: list[Path]
+    store: Store, aircraft: Aircraft, files: list[Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("flexsid.workflow.keeping.BYTES_AT_ONCE", 1)
     told: list[float] = []
 
     def report(fraction: float) -> None:
@@ -205,6 +206,34 @@ def test_progress_is_told_and_cancelling_keeps_nothing(
     told.clear()
     keep_upload(store, upload, report=lambda fraction: told.append(fraction))
     assert told == pytest.approx([1 / 3, 2 / 3, 1.0])
+
+
+def test_a_campaign_comes_in_file_by_file(store: Store, aircraft: Aircraft, tmp_path: Path) -> None:
+    time_s = np.arange(100) / 50.0
+    paths = [tmp_path / f"m{number}.npz" for number in range(4)]
+    for number, path in enumerate(paths):
+        np.savez(path, t=time_s, bf=np.sin(time_s + number), q=np.cos(time_s))
+    paths[2].write_bytes(paths[2].read_bytes()[:-40])
+    text = (
+        HEAD
+        + MANEUVER.replace('{ field = "tas", unit = "kt" }', '{ value = 40, unit = "kt" }')
+        .replace('label = "two recorders"', "")
+        .replace("101.0", "0.0")
+        .replace("103.0", "1.0")
+        + CHANNELS.split("[[clocks]]")[0]
+        + '[[channels]]\ncolumn = "bf"\nname = "bfs"\nunit = "deg"\nrole = "input"\n'
+    )
+    results = dict(import_each(store, paths, text))
+    assert [type(result) for result in results.values()] == [
+        Imported,
+        Imported,
+        UnreadableFile,
+        Imported,
+    ]
+    refused = results[paths[2]]
+    assert isinstance(refused, FlexsidError)
+    assert "m2.npz: the archive is damaged" in refused.message
+    assert [m.label for m in store.maneuvers.find()] == ["m0", "m1", "m3"]
 
 
 KILLED = """

@@ -18,7 +18,7 @@ from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.units import factor
 from flexsid.workflow.condition import complete_condition
-from flexsid.workflow.ingest import largest_correlation
+from flexsid.workflow.keeping import largest_correlation
 
 TRIM_S = 2.0
 SETTLE_S = 4.0

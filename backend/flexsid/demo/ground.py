@@ -20,7 +20,7 @@ from flexsid.records.aircraft import SensorKind
 from flexsid.records.maneuver import GROUND, Condition, Excitation
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.modes import StructuralModes
-from flexsid.workflow.ingest import largest_correlation
+from flexsid.workflow.keeping import largest_correlation
 from flexsid.workflow.models import build_model, define_outputs
 
 FTA = 503

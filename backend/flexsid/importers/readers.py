@@ -6,6 +6,7 @@ import hashlib
 import importlib
 import importlib.util
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -54,7 +55,7 @@ class OpenFile:
     """A file whose kind was recognised and whose content is about to be read."""
 
     name: str
-    sha256: str
+    sha256: Future[str]
     first_row: int
     fields: Iterator[Field]
 
@@ -90,8 +91,6 @@ def open_file(path: Path, name: str | None = None) -> OpenFile:
         )
     with path.open("rb") as file:
         head = file.read(4096)
-        file.seek(0)
-        digest = hashlib.file_digest(file, "sha256").hexdigest()
     if not chosen.recognises(head):
         raise UnreadableFile(
             f"{name} does not start like a {chosen.name} file ({Path(name).suffix.lower()}); "
@@ -103,10 +102,18 @@ def open_file(path: Path, name: str | None = None) -> OpenFile:
         raise _named(error, name) from error
     return OpenFile(
         name=name,
-        sha256=digest,
+        sha256=_hasher.submit(_hash, path),
         first_row=content.first_row,
         fields=_checked(content, name),
     )
+
+
+_hasher = ThreadPoolExecutor(1)
+
+
+def _hash(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def load_packages(names: Sequence[str]) -> None:

@@ -78,7 +78,7 @@ def _decode(path: Path, name: str, samples: BinaryIO) -> dict[str, Any]:
     fields = [_kept(field, samples) for field in opened.fields]
     return {
         "name": opened.name,
-        "sha256": opened.sha256,
+        "sha256": opened.sha256.result(),
         "first_row": opened.first_row,
         "fields": fields,
     }

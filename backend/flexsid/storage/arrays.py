@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, TypedDict
 
 import numpy as np
 import sqlalchemy as sa
@@ -14,6 +14,17 @@ from flexsid.storage.database import Database
 from flexsid.storage.tables import arrays
 
 _AT_ONCE = 500  # names in one query
+
+
+class ArrayRow(TypedDict):
+    """What stands in the table; the bytes are those of the array itself, not a copy."""
+
+    hash: str
+    dtype: str
+    shape: list[int]
+    unit: str
+    n_bytes: int
+    data: memoryview | bytes
 
 
 class Arrays:
@@ -42,30 +53,23 @@ class Arrays:
         str
             SHA-256 of type, shape, unit and bytes.
         """
-        samples = np.asarray(array)
-        if samples.dtype.kind not in "biufc":
-            raise BadInput(f"an array of {samples.dtype} cannot be kept; expected numbers")
-        samples = np.ascontiguousarray(samples, dtype=samples.dtype.newbyteorder("<"))
-        # ascontiguousarray makes a scalar one-dimensional.
-        samples = samples.reshape(np.shape(array))
-        data = samples.tobytes()
-        dtype = samples.dtype.str
-        heading = f"{dtype} {samples.shape} {unit}\n".encode()
-        name = hashlib.sha256(heading + data).hexdigest()
+        return self.put_many([describe(array, unit)])[0]
+
+    def put_many(self, content: Sequence[ArrayRow]) -> list[str]:
+        """Keep arrays that were described before and return their names."""
+        rows = {row["hash"]: row for row in content}
         with self._database.transaction() as connection:
-            known = connection.scalar(sa.select(arrays.c.hash).where(arrays.c.hash == name))
-            if known is None:
-                connection.execute(
-                    sa.insert(arrays).values(
-                        hash=name,
-                        dtype=dtype,
-                        shape=list(samples.shape),
-                        unit=unit,
-                        n_bytes=len(data),
-                        data=data,
-                    )
+            known = {
+                name
+                for some in _pieces(list(rows))
+                for name in connection.scalars(
+                    sa.select(arrays.c.hash).where(arrays.c.hash.in_(some))
                 )
-        return name
+            }
+            new = [row for name, row in rows.items() if name not in known]
+            if new:
+                connection.execute(sa.insert(arrays), [dict(row) for row in new])
+        return [row["hash"] for row in content]
 
     def get(self, name: str) -> np.ndarray:
         """Return an array; it is read-only, as what is kept never changes."""
@@ -77,14 +81,40 @@ class Arrays:
         query = sa.select(arrays.c.hash, arrays.c.dtype, arrays.c.shape, arrays.c.data)
         found: dict[str, np.ndarray] = {}
         with self._database.reading() as connection:
-            for first in range(0, len(wanted), _AT_ONCE):
-                some = arrays.c.hash.in_(wanted[first : first + _AT_ONCE])
-                for name, dtype, shape, data in connection.execute(query.where(some)):
+            for some in _pieces(wanted):
+                rows = connection.execute(query.where(arrays.c.hash.in_(some)))
+                for name, dtype, shape, data in rows:
                     found[name] = _restore(dtype, shape, data)
         for name in wanted:
             if name not in found:
                 raise UnknownRecord(f"there is no array {name}")
         return found
+
+
+def describe(array: np.ndarray, unit: str = "") -> ArrayRow:
+    """Make the row of an array, which takes no database; hashing is most of it."""
+    samples = np.asarray(array)
+    if samples.dtype.kind not in "biufc":
+        raise BadInput(f"an array of {samples.dtype} cannot be kept; expected numbers")
+    samples = np.ascontiguousarray(samples, dtype=samples.dtype.newbyteorder("<"))
+    # ascontiguousarray makes a scalar one-dimensional.
+    samples = samples.reshape(np.shape(array))
+    data = samples.data.cast("B") if samples.size else b""
+    dtype = samples.dtype.str
+    content = hashlib.sha256(f"{dtype} {samples.shape} {unit}\n".encode())
+    content.update(data)
+    return {
+        "hash": content.hexdigest(),
+        "dtype": dtype,
+        "shape": list(samples.shape),
+        "unit": unit,
+        "n_bytes": len(data),
+        "data": data,
+    }
+
+
+def _pieces(names: list[str]) -> Iterator[list[str]]:
+    return (names[first : first + _AT_ONCE] for first in range(0, len(names), _AT_ONCE))
 
 
 def _restore(dtype: str, shape: Sequence[int], data: Any) -> np.ndarray:

@@ -98,7 +98,9 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
     def _prepare(connection: sqlite3.Connection, _record: object) -> None:
         connection.isolation_level = None  # we say BEGIN ourselves
         if connection.execute("PRAGMA page_count").fetchone() == (0,):
-            # Later it would need the write lock for every connection, and have no effect.
+            # Later these would need the write lock for every connection, and have no effect.
+            # Most of a database are samples, which larger pages write and read much faster.
+            connection.execute("PRAGMA page_size = 32768")
             connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
         for pragma in (
             "busy_timeout = 30000",

@@ -87,6 +87,18 @@ class Repository(Generic[R]):
         assert primary_key is not None
         return replace(record, **{"id": primary_key[0]})
 
+    def add_many(self, records: Sequence[R]) -> None:
+        """Keep new records in one statement; their ids are not told."""
+        rows = [self.encode(record) for record in records]
+        for row in rows:
+            del row["id"]
+        if rows:
+            with self._database.transaction() as connection:
+                try:
+                    connection.execute(sa.insert(self.table), rows)
+                except IntegrityError as error:
+                    raise self._refused(error) from error
+
     def get(self, identity: int) -> R:
         """Return the record with this id."""
         found = self._select(self._is(identity))

@@ -1,0 +1,224 @@
+"""How fast a campaign comes in and is read: ``python tests/benchmarks/campaign.py [--full]``.
+
+A campaign of 1000 maneuvers x 90 channels (a tenth of it by default) is imported from
+recorder files, through everything an import does: the reading process, the mapping, the
+checks of clock, samples and units, and one transaction per maneuver. The same bytes are
+written with plain sqlite3, one row per channel and one transaction per maneuver; the two
+take turns flight by flight, so that a busy disk slows both. Then 20 channels of one
+maneuver are read, beside raw reads of the same blobs, and the list page is asked for.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sqlite3
+import statistics
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from fastapi.testclient import TestClient
+from scipy.io import savemat
+
+from flexsid.api.app import create_app
+from flexsid.records.aircraft import Aircraft, Geometry, MassTable, Surface
+from flexsid.settings import Settings
+from flexsid.storage.migrate import upgrade
+from flexsid.storage.store import Store
+from flexsid.workflow.ingest import Imported, import_each, read_upload
+
+N_CHANNELS, N_SAMPLES, RATE_HZ, N_READ = 90, 8000, 200.0, 20
+MANEUVERS_PER_FLIGHT = 26
+
+MAPPING = """
+[aircraft]
+name = "Campaign"
+[flight]
+number = {flight}
+[maneuver]
+fta = 506
+[maneuver.condition]
+airspeed = {{ value = 40.0, unit = "m/s" }}
+density = {{ value = 1.1, unit = "kg/m3" }}
+fuel_fraction = {{ value = 0.5 }}
+[time]
+rate = {{ value = 200, unit = "Hz" }}
+[[channels]]
+array = "surfaces"
+labels = ["bfs", "wf1s", "wf2s", "wf3s", "wf4s"]
+unit = "deg"
+role = "input"
+[[channels]]
+array = "sensors"
+labels = [{labels}]
+unit = "V"
+role = "output"
+"""
+
+
+def aircraft() -> Aircraft:
+    """A kite to which the maneuvers belong."""
+    return Aircraft(
+        name="Campaign",
+        geometry=Geometry(area_m2=1.0, chord_m=0.3, span_m=3.4),
+        mass=MassTable(
+            fuel=(0.0,), mass_kg=(10.0,), pitch_inertia_kg_m2=(1.0,), x_cg_m=(0.5,), z_cg_m=(0.0,)
+        ),
+        surfaces=tuple(Surface(name=name) for name in ("bfs", "wf1s", "wf2s", "wf3s", "wf4s")),
+        sensors=(),
+        instruments={},
+    )
+
+
+def record(path: Path, samples: np.ndarray, number: int) -> None:
+    """Write a recorder file whose samples no other has."""
+    samples += np.float64(number + 1)
+    savemat(path, {"surfaces": samples[:, :5], "sensors": samples[:, 5:]})
+
+
+class Plain:
+    """What anybody would write who knows sqlite3: one row per channel."""
+
+    def __init__(self, file: Path) -> None:
+        self.connection = sqlite3.connect(file, isolation_level=None)
+        self.connection.execute("PRAGMA journal_mode = WAL")
+        self.connection.execute("PRAGMA synchronous = NORMAL")
+        self.connection.execute(
+            "CREATE TABLE channels (maneuver INTEGER, number INTEGER, data BLOB)"
+        )
+
+    def write(self, number: int, samples: np.ndarray) -> None:
+        """Write one maneuver."""
+        self.connection.execute("BEGIN IMMEDIATE")
+        for column in range(samples.shape[1]):
+            data = np.ascontiguousarray(samples[:, column]).tobytes()
+            row = (number, column, data)
+            self.connection.execute("INSERT INTO channels VALUES (?, ?, ?)", row)
+        self.connection.execute("COMMIT")
+
+
+def seconds(work: Callable[[], object]) -> float:
+    """Time of one call. [s]"""
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start
+
+
+def report(name: str, ratio: float, baseline: str, **more: float) -> None:
+    """Print one figure."""
+    print(json.dumps({"name": name, "ratio": round(ratio, 3), "baseline": baseline, **more}))
+
+
+def import_campaign(folder: Path, store: Store, n_maneuvers: int) -> None:
+    """Import a flight, then write the same bytes plainly, and so on."""
+    plain = Plain(folder / "plain.db")
+    samples = np.random.default_rng(1).standard_normal((N_SAMPLES, N_CHANNELS))
+    samples = np.asfortranarray(samples)
+    labels = ", ".join(f'"s{number}"' for number in range(N_CHANNELS - 5))
+    ours, theirs = [], []
+    record(folder / "first.mat", samples, 0)
+    read_upload(
+        [folder / "first.mat"], MAPPING.format(flight=1, labels=labels)
+    )  # starts the reader
+    for first in range(0, n_maneuvers, MANEUVERS_PER_FLIGHT):
+        numbers = range(first, min(first + MANEUVERS_PER_FLIGHT, n_maneuvers))
+        paths = [folder / f"m{number}.mat" for number in numbers]
+        for number, path in zip(numbers, paths, strict=True):
+            record(path, samples, number)
+        mapping = MAPPING.format(flight=1 + first // MANEUVERS_PER_FLIGHT, labels=labels)
+        start = time.perf_counter()
+        for path, result in import_each(store, paths, mapping):
+            assert isinstance(result, Imported), f"{path}: {result}"
+        ours.append(time.perf_counter() - start)
+        start = time.perf_counter()
+        for number in numbers:
+            plain.write(number, samples)
+        theirs.append(time.perf_counter() - start)
+        for path in paths:
+            path.unlink()
+    plain.connection.close()
+    megabytes = n_maneuvers * samples.nbytes / 1e6
+    report(
+        "import_vs_sqlite3",
+        sum(theirs) / sum(ours),
+        "the same bytes written with plain sqlite3",
+        maneuvers=n_maneuvers,
+        megabytes=round(megabytes),
+        megabytes_per_s=round(megabytes / sum(ours), 1),
+        maneuver_ms=round(1e3 * sum(ours) / n_maneuvers, 1),
+        plain_ms=round(1e3 * sum(theirs) / n_maneuvers, 1),
+    )
+
+
+def read_channels(file: Path, store: Store, n_maneuvers: int) -> None:
+    """Read 20 channels of one maneuver, and the same blobs raw."""
+    raw = sqlite3.connect(file)
+    chosen = np.random.default_rng(2).permutation(np.arange(1, n_maneuvers + 1))[:50]
+
+    def ours(identity: int) -> None:
+        channels = store.channels.find(maneuver_id=identity)[:N_READ]
+        arrays = store.arrays.get_many([channel.array for channel in channels])
+        assert len(arrays) == N_READ
+
+    def plain(names: list[str]) -> None:
+        for name in names:
+            raw.execute("SELECT data FROM arrays WHERE hash = ?", (name,)).fetchone()
+
+    read, blobs = [], []
+    for identity in map(int, chosen):
+        names = [c.array for c in store.channels.find(maneuver_id=identity)][:N_READ]
+        plain(names)
+        read.append(min(seconds(partial(ours, identity)) for _ in range(3)))
+        blobs.append(min(seconds(partial(plain, names)) for _ in range(3)))
+    raw.close()
+    report(
+        "read_vs_raw",
+        statistics.median(read) / statistics.median(blobs),
+        "the same blobs read with plain sqlite3",
+        channels=N_READ,
+        read_ms=round(1e3 * statistics.median(read), 2),
+    )
+
+
+def list_page(url: str) -> None:
+    """Ask for the list as the page does."""
+    with TestClient(create_app(Settings(database=url)), base_url="http://127.0.0.1") as client:
+        times = []
+        for _ in range(40):
+            times.append(
+                seconds(lambda: client.get("/api/v1/maneuvers?limit=50").raise_for_status())
+            )
+        whole = seconds(lambda: client.get("/api/v1/maneuvers?limit=1000").raise_for_status())
+    median = statistics.median(times)
+    report(
+        "list_page",
+        median / 0.1,
+        "100 ms",
+        median_ms=round(1e3 * median, 2),
+        thousand_ms=round(1e3 * whole, 1),
+    )
+
+
+def main() -> None:
+    """Run all of it."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--full", action="store_true", help="1000 maneuvers, 6 GB twice")
+    n_maneuvers = 1000 if parser.parse_args().full else 100
+    with TemporaryDirectory(prefix="flexsid-campaign-") as name:
+        folder = Path(name)
+        url = f"sqlite:///{folder / 'flexsid.db'}"
+        upgrade(url)
+        store = Store.open(url)
+        store.aircraft.add(aircraft())
+        import_campaign(folder, store, n_maneuvers)
+        read_channels(folder / "flexsid.db", store, n_maneuvers)
+        store.close()
+        list_page(url)
+
+
+if __name__ == "__main__":
+    main()
