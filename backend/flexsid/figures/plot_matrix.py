@@ -9,8 +9,10 @@ from flexsid.figures.spec import Spec, axis, column, empty, layout_key
 from flexsid.records.views import PlotMatrix
 
 LIMIT = 0.9  # |r| beyond which equation error and output error suffer (ref. 14 of the paper)
-_POINTS = 400
+_POINTS = 400  # in one cross plot
+_ALL_POINTS = 8_000  # a browser draws so many within half a second
 _GAP = 0.01
+_FEW = 8  # channels whose cells have room for large letters
 
 
 def plot_matrix(value: PlotMatrix) -> Spec:
@@ -29,7 +31,8 @@ def plot_matrix(value: PlotMatrix) -> Spec:
     rows = np.concatenate([np.real(value.samples), np.imag(value.samples)])
     if not np.iscomplexobj(value.samples):
         rows = value.samples
-    keep = np.linspace(0, len(rows) - 1, min(_POINTS, len(rows))).astype(int)
+    points = min(_POINTS, _ALL_POINTS // (count * (count - 1) // 2), len(rows))
+    keep = np.linspace(0, len(rows) - 1, points).astype(int)
     shown = rows[keep] * np.array([quantity.factor for quantity in known])
     layout: Spec = {
         "showlegend": False,
@@ -42,15 +45,20 @@ def plot_matrix(value: PlotMatrix) -> Spec:
             "condition": value.condition if np.isfinite(value.condition) else None,
         },
     }
-    data: list[Spec] = []
-    for row in range(count):
-        layout["annotations"].append(_name(known[row], _centre(row, row, count)))
-        for col in range(row + 1, count):
-            number = len(data) + 1
-            layout |= _cell_axes(number, row, col, count)
-            data.append(_cross_plot(number, shown[:, col], shown[:, row], known[col], known[row]))
-            coefficient = value.correlation[col, row]
-            layout["annotations"].append(_coefficient(coefficient, _centre(col, row, count)))
+    size = 13 if count <= _FEW else 10
+    for index in range(count):
+        layout |= _axes_of_channel(index, count)
+        layout["annotations"].append(_name(known[index], _centre(index, index, count), size))
+    cells = [(row, col) for row in range(count) for col in range(row + 1, count)]
+    layout["annotations"] += [
+        _coefficient(value.correlation[col, row], _centre(col, row, count), size)
+        for row, col in cells
+    ]
+    layout["shapes"] = [_frames(cells, count)]
+    data = [
+        _cross_plot(row, col, shown[:, col], shown[:, row], known[col], known[row])
+        for row, col in cells
+    ]
     return {"data": data, "layout": layout}
 
 
@@ -62,29 +70,39 @@ def _centre(row: int, col: int, count: int) -> tuple[float, float]:
     return (col + 0.5) / count, 1.0 - (row + 0.5) / count
 
 
-def _cell_axes(number: int, row: int, col: int, count: int) -> Spec:
-    left, right = _span(col, count)
-    top, bottom = _span(row, count)
+def _axes_of_channel(index: int, count: int) -> Spec:
+    """The channel's axes, shared by its column and its row of cross plots."""
+    left, right = _span(index, count)
     bare = {
-        "showticklabels": False,
-        "zeroline": False,
-        "showgrid": False,
-        "showline": True,
-        "mirror": True,
-    }
-    frame = {**bare, "linecolor": style.GRID, "ticks": ""}
+        "showticklabels": False, "zeroline": False, "showgrid": False, "showline": False,
+        "ticks": "",
+    }  # fmt: skip
     return {
-        layout_key(number, "x"): {**frame, "domain": [left, right], "anchor": axis(number)},
-        layout_key(number): {
-            **frame,
-            "domain": [1.0 - bottom, 1.0 - top],
-            "anchor": axis(number, "x"),
-        },
+        layout_key(index + 1, "x"): {**bare, "domain": [left, right]},
+        layout_key(index + 1): {**bare, "domain": [1.0 - right, 1.0 - left]},
     }
+
+
+def _frames(cells: list[tuple[int, int]], count: int) -> Spec:
+    """A box around every cross plot, all in one path."""
+    boxes = []
+    for row, col in cells:
+        (left, right), (top, bottom) = _span(col, count), _span(row, count)
+        low, high = 1.0 - bottom, 1.0 - top
+        boxes.append(f"M{left},{low}L{right},{low}L{right},{high}L{left},{high}Z")
+    return {
+        "type": "path", "xref": "paper", "yref": "paper", "path": "".join(boxes),
+        "line": {"color": style.GRID, "width": 1},
+    }  # fmt: skip
 
 
 def _cross_plot(
-    number: int, x: np.ndarray, y: np.ndarray, of_x: quantities.Quantity, of_y: quantities.Quantity
+    row: int,
+    col: int,
+    x: np.ndarray,
+    y: np.ndarray,
+    of_x: quantities.Quantity,
+    of_y: quantities.Quantity,
 ) -> Spec:
     return {
         "type": "scatter",
@@ -92,8 +110,8 @@ def _cross_plot(
         "name": f"{of_y.label} over {of_x.label}",
         "x": column(x),
         "y": column(y),
-        "xaxis": axis(number, "x"),
-        "yaxis": axis(number),
+        "xaxis": axis(col + 1, "x"),
+        "yaxis": axis(row + 1),
         "marker": {"color": style.BLUE, "size": 2.5, "opacity": 0.6},
         "hovertemplate": (
             f"{of_x.label} %{{x:.3g}} {of_x.unit}<br>"
@@ -102,19 +120,19 @@ def _cross_plot(
     }
 
 
-def _name(quantity: quantities.Quantity, centre: tuple[float, float]) -> Spec:
-    return _text(f"<b>{quantity.label}</b><br>[{quantity.unit}]", centre, {"size": 14})
+def _name(quantity: quantities.Quantity, centre: tuple[float, float], size: int) -> Spec:
+    return _text(f"<b>{quantity.label}</b><br>[{quantity.unit}]", centre, {"size": size})
 
 
-def _coefficient(value: complex, centre: tuple[float, float]) -> Spec:
+def _coefficient(value: complex, centre: tuple[float, float], size: int) -> Spec:
     if not np.isfinite(value):  # a channel that never moves has no correlation
-        return _text("–", centre, {"size": 13})
+        return _text("–", centre, {"size": size})
     text = f"{np.real(value):z.2f}"
     if np.iscomplexobj(value):
-        text = f"{abs(value):.2f} ∠{np.degrees(np.angle(value)):z.0f}°"
+        text = f"{abs(value):.2f}<br>∠{np.degrees(np.angle(value)):z.0f}°"
     if abs(value) > LIMIT:
-        return _text(f"<b>{text} !</b>", centre, {"size": 13, "color": style.FLAG})
-    return _text(text, centre, {"size": 13})
+        return _text(f"<b>{text} !</b>", centre, {"size": size, "color": style.FLAG})
+    return _text(text, centre, {"size": size})
 
 
 def _text(text: str, centre: tuple[float, float], font: Spec) -> Spec:
