@@ -41,6 +41,8 @@ export const maneuverView = view((search) => ({
   average: flag(search.average),
   /** Models also with sensors blind to the structure. */
   rigid: flag(search.rigid),
+  /** Responses from averaged windows instead of lines. */
+  windowed: flag(search.windowed),
   plane: oneOf(search.plane, BODE_PLANES),
   /** The whole spectrum behind the lines. */
   full: flag(search.full),

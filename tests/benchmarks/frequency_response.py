@@ -7,6 +7,7 @@ points within two standard errors; then times the transform against a plain loop
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable
 from tempfile import TemporaryDirectory
@@ -72,13 +73,19 @@ def main() -> None:
             own = own_line_ratios(measured.inputs, measured.true_outputs(), measured.owner)
             naive = np.median(np.abs(relative_errors(own, ratio)))
             noisy = keep_and_measure(store, fly(airspeed_ratio=ratio, peak_deg=peak_deg, seed=1))
-            print(f"median_error_{ratio:.2f} {found:.2e} of {len(measured.outputs.names)} outputs")
-            print(f"own_line_ratio_{ratio:.2f} {naive:.2e}, {naive / found:.0f} times as much")
-            print(f"coverage_{ratio:.2f} {coverage(noisy.responses(), ratio):.3f}")
+            say(f"median_error_{ratio:.2f}", found, outputs=len(measured.outputs.names))
+            say(f"own_line_ratio_{ratio:.2f}", naive, times_as_much=naive / found)
+            say(f"coverage_{ratio:.2f}", coverage(noisy.responses(), ratio))
         store.close()
     ours, loop = transform_times()
-    print(f"transform {1e3 * ours:.2f} ms, plain loop {1e3 * loop:.1f} ms")
-    print(f"transform_vs_loop {loop / ours:.1f}")
+    size = f"{N_CHANNELS} channels, {N_SAMPLES} samples, {N_LINES} lines"
+    line = {"name": "transform_vs_loop", "ratio": loop / ours, "baseline": f"line by line; {size}"}
+    print(json.dumps({**line, "ours_ms": 1e3 * ours, "baseline_ms": 1e3 * loop}))
+
+
+def say(name: str, value: float, **more: float) -> None:
+    """One JSON line."""
+    print(json.dumps({"name": name, "value": float(f"{value:.4g}"), **more}))
 
 
 if __name__ == "__main__":

@@ -51,7 +51,8 @@ def test_fit_puts_the_model_over_the_data(drawable, numbers):
     spec = fit(fit_plot(Method.OE, None))
     drawable(spec)
     measured, phase, fitted, _ = spec["data"]
-    assert (measured["mode"], fitted["mode"]) == ("markers", "lines")
+    assert measured["mode"] == fitted["mode"] == "markers", "neighbouring lines are not joined"
+    assert fitted["marker"]["symbol"] == "circle-open"
     assert numbers(measured["y"]) == pytest.approx([1.0] * 3)
     assert numbers(fitted["y"]) == pytest.approx([2.0] * 3)
     assert numbers(phase["y"]) == pytest.approx([0.0, 90.0, 180.0])

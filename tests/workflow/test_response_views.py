@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -37,6 +39,31 @@ def test_two_flights_of_one_maneuver_agree_and_their_average_is_surer(store, pai
     assert single is not None
     assert average.relative_std is not None
     assert np.median(average.relative_std / single) == pytest.approx(0.5**0.5, abs=0.12)
+
+
+def test_periods_that_repeat_are_coherent(store, pair):
+    flight = store.maneuvers.get(pair[0]).flight_id
+    repeated = add_maneuver(store, fly(fta=503, seed=3, n_periods=3), flight).id or 0
+    (response,) = views.bode(store, repeated, ("q",), ("bfs",)).measured
+    assert response.coherence is not None
+    assert response.coherence.shape == response.frequency_hz.shape
+    assert np.median(response.coherence) > 0.98
+    assert views.bode(store, pair[0], ("q",), ("bfs",)).measured[0].coherence is None
+    spec = figures.bode(views.bode(store, repeated, ("q",), ("bfs",)))
+    assert spec["layout"]["yaxis3"]["title"]["text"] == "Coherence"
+
+
+def test_a_maneuver_without_known_lines_is_read_by_windows(store, pair):
+    flown = store.maneuvers.get(pair[0])
+    by_lines = views.bode(store, pair[0], ("az_mfs",), ("wf1s",)).measured[0]
+    store.maneuvers.replace(replace(flown, excitation=None))
+    by_windows = views.bode(store, pair[0], ("az_mfs",), ("wf1s",)).measured[0]
+    assert by_windows.coherence is not None
+    sure = by_windows.coherence > 0.95
+    near = sure & (by_windows.frequency_hz > 1.0) & (by_windows.frequency_hz < 5.0)
+    expected = np.interp(by_windows.frequency_hz, by_lines.frequency_hz, by_lines.magnitude)
+    assert near.sum() > 3
+    assert np.median(np.abs(by_windows.magnitude[near] / expected[near] - 1.0)) < 0.2
 
 
 @pytest.mark.parametrize("view", ["bode", "nichols", "nyquist"])

@@ -28,9 +28,13 @@ def bode(value: Bode, view: View = "bode") -> Spec:
     outputs = tuple(dict.fromkeys(response.output for response in shown))
     if not outputs:
         return empty("No frequency response: choose an output and an input that was excited")
-    per_output = 2 if view == "bode" else 1
     bode_plane = view == "bode"
-    layout = _layout(outputs, value) if bode_plane else _plane_layout(outputs, value, view)
+    coherent = any(response.coherence is not None for response in value.measured)
+    per_output = 1 if not bode_plane else 3 if coherent else 2
+    if bode_plane:
+        layout = _layout(outputs, value, per_output)
+    else:
+        layout = _plane_layout(outputs, value, view)
     layout["meta"] = {
         "rows": per_output * len(outputs) * (1 if view == "bode" else 2),
         "blanked": _blanked(value),
@@ -42,6 +46,8 @@ def bode(value: Bode, view: View = "bode") -> Spec:
         drawing = _drawing(response, value)
         if view == "bode":
             data += _pair(response, first, drawing)
+            if response.coherence is not None:
+                data.append(_coherence(response, first, drawing))
         else:
             data.append(_locus(response, first, drawing, view))
     return {"data": data, "layout": layout}
@@ -61,25 +67,32 @@ def _blanked(value: Bode) -> list[Spec]:
     ][:_MOST_LISTED]
 
 
-def _layout(outputs: tuple[str, ...], value: Bode) -> Spec:
-    count = 2 * len(outputs)
+def _layout(outputs: tuple[str, ...], value: Bode, per_output: int) -> Spec:
+    count = per_output * len(outputs)
     layout: Spec = {
         "xaxis": {**title("Frequency [Hz]"), "type": "log", "anchor": axis(count)},
         "showlegend": True,
         "hovermode": "closest",
     }
-    domains = rows([1.4, 1.0] * len(outputs))
+    domains = rows([1.4, 1.0, 0.6][:per_output] * len(outputs))
     for index, name in enumerate(outputs):
         shown = [r for r in value.measured + value.models if r.output == name]
-        layout[layout_key(2 * index + 1)] = {
+        first = per_output * index
+        layout[layout_key(first + 1)] = {
             **title(_magnitude_title(name, shown)),
-            "domain": domains[2 * index],
+            "domain": domains[first],
         }
-        layout[layout_key(2 * index + 2)] = {
+        layout[layout_key(first + 2)] = {
             **title("Phase [deg]"),
-            "domain": domains[2 * index + 1],
+            "domain": domains[first + 1],
             "dtick": _phase_step(shown),
         }
+        if per_output == 3:
+            layout[layout_key(first + 3)] = {
+                **title("Coherence"),
+                "domain": domains[first + 2],
+                "range": [0, 1.05],
+            }
     layout["shapes"], layout["annotations"] = [], []
     for place, mode in enumerate(value.modes):
         shape, name = vertical_mark(mode.frequency_hz, quantities.text(mode.name), log=True)
@@ -200,6 +213,20 @@ def _pair(response: Response, first: int, drawing: Spec) -> list[Spec]:
                 "thickness": 1, "width": 0,
             }  # fmt: skip
     return pair
+
+
+def _coherence(response: Response, first: int, drawing: Spec) -> Spec:
+    """Share of the output that is explained, drawn also where the response is blanked."""
+    assert response.coherence is not None
+    shared = _shared(response, first, drawing)
+    return {
+        **shared,
+        "x": column(response.frequency_hz, exact=True),
+        "y": column(response.coherence),
+        "yaxis": axis(first + 2),
+        "showlegend": False,
+        "hovertemplate": f"%{{x:.3f}} Hz<br>%{{y:.2f}}<extra>{shared['name']}</extra>",
+    }
 
 
 def _locus(response: Response, number: int, drawing: Spec, view: View) -> Spec:

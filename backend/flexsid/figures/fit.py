@@ -13,7 +13,7 @@ _INPUT_UNIT = "rad"  # responses are per radian of surface inside
 
 
 def fit(value: FitPlot) -> Spec:
-    """Draw measured lines as markers, the fitted ones as a line through its own lines."""
+    """Draw measured lines as markers, the fitted ones as a line, or as rings around them."""
     if not value.traces:
         return empty("Nothing was fitted")
     colour, symbol = style.METHODS[value.method.value]
@@ -42,6 +42,11 @@ def fit(value: FitPlot) -> Spec:
             "marker": {"color": style.MEASURED, "symbol": symbol, "size": 5},
         }
         curve = {"mode": "lines", "line": {"color": colour, "width": 1.8}}
+        if value.method is Method.OE:  # neighbouring lines belong to different inputs
+            curve = {
+                "mode": "markers",
+                "marker": {"color": colour, "symbol": "circle-open", "size": 8},
+            }
         measured = (trace.measured_magnitude, trace.measured_phase_rad)
         fitted = (trace.fitted_magnitude, trace.fitted_phase_rad)
         data += _pair(value, "measured", measured, quantity, first, points)

@@ -120,7 +120,8 @@ class Response:
     ``relative_std`` (M,) is the standard error of the magnitude over the magnitude,
     which is also that of the phase in radians. ``run_id`` is None for measured data,
     ``maneuver_id`` for an average of several. ``rigid`` is a model whose sensors see
-    no structure (C_e = 0).
+    no structure (C_e = 0). ``coherence`` (M,) is the share of the output that the inputs
+    explain, or that repeats from period to period, where that can be told.
     """
 
     output: str
@@ -136,6 +137,7 @@ class Response:
     label: str = ""
     rigid: bool = False
     blanked: tuple[Blanked, ...] = ()
+    coherence: np.ndarray | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -4039,6 +4039,8 @@ export interface operations {
                 average?: boolean;
                 /** @description Models also with sensors blind to modes. */
                 rigid?: boolean;
+                /** @description From averaged windows, as where no lines are known. */
+                windowed?: boolean;
                 view?: "bode" | "nichols" | "nyquist";
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";

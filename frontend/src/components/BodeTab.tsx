@@ -34,6 +34,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
     beside: view.beside,
     average: view.average,
     rigid: view.rigid,
+    windowed: view.windowed,
     view: view.plane,
   };
   const campaign = useInfiniteQuery(maneuversQuery({}, "id", 200));
@@ -95,6 +96,15 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
           checked={view.average === true}
           onChange={(event) => {
             onChange({ average: event.currentTarget.checked || undefined });
+          }}
+        />
+        <Switch
+          label="Averaged windows"
+          description="With coherence; always so for sweeps and doublets"
+          checked={view.windowed === true || maneuver.excitation === null}
+          disabled={maneuver.excitation === null}
+          onChange={(event) => {
+            onChange({ windowed: event.currentTarget.checked || undefined });
           }}
         />
         <ChannelPicker

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
@@ -49,14 +49,16 @@ def draw_time_history(
     points: int = views.POINTS,
     form: Form = "json",
 ) -> Response:
-    """Draw channels against time, thinned to what a screen shows; inputs by default."""
+    """Draw channels against time, thinned to what a screen shows; inputs by default.
+
+    Files hold every sample of the window.
+    """
     chosen = split_names(channels) or ()
-    return sent(
-        figures.time_history(
-            views.time_history(store, maneuver_id, chosen, start_s, stop_s, points)
-        ),
-        form,
-    )
+    value = views.time_history(store, maneuver_id, chosen, start_s, stop_s, points)
+    if form != "json":
+        longest = max((trace.time_s.size for trace in value.traces), default=points)
+        value = replace(value, points=longest)
+    return sent(figures.time_history(value), form)
 
 
 @router.get("/spectrum", response_model=Figure)
@@ -101,6 +103,9 @@ def draw_bode(
     ] = None,
     average: Annotated[bool, Query(description="All maneuvers as one response.")] = False,
     rigid: Annotated[bool, Query(description="Models also with sensors blind to modes.")] = False,
+    windowed: Annotated[
+        bool, Query(description="From averaged windows, as where no lines are known.")
+    ] = False,
     view: figures.View = "bode",
     form: Form = "json",
 ) -> Response:
@@ -114,6 +119,7 @@ def draw_bode(
         split_ids(beside, "beside"),
         average=average,
         rigid=rigid,
+        windowed=windowed,
     )
     return sent(figures.bode(value, view), form)
 

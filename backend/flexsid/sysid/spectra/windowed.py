@@ -21,6 +21,7 @@ class WindowedResponse:
 
     response: FrequencyResponse
     coherence: Float[np.ndarray, "n_omega n_y"]
+    input_power: Float[np.ndarray, "n_omega n_u"]
     n_windows: int
 
 
@@ -91,7 +92,7 @@ def windowed_responses(
         input_names,
         np.sqrt(np.maximum(variance, 0.0))[1:],
     )
-    return WindowedResponse(response, gamma[1:], count)
+    return WindowedResponse(response, gamma[1:], scale[1:] ** 2, count)
 
 
 def _windows(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,8 +17,10 @@ from flexsid.sysid.spectra.repeated import combine
 from flexsid.workflow.identified import Identified, identified
 from flexsid.workflow.measured import measure
 from flexsid.workflow.models import define_outputs
+from flexsid.workflow.transforms import maneuver_lines
 from flexsid.workflow.views.channels import input_names, sampling
 from flexsid.workflow.views.modes import identified_markers, mode_markers
+from flexsid.workflow.views.repetition import measure_windows, period_coherence
 
 _GRID = 400  # points of a model's curve
 _MARGIN = 1.1  # modes a little outside the lines still explain what is seen
@@ -34,6 +36,7 @@ def bode(
     *,
     average: bool = False,
     rigid: bool = False,
+    windowed: bool = False,
 ) -> Bode:
     """Read responses of outputs to inputs; to all that were excited by default.
 
@@ -51,6 +54,8 @@ def bode(
         One response of all maneuvers, weighed by what each is worth.
     rigid
         Also what the models' sensors would see if they did not flex (C_e = 0).
+    windowed
+        From averaged windows, as always where no lines are known (sweeps, doublets).
 
     Raises
     ------
@@ -60,7 +65,8 @@ def bode(
     names = tuple(dict.fromkeys(outputs))
     maneuvers = [store.maneuvers.get(number) for number in dict.fromkeys((maneuver_id, *beside))]
     first = maneuvers[0]
-    columns = [measured_responses(store, maneuver, names) for maneuver in maneuvers]
+    flown = [measured_responses(store, m, names, windowed=windowed) for m in maneuvers]
+    columns = [each.columns for each in flown]
     known = input_names(store, first)
     chosen = tuple(dict.fromkeys(inputs)) or tuple(name for name in known if name in columns[0])
     for found in columns:
@@ -72,12 +78,18 @@ def bode(
         together = {name: combine([found[name] for found in columns]) for name in chosen}
         probabilities = {name: value.probability for name, value in together.items()}
         columns = [{name: value.response for name, value in together.items()}]
+        flown = []
         labels = [(None, f"average of {len(maneuvers)}")]
     pairs = [(output, name) for output in names for name in chosen]
     measured = tuple(
-        replace(_response(found[name], output, units), maneuver_id=number, label=label)
+        replace(
+            _response(found[name], output, units),
+            maneuver_id=number,
+            label=label,
+            coherence=flown[place].coherent(output, name) if flown else None,
+        )
         for output, name in pairs
-        for found, (number, label) in zip(columns, labels, strict=True)
+        for place, (found, (number, label)) in enumerate(zip(columns, labels, strict=True))
     )
     anchors = {(r.output, r.input): r for r in reversed(measured)}
     low = min(response.frequency_hz[0] for response in measured)
@@ -110,25 +122,42 @@ def bode(
     )
 
 
-def measured_responses(
-    store: Store, maneuver: Maneuver, outputs: tuple[str, ...]
-) -> dict[str, FrequencyResponse]:
-    """Responses to every excited input at its own lines.
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """Responses by input, and the coherence of every output at the lines of each input."""
 
-    Raises
-    ------
-    BadInput
-        If the excitation is not known.
-    """
-    if maneuver.excitation is None:
-        raise BadInput(
-            f"the excitation of maneuver {maneuver.id} is not known; frequency responses need "
-            "to know which input owns which line",
-            code="no-excitation",
-        )
+    columns: dict[str, FrequencyResponse]
+    coherence: dict[str, np.ndarray]
+
+    def coherent(self, output: str, input_: str) -> np.ndarray | None:
+        """Coherence of one response, where it is known."""
+        if input_ not in self.coherence:
+            return None
+        return self.coherence[input_][:, self.columns[input_].outputs.index(output)]
+
+
+def measured_responses(
+    store: Store, maneuver: Maneuver, outputs: tuple[str, ...], *, windowed: bool = False
+) -> Measurement:
+    """Responses to every excited input: at its own lines, or from windows without lines."""
     aircraft = store.aircraft.get(maneuver.aircraft_id)
+    definitions = define_outputs(aircraft, outputs)
+    if maneuver.excitation is None or windowed:
+        found = measure_windows(store, maneuver, aircraft, definitions)
+        return Measurement(found.columns, dict.fromkeys(found.columns, found.coherence))
     inputs = tuple(maneuver.excitation.harmonics)
-    return measure(store, maneuver, aircraft, inputs, define_outputs(aircraft, outputs)).responses()
+    columns = measure(store, maneuver, aircraft, inputs, definitions).responses()
+    lines = maneuver_lines(maneuver)
+    repeated = period_coherence(store, maneuver, outputs, lines)
+    if repeated is None:
+        return Measurement(columns, {})
+    return Measurement(
+        columns,
+        {
+            name: repeated[np.isin(lines.omega, column.omega) & (lines.owner == number)]
+            for number, (name, column) in enumerate(columns.items())
+        },
+    )
 
 
 def _check_excited(names: Sequence[str], columns: dict[str, FrequencyResponse]) -> None:
