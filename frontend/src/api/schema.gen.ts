@@ -621,6 +621,8 @@ export interface paths {
         /**
          * Draw Time History
          * @description Draw channels against time, thinned to what a screen shows; inputs by default.
+         *
+         *     Files hold every sample of the window.
          */
         get: operations["draw_time_history"];
         put?: never;
