@@ -19,6 +19,7 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.modal_table import ModalKind, ModalTable
 from flexsid.records.prediction import Prediction
 from flexsid.records.run import EstimationRun, Progress, RunState
+from flexsid.storage.channels import read_channels
 from flexsid.storage.database import Database, DatabaseUnavailable
 from flexsid.storage.store import Store
 
@@ -226,3 +227,18 @@ def test_a_database_that_cannot_be_opened_is_said_so(tmp_path) -> None:
     (tmp_path / "file").write_text("not a folder")
     with pytest.raises(DatabaseUnavailable):
         Database(f"sqlite:///{tmp_path}/file/flexsid.db")
+
+
+def test_channels_of_a_maneuver_are_read_with_their_samples(
+    store: Store, maneuver: Maneuver
+) -> None:
+    assert maneuver.id is not None
+    found = read_channels(store.database, maneuver.id)
+    assert [channel for channel, _ in found.values()] == store.channels.find(maneuver_id=1)
+    for name, (channel, samples) in found.items():
+        assert channel.name == name
+        np.testing.assert_array_equal(samples, store.arrays.get(channel.array))
+        assert samples.dtype == np.float32
+    assert list(read_channels(store.database, maneuver.id, ["q", "r", "q"])) == ["q"]
+    assert read_channels(store.database, maneuver.id, []) == {}
+    assert read_channels(store.database, 99) == {}

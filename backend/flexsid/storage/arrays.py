@@ -84,7 +84,7 @@ class Arrays:
             for some in _pieces(wanted):
                 rows = connection.execute(query.where(arrays.c.hash.in_(some)))
                 for name, dtype, shape, data in rows:
-                    found[name] = _restore(dtype, shape, data)
+                    found[name] = restore(dtype, shape, data)
         for name in wanted:
             if name not in found:
                 raise UnknownRecord(f"there is no array {name}")
@@ -117,5 +117,6 @@ def _pieces(names: list[str]) -> Iterator[list[str]]:
     return (names[first : first + _AT_ONCE] for first in range(0, len(names), _AT_ONCE))
 
 
-def _restore(dtype: str, shape: Sequence[int], data: Any) -> np.ndarray:
+def restore(dtype: str, shape: Sequence[int], data: Any) -> np.ndarray:
+    """Give the bytes of a row their type and shape."""
     return np.frombuffer(data, dtype=np.dtype(dtype)).reshape(tuple(shape))

@@ -10,6 +10,7 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, SensorKind
 from flexsid.records.maneuver import Channel, Maneuver
+from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import finite_fourier_transform, unit_lines
@@ -87,19 +88,19 @@ def load_channels(
     BadInput
         If the maneuver has no channel of a name.
     """
-    recorded = {channel.name: channel for channel in store.channels.find(maneuver_id=maneuver_id)}
-    wanted = list(recorded) if names is None else list(names)
-    missing = [name for name in wanted if name not in recorded]
+    found = read_channels(store.database, maneuver_id, names)
+    wanted = list(found) if names is None else list(names)
+    missing = [name for name in wanted if name not in found]
     if missing:
+        recorded = [channel.name for channel in store.channels.find(maneuver_id=maneuver_id)]
         raise BadInput(
             f"the maneuver has no channel '{missing[0]}'; it has {', '.join(recorded)}",
             code="unknown-channel",
             channel=missing[0],
         )
-    arrays = store.arrays.get_many([recorded[name].array for name in wanted])
     return [
-        (recorded[name], to_si(arrays[recorded[name].array], recorded[name].unit))
-        for name in wanted
+        (channel, to_si(samples, channel.unit))
+        for channel, samples in (found[name] for name in wanted)
     ]
 
 
