@@ -8,9 +8,10 @@ from typing import Any, TypeVar
 
 from flexsid.nomenclature import describe
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.flight import Flight
+from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.ground_test import GroundTest
 from flexsid.records.maneuver import Channel, Maneuver
+from flexsid.records.mapping import StoredMapping
 from flexsid.records.modal_table import ModalTable
 from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.records.prediction import Prediction
@@ -24,6 +25,8 @@ from flexsid.records.run import (
     RunState,
 )
 from flexsid.storage.maneuver_list import ManeuverItem
+from flexsid.workflow.describing import FoundField, FoundFile, Proposal
+from flexsid.workflow.uploads import Upload
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,6 +46,30 @@ class ManeuverDetail(Maneuver):
     flight_number: int
     aircraft_name: str
     channels: list[Channel]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UploadDetail:
+    """An upload with what its files hold and a mapping proposed for them."""
+
+    upload: Upload
+    files: list[FoundFile]
+    fields: list[FoundField]
+    proposal: Proposal
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MappingList:
+    """Kept mappings."""
+
+    items: list[StoredMapping]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightChannelList:
+    """Channels of a whole flight."""
+
+    items: list[FlightChannel]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

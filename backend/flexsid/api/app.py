@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import getpass
+import tempfile
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from pathlib import Path
 
 import anyio.to_thread
 from fastapi import APIRouter, FastAPI
@@ -26,17 +29,21 @@ from flexsid.api.routes import (
     health,
     jobs,
     maneuvers,
+    mappings,
     modal_tables,
     model_structures,
     nomenclature,
     predictions,
     runs,
+    uploads,
 )
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.steps import Steps, estimation_steps
 from flexsid.settings import Settings
+from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
+from flexsid.workflow.uploads import Uploads
 
 # The database and numpy hold the interpreter anyway; many threads only make them
 # wait for each other (forty on one list of a thousand rows came to a standstill).
@@ -68,12 +75,19 @@ def create_app(
         store = Store.open(settings.database)
         dispatcher = Dispatcher(store, load_steps())
         dispatcher.start()
+        received = Uploads(store, _upload_folder(settings.database), bring_along)
+        received.start()
         app.state.context = Context(
-            store=store, dispatcher=dispatcher, migration=migration, bring_along=bring_along
+            store=store,
+            dispatcher=dispatcher,
+            migration=migration,
+            bring_along=bring_along,
+            uploads=received,
         )
         try:
             yield
         finally:
+            received.stop()
             dispatcher.stop()
             store.close()
 
@@ -94,6 +108,8 @@ def create_app(
         flights,
         ground_tests,
         maneuvers,
+        mappings,
+        uploads,
         modal_tables,
         predictions,
         model_structures,
@@ -112,6 +128,14 @@ def create_app(
     app.add_middleware(BodyLimit)
     app.add_middleware(Guards)  # the one added last comes first
     return app
+
+
+def _upload_folder(database: str) -> Path:
+    """Beside a database that is a file, for what is uploaded may be as large."""
+    file = sqlite_file(parse_url(database))
+    if file is None:
+        return Path(tempfile.gettempdir()) / f"flexsid-uploads-{getpass.getuser()}"
+    return file.with_name(f"{file.name}-uploads")
 
 
 def _operation_id(route: APIRoute) -> str:

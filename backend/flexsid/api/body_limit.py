@@ -10,7 +10,7 @@ from flexsid.api.errors import problem
 
 LARGEST_BODY = 2 * 1024**2
 LARGEST_UPLOAD = 512 * 1024**2
-_UPLOADS = frozenset({"/api/v1/maneuvers"})
+_UPLOADS = frozenset({"/api/v1/maneuvers", "/api/v1/uploads"})
 
 
 class BodyLimit:

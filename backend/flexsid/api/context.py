@@ -10,6 +10,7 @@ from fastapi import Depends, Request
 
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.storage.store import Store
+from flexsid.workflow.uploads import Uploads
 
 BringAlong = Callable[[Store, str], None]
 """Adds an aircraft that comes with the software, by its name, unless it is there."""
@@ -23,6 +24,7 @@ class Context:
     dispatcher: Dispatcher
     migration: str
     bring_along: BringAlong | None
+    uploads: Uploads
 
 
 # Asynchronous, so that no thread is spent on handing over a reference.

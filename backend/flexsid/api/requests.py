@@ -128,3 +128,37 @@ class ModelStructureRequest:
     note: Text = ""
 
     __pydantic_config__ = _STRICT
+
+
+MappingText = Annotated[str, Field(min_length=1, max_length=1024**2)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MappingRequest:
+    """Keep a mapping under a name."""
+
+    name: Title
+    text: MappingText
+    note: Text = ""
+
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UploadMappingRequest:
+    """A mapping, as TOML, for the files of an upload."""
+
+    mapping: MappingText
+    aircraft_id: Id | None = None
+
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PreviewRequest:
+    """A mapping and the channels of it that are drawn; the first ones where none is named."""
+
+    mapping: MappingText
+    channels: Names = ()
+
+    __pydantic_config__ = _STRICT

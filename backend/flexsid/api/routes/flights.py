@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from flexsid.api.answers import FlightList
+from flexsid.api.answers import FlightChannelList, FlightList
 from flexsid.api.context import TheStore
 from flexsid.api.wire import Identity, Json, Reference
 from flexsid.records.flight import Flight
@@ -23,3 +23,10 @@ def list_flights(store: TheStore, aircraft_id: Reference = None) -> Json:
 def get_flight(store: TheStore, flight_id: Identity) -> Json:
     """Return one flight."""
     return Json(store.flights.get(flight_id))
+
+
+@router.get("/{flight_id}/channels", response_model=FlightChannelList)
+def list_flight_channels(store: TheStore, flight_id: Identity) -> Json:
+    """List the channels of a whole flight, from which maneuvers are cut."""
+    store.flights.get(flight_id)
+    return Json(FlightChannelList(items=store.flight_channels.find(flight_id=flight_id)))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Any
@@ -12,6 +10,7 @@ from fastapi import APIRouter, Depends, File, Form, Query, Response, UploadFile,
 
 from flexsid.api.answers import ManeuverDetail, ManeuverList, extend
 from flexsid.api.context import TheContext, TheStore
+from flexsid.api.received import receive
 from flexsid.api.wire import After, Identity, Json, Limit
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.maneuver import Maneuver
@@ -93,13 +92,6 @@ def get_maneuver(store: TheStore, maneuver_id: Identity) -> Json:
     return Json(_detail(store, store.maneuvers.get(maneuver_id)))
 
 
-@dataclass(frozen=True, slots=True)
-class _Received:
-    files: list[Path]
-    names: list[str]
-    mapping: str | None
-
-
 @router.post("", response_model=ManeuverDetail, status_code=status.HTTP_201_CREATED)
 def upload_maneuver(
     context: TheContext,
@@ -114,8 +106,8 @@ def upload_maneuver(
 ) -> Json:
     """Import a maneuver from files; all of it is kept, or nothing."""
     with TemporaryDirectory(prefix="flexsid-") as folder:
-        received = _receive(Path(folder), files, mapping)
-        upload = read_upload(received.files, received.mapping, received.names)
+        paths, names = receive(Path(folder), files)
+        upload = read_upload(paths, None if mapping is None else _text_of(mapping), names)
         if upload.mapping.maneuver is None:
             raise BadInput("the mapping describes no maneuver", code="bad-mapping", key="maneuver")
         with context.store.transaction():
@@ -147,16 +139,6 @@ def _detail(store: Store, maneuver: Maneuver) -> ManeuverDetail:
         "channels": store.channels.find(maneuver_id=maneuver.id),
     }
     return extend(ManeuverDetail, maneuver, **more)
-
-
-def _receive(folder: Path, files: list[UploadFile], mapping: UploadFile | None) -> _Received:
-    """Write what was sent under names of our own; a client's name may point anywhere."""
-    names = [Path(file.filename or "file").name for file in files]
-    paths = [folder / f"{number}{Path(name).suffix}" for number, name in enumerate(names)]
-    for file, path in zip(files, paths, strict=True):
-        with path.open("wb") as target:
-            shutil.copyfileobj(file.file, target)
-    return _Received(paths, names, None if mapping is None else _text_of(mapping))
 
 
 def _text_of(mapping: UploadFile) -> str:

@@ -1,0 +1,87 @@
+"""Uploads: files are read, described by a mapping, looked at, and then imported."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated
+
+from fastapi import APIRouter, File, Response, UploadFile, status
+from fastapi import Path as InPath
+
+from flexsid import figures
+from flexsid.api.answers import UploadDetail
+from flexsid.api.context import TheContext
+from flexsid.api.received import receive
+from flexsid.api.requests import PreviewRequest, UploadMappingRequest
+from flexsid.api.routes.figures import Figure
+from flexsid.api.wire import Json
+from flexsid.workflow import describing, views
+from flexsid.workflow.uploads import Upload
+
+router = APIRouter(prefix="/uploads", tags=["uploads"])
+
+_Id = Annotated[str, InPath(min_length=1, max_length=64, description="Id of the upload.")]
+
+
+@router.post("", response_model=UploadDetail, status_code=status.HTTP_201_CREATED)
+def upload_files(
+    context: TheContext,
+    files: Annotated[list[UploadFile], File(description="Recorder files of one flight.")],
+) -> Json:
+    """Read files and propose a mapping for them; nothing is stored yet."""
+    with TemporaryDirectory(prefix="flexsid-") as folder:
+        paths, names = receive(Path(folder), files)
+        upload = context.uploads.read(paths, names)
+    location = {"Location": f"/api/v1/uploads/{upload.id}"}
+    return Json(_detail(context, upload), status.HTTP_201_CREATED, location)
+
+
+@router.get("/{upload_id}", response_model=UploadDetail)
+def get_upload(context: TheContext, upload_id: _Id) -> Json:
+    """Return what the files of an upload hold and the mapping proposed for them."""
+    return Json(_detail(context, context.uploads.get(upload_id)))
+
+
+@router.get("/{upload_id}/state", response_model=Upload)
+def get_upload_state(context: TheContext, upload_id: _Id) -> Json:
+    """Return how far an import has come."""
+    return Json(context.uploads.get(upload_id))
+
+
+@router.post("/{upload_id}/check", response_model=describing.Checked)
+def check_upload(context: TheContext, upload_id: _Id, wanted: UploadMappingRequest) -> Json:
+    """Say what a mapping makes of the files; nothing is stored."""
+    return Json(describing.check_mapping(context.uploads.sources(upload_id), wanted.mapping))
+
+
+@router.post("/{upload_id}/preview", response_model=Figure)
+def preview_upload(context: TheContext, upload_id: _Id, wanted: PreviewRequest) -> Json:
+    """Draw channels as a mapping makes them."""
+    sources = context.uploads.sources(upload_id)
+    value = describing.preview_channels(sources, wanted.mapping, wanted.channels, views.POINTS)
+    return Json(figures.time_history(value))
+
+
+@router.post("/{upload_id}/import", response_model=Upload, status_code=status.HTTP_202_ACCEPTED)
+def import_upload(context: TheContext, upload_id: _Id, wanted: UploadMappingRequest) -> Json:
+    """Begin to import the files through a mapping, all of them or nothing."""
+    begun = context.uploads.import_later(upload_id, wanted.mapping, wanted.aircraft_id)
+    return Json(begun, status.HTTP_202_ACCEPTED)
+
+
+@router.delete("/{upload_id}", status_code=status.HTTP_204_NO_CONTENT)
+def delete_upload(context: TheContext, upload_id: _Id) -> Response:
+    """Cancel an import, or forget the files; what was imported stays."""
+    context.uploads.forget(upload_id)
+    return Response(status_code=status.HTTP_204_NO_CONTENT)
+
+
+def _detail(context: TheContext, upload: Upload) -> UploadDetail:
+    sources = context.uploads.sources(upload.id)
+    return UploadDetail(
+        upload=upload,
+        files=describing.describe_files(sources),
+        fields=describing.describe_fields(sources),
+        proposal=describing.propose_mapping(context.store, sources),
+    )

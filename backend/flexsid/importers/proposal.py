@@ -1,0 +1,217 @@
+"""Proposal: a mapping for files that nobody has described yet, to be looked over."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexsid.importers.plausibility import find_doubt
+from flexsid.importers.recognised import (
+    FDATA_COLUMNS,
+    Meaning,
+    recognise,
+    recognise_fdata,
+    recognise_time,
+)
+from flexsid.importers.source import Source, Sources
+from flexsid.records.maneuver import Role
+
+MOST_COLUMNS = 500
+"""Columns of one matrix that are proposed one by one."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Column:
+    """One recorded column: a field of a file, or a column of a matrix of it."""
+
+    file: str
+    field: str
+    samples: np.ndarray
+    unit: str
+    array: str | None = None
+    number: int | None = None
+
+
+def list_columns(sources: Sources) -> list[Column]:
+    """List everything that may be a channel: vectors, and the columns of matrices."""
+    return [column for source in sources.items for column in _columns(source)]
+
+
+def propose(sources: Sources, aircraft: str, flight: int, known: Mapping[str, Role]) -> str:
+    """Write a mapping from the names that are recognised.
+
+    Parameters
+    ----------
+    sources
+        Files that were read.
+    aircraft
+        Name of the aircraft that is proposed.
+    flight
+        Number of the flight.
+    known
+        Surfaces and sensors of that aircraft, which mean themselves.
+
+    Returns
+    -------
+    str
+        TOML, with a comment where something had to be guessed. A maneuver is proposed
+        where its condition is found in the files, else a whole flight.
+    """
+    columns = list_columns(sources)
+    time = find_time(sources, columns)
+    chosen = [
+        (column, meaning)
+        for column in columns
+        if column.field != time.get(column.file)
+        and (meaning := _meaning(column, known)) is not None
+    ]
+    parts = [f"[aircraft]\nname = {_text(aircraft)}\n", f"[flight]\nnumber = {flight}\n"]
+    condition = {meaning.name: (column, meaning) for column, meaning in reversed(chosen)}
+    if "airspeed" in condition and ("altitude" in condition or "density" in condition):
+        parts.append(_maneuver(condition))
+    parts.append(_time(sources, time))
+    seen: set[str] = set()
+    first = next(iter(time.values()), None)
+    for column, meaning in chosen:
+        text = _channel(column, meaning, seen)
+        if time.get(column.file, first) != first:
+            text += f"clock = {_text(column.file)}\n"
+        parts.append(text)
+    return "\n".join(parts)
+
+
+def find_time(sources: Sources, columns: list[Column]) -> dict[str, str]:
+    """Field that seems to be the time of each file, by the name of the file."""
+    found: dict[str, str] = {}
+    for column in columns:
+        if column.file in found:
+            continue
+        fdata_time = column.array is not None and column.number == 1 and _is_fdata(column)
+        if (recognise_time(column.field) or fdata_time) and _increases(column.samples):
+            found[column.file] = column.field
+    for source in sources.items:
+        if source.name not in found and not source.clocks:
+            for column in columns:
+                uniform = column.file == source.name and _increases(column.samples)
+                if uniform and np.ptp(np.diff(column.samples)) < 1e-6 * column.samples[-1]:
+                    found[source.name] = column.field
+                    break
+    return found
+
+
+def _columns(source: Source) -> list[Column]:
+    found: list[Column] = []
+    for path, values in source.arrays.items():
+        if values.dtype.kind not in "biuf" or values.size < 2:
+            continue
+        vector = np.squeeze(values)
+        unit = source.units.get(path, "")
+        if vector.ndim == 1:
+            found.append(Column(file=source.name, field=path, samples=vector, unit=unit))
+        elif vector.ndim == 2 and vector.shape[0] > vector.shape[1] <= MOST_COLUMNS:
+            found.extend(
+                Column(
+                    file=source.name,
+                    field=f"{path}({number})",
+                    samples=vector[:, number - 1],
+                    unit=unit,
+                    array=path,
+                    number=number,
+                )
+                for number in range(1, vector.shape[1] + 1)
+            )
+    return found
+
+
+def _is_fdata(column: Column) -> bool:
+    return column.array is not None and column.array.rpartition(".")[2].lower() == "fdata"
+
+
+def _increases(samples: np.ndarray) -> bool:
+    return bool(np.isfinite(samples).all() and (np.diff(samples) > 0).all())
+
+
+def _meaning(column: Column, known: Mapping[str, Role]) -> Meaning | None:
+    if _is_fdata(column) and column.number is not None and column.number <= FDATA_COLUMNS:
+        meaning = recognise_fdata(column.number)
+        # Columns that were not recorded are zero.
+        return meaning if np.any(column.samples) else None
+    meaning = recognise(column.field, column.unit)
+    bare = column.field.rpartition(".")[2]
+    for name, role in known.items():
+        if bare == name or meaning.name == name:
+            return Meaning(name=name, unit=meaning.unit, role=role, sure=meaning.sure)
+    return meaning
+
+
+def _maneuver(condition: Mapping[str, tuple[Column, Meaning]]) -> str:
+    lines = ["[maneuver]", 'label = "{file}"', "", "[maneuver.condition]"]
+    height = "density" if "density" in condition else "altitude"
+    for name in ("airspeed", height):
+        column, meaning = condition[name]
+        lines.append(f"{name} = {{ field = {_text(column.field)}, unit = {_text(meaning.unit)} }}")
+    if "fuel" in condition:
+        column, meaning = condition["fuel"]
+        lines.append(
+            f"fuel_fraction = {{ field = {_text(column.field)}, unit = {_text(meaning.unit)} }}"
+        )
+    else:
+        lines.append('fuel_fraction = { value = 50, unit = "%" }  # not in the files')
+    for name in ("mass", "pitch_inertia"):
+        if name in condition:
+            column, meaning = condition[name]
+            lines.append(
+                f"{name} = {{ field = {_text(column.field)}, unit = {_text(meaning.unit)} }}"
+            )
+    return "\n".join(lines) + "\n"
+
+
+def _time(sources: Sources, time: Mapping[str, str]) -> str:
+    columns = list(dict.fromkeys(time.values()))
+    if not columns:
+        if all(source.clocks for source in sources.items):
+            return "# Every channel has the clock that its file gives it.\n"
+        return '[time]\nrate = { value = 100, unit = "Hz" }  # no column of time was found\n'
+    parts = [f"[time]\ncolumn = {_text(columns[0])}\n{_time_unit(columns[0])}"]
+    for file, column in time.items():
+        if column != columns[0]:
+            parts.append(
+                f"[[clocks]]\nname = {_text(file)}\ncolumn = {_text(f'{file}:{column}')}\n"
+                + _time_unit(column)
+            )
+    return "\n".join(parts)
+
+
+def _time_unit(column: str) -> str:
+    milliseconds = column.lower().endswith(("_ms", "[ms]", "(ms)")) or column.lower() == "ms"
+    return 'unit = "ms"\n' if milliseconds else ""
+
+
+def _channel(column: Column, meaning: Meaning, seen: set[str]) -> str:
+    name = meaning.name
+    if name in seen:
+        name = column.field
+    seen.add(name)
+    lines = ["[[channels]]"]
+    if column.array is not None:
+        lines += [f"array = {_text(column.array)}", f"column = {column.number}"]
+    else:
+        lines.append(f"column = {_text(column.field)}")
+    unit, guessed = meaning.unit, not meaning.sure
+    doubt = find_doubt(name, unit, meaning.role, column.samples)
+    if guessed and doubt is not None and doubt.instead:
+        unit = doubt.instead[0]
+    lines += [
+        f"name = {_text(name)}",
+        f"unit = {_text(unit)}" + ("  # guessed" if guessed else ""),
+        f'role = "{meaning.role.value}"',
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _text(value: str) -> str:
+    """Write a TOML text; JSON's escapes are among TOML's."""
+    return json.dumps(value, ensure_ascii=False)

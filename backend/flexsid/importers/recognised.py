@@ -1,0 +1,155 @@
+"""Names that recorders give to what aircraft measure, and what they stand for."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from flexsid import units
+from flexsid.errors import BadInput
+from flexsid.records.maneuver import Role
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Meaning:
+    """What a recorded column seems to be; ``sure`` where nothing had to be guessed."""
+
+    name: str
+    unit: str
+    role: Role
+    sure: bool = True
+
+
+_IN_NAME = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]$")
+
+_SUFFIXES = {
+    "deg": "deg", "rad": "rad", "dps": "deg/s", "degs": "deg/s", "rps": "rad/s", "g": "g",
+    "kt": "kt", "kts": "kt", "fps": "ft/s", "mps": "m/s", "ft": "ft", "m": "m", "psf": "psf",
+    "pa": "Pa", "ms": "ms", "s": "s", "lb": "lb", "kg": "kg", "ustrain": "ustrain", "v": "V",
+}  # fmt: skip
+
+_ANGLE, _RATE, _ACCELERATION, _SPEED = "deg", "deg/s", "g", "kt"
+
+# Pattern of the whole name in lower case, the name here, its usual unit, its role.
+_KNOWN: tuple[tuple[str, str, str, Role], ...] = (
+    ("alpha|aoa|alfa", "alpha", _ANGLE, Role.OUTPUT),
+    ("beta|aos|sideslip", "beta", _ANGLE, Role.OUTPUT),
+    ("p|roll_?rate|gyro_?x|wx", "p", _RATE, Role.OUTPUT),
+    ("q|pitch_?rate|gyro_?y|wy", "q", _RATE, Role.OUTPUT),
+    ("r|yaw_?rate|gyro_?z|wz", "r", _RATE, Role.OUTPUT),
+    ("phi|roll|bank", "phi", _ANGLE, Role.OUTPUT),
+    ("the|theta|pitch", "theta", _ANGLE, Role.OUTPUT),
+    ("psi|yaw|heading", "psi", _ANGLE, Role.OUTPUT),
+    (r"(?:acc|accel|a|n)_?(?P<tail>[xyz](?:_\w+)?)", "a{tail}", _ACCELERATION, Role.OUTPUT),
+    (r"accel_(?P<tail>\w+)", "az_{tail}", _ACCELERATION, Role.OUTPUT),
+    (r"(?:s|strain|sg)_(?P<tail>\w+)", "s_{tail}", "ustrain", Role.OUTPUT),
+    ("el|de|elev|elevator|stab|stabilator", "elevator", _ANGLE, Role.INPUT),
+    ("ail|da|aileron", "aileron", _ANGLE, Role.INPUT),
+    ("rdr|dr|rud|rudder", "rudder", _ANGLE, Role.INPUT),
+    (r"(?P<tail>(?:bf|wf\d)[slra]?)", "{tail}", _ANGLE, Role.INPUT),
+    (r"del_?(?P<tail>\w+)", "{tail}", _ANGLE, Role.INPUT),
+    ("v|vt|tas|vtas|ktas|airspeed|true_?airspeed", "airspeed", _SPEED, Role.CONDITION),
+    ("ias|cas|kias|kcas", "indicated_airspeed", _SPEED, Role.CONDITION),
+    ("h|alt|altitude|hp|pressure_?alt(?:itude)?", "altitude", "ft", Role.CONDITION),
+    ("mach|ma", "mach", "1", Role.CONDITION),
+    ("qbar|q_?bar|dynamic_?pressure", "dynamic_pressure", "psf", Role.CONDITION),
+    ("rho|density", "density", "slug/ft3", Role.CONDITION),
+    ("fuel|fuel_?fraction", "fuel", "1", Role.CONDITION),
+    ("fuel|fuel_?weight|fuel_?mass", "fuel_mass", "lb", Role.CONDITION),
+    ("throttle|thtl|power|pla", "throttle", "%", Role.CONDITION),
+)
+
+_TIME = re.compile(r"t|time|zeit|clock|timestamps?|(?:time|t)_\w+|sec(?:onds)?|ms")
+
+_FDATA: dict[int, tuple[str, str, Role]] = {
+    2: ("airspeed", "ft/s", Role.CONDITION),
+    3: ("beta", "deg", Role.OUTPUT),
+    4: ("alpha", "deg", Role.OUTPUT),
+    5: ("p", "deg/s", Role.OUTPUT),
+    6: ("q", "deg/s", Role.OUTPUT),
+    7: ("r", "deg/s", Role.OUTPUT),
+    8: ("phi", "deg", Role.OUTPUT),
+    9: ("theta", "deg", Role.OUTPUT),
+    10: ("psi", "deg", Role.OUTPUT),
+    11: ("ax", "g", Role.OUTPUT),
+    12: ("ay", "g", Role.OUTPUT),
+    13: ("az", "g", Role.OUTPUT),
+    14: ("elevator", "deg", Role.INPUT),
+    15: ("aileron", "deg", Role.INPUT),
+    16: ("rudder", "deg", Role.INPUT),
+    27: ("dynamic_pressure", "psf", Role.CONDITION),
+    28: ("mach", "1", Role.CONDITION),
+    29: ("density", "slug/ft3", Role.CONDITION),
+    30: ("altitude", "ft", Role.CONDITION),
+    42: ("pdot", "deg/s2", Role.OUTPUT),
+    43: ("qdot", "deg/s2", Role.OUTPUT),
+    44: ("rdot", "deg/s2", Role.OUTPUT),
+    48: ("mass", "slug", Role.CONDITION),
+    49: ("Ixx", "slug*ft2", Role.CONDITION),
+    50: ("pitch_inertia", "slug*ft2", Role.CONDITION),
+    51: ("Izz", "slug*ft2", Role.CONDITION),
+    52: ("Ixz", "slug*ft2", Role.CONDITION),
+}
+"""Columns of the matrix ``fdata`` of SIDPAC users, whose column 1 is time.
+
+Source: SIDPAC, scripts compfc, compmc and f16_fltdatsel (E. A. Morelli).
+"""
+
+FDATA_COLUMNS = 90
+
+
+def recognise_time(path: str) -> bool:
+    """Tell whether a name is one that recorders give to time."""
+    return _TIME.fullmatch(_bare(path)[0].lower()) is not None
+
+
+def recognise(path: str, file_unit: str) -> Meaning:
+    """Guess what a field is from its name and the unit that its file gives.
+
+    What is not known becomes an output under its own name.
+    """
+    bare, named_unit = _bare(path)
+    unit = _unit(file_unit) or _unit(named_unit)
+    for candidate in dict.fromkeys((bare, bare.rpartition("_")[0])):
+        suffix = "" if candidate == bare else bare.rpartition("_")[2].lower()
+        if not candidate or (suffix and suffix not in _SUFFIXES):
+            continue
+        for pattern, name, usual, role in _KNOWN:
+            found = re.fullmatch(pattern, candidate, re.IGNORECASE)
+            if found is None:
+                continue
+            said = unit or _SUFFIXES.get(suffix, "")
+            if said and units.dimension(said) != units.dimension(usual):
+                continue
+            tail = found.groupdict().get("tail") or ""
+            return Meaning(
+                name=name.replace("{tail}", tail),
+                unit=said or usual,
+                role=role,
+                sure=bool(said),
+            )
+    return Meaning(name=bare, unit=unit or "1", role=Role.OUTPUT, sure=bool(unit))
+
+
+def recognise_fdata(column: int) -> Meaning | None:
+    """Meaning of a column of SIDPAC's ``fdata``, None where it is none that is recorded."""
+    known = _FDATA.get(column)
+    return None if known is None else Meaning(name=known[0], unit=known[1], role=known[2])
+
+
+def _bare(path: str) -> tuple[str, str]:
+    """Last part of a path without its unit, and the unit."""
+    found = _IN_NAME.match(path.strip())
+    name, unit = (found["name"], found["unit"]) if found else (path.strip(), "")
+    return name.rpartition(".")[2], unit
+
+
+def _unit(text: str) -> str:
+    text = text.strip("[]() ")
+    if not text:
+        return ""
+    try:
+        units.lookup(text)
+    except BadInput:
+        return ""
+    return text

@@ -1,0 +1,196 @@
+"""Files are read once, described with a proposal, looked at, corrected, and imported."""
+
+from __future__ import annotations
+
+import io
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+from scipy.io import savemat
+
+from flexsid.api.app import create_app
+from flexsid.settings import Settings
+from flexsid.storage.store import Store
+
+TIME = np.arange(200) / 50.0
+
+
+def text() -> bytes:
+    rows = ["Zeit [s],alpha [deg],Q_dps,bf,VTAS [kt],H [ft]"]
+    rows += [
+        f"{t:.2f},{np.sin(t):.6f},{3 * np.cos(t):.6f},{2 * np.sin(3 * t):.6f},70,2000" for t in TIME
+    ]
+    return "\n".join(rows).encode()
+
+
+def fdata() -> bytes:
+    matrix = np.zeros((200, 90))
+    matrix[:, 0], matrix[:, 1] = TIME, 130.0
+    matrix[:, 3], matrix[:, 5], matrix[:, 13] = np.sin(TIME), np.cos(TIME), 2 * np.sin(3 * TIME)
+    matrix[:, 29], matrix[:, 47] = 1200.0, 1.6
+    file = io.BytesIO()
+    savemat(file, {"fdata": matrix})  # type: ignore[arg-type]
+    return file.getvalue()
+
+
+def upload(client: TestClient, *files: tuple[str, bytes]) -> Any:
+    answer = client.post("/api/v1/uploads", files=[("files", file) for file in files])
+    assert answer.status_code == 201, answer.text
+    return answer.json()
+
+
+def bring_in(client: TestClient, identity: str, mapping: str) -> Any:
+    begun = client.post(f"/api/v1/uploads/{identity}/import", json={"mapping": mapping})
+    assert begun.status_code == 202, begun.text
+    for _ in range(200):
+        state = client.get(f"/api/v1/uploads/{identity}/state").json()
+        if state["state"] != "importing":
+            return state
+        time.sleep(0.05)
+    pytest.fail("the import does not end")
+
+
+def test_names_are_recognised_and_the_proposal_imports(client: TestClient) -> None:
+    found = upload(client, ("../flight 12.csv", text()))
+    assert [file["name"] for file in found["files"]] == ["flight 12.csv"]
+    fields = {field["field"]: field for field in found["fields"]}
+    assert fields["Q_dps"]["rate_hz"] == pytest.approx(50.0)
+    assert fields["Q_dps"]["first"][0] == 3.0
+    mapping = found["proposal"]["text"]
+    assert found["proposal"]["origin"] == "the names of the columns"
+    identity = found["upload"]["id"]
+    checked = client.post(f"/api/v1/uploads/{identity}/check", json={"mapping": mapping}).json()
+    assert checked["problem"] is None
+    assert checked["questions"] == []
+    assert {c["name"]: (c["unit"], c["role"]) for c in checked["channels"]} == {
+        "alpha": ("deg", "output"),
+        "q": ("deg/s", "output"),
+        "bf": ("deg", "input"),
+        "airspeed": ("kt", "condition"),
+        "altitude": ("ft", "condition"),
+    }
+    state = bring_in(client, identity, mapping)
+    assert state["state"] == "imported", state
+    detail = client.get(f"/api/v1/maneuvers/{state['maneuver_id']}").json()
+    assert detail["label"] == "flight 12"
+    assert detail["condition"]["airspeed_m_s"] == pytest.approx(70 * 1852 / 3600)
+    again = bring_in(client, identity, mapping)
+    assert (again["state"], again["code"]) == ("failed", "already-imported")
+
+
+def test_the_matrix_of_sidpac_users_is_recognised(client: TestClient) -> None:
+    found = upload(client, ("maneuver.mat", fdata()))
+    mapping = found["proposal"]["text"]
+    checked = client.post(
+        f"/api/v1/uploads/{found['upload']['id']}/check", json={"mapping": mapping}
+    ).json()
+    assert checked["problem"] is None, checked
+    named = {c["field"]: (c["name"], c["unit"]) for c in checked["channels"]}
+    assert named["fdata(4)"] == ("alpha", "deg")
+    assert named["fdata(14)"] == ("elevator", "deg")
+    assert named["fdata(48)"] == ("mass", "slug")
+    state = bring_in(client, found["upload"]["id"], mapping)
+    assert state["state"] == "imported", state
+    detail = client.get(f"/api/v1/maneuvers/{state['maneuver_id']}").json()
+    assert detail["condition"]["mass_kg"] == pytest.approx(1.6 * 14.5939, rel=1e-4)
+
+
+def test_two_recorders_without_a_condition_are_proposed_as_a_whole_flight(
+    client: TestClient,
+) -> None:
+    slow = b"t,fuel_lb\n" + b"\n".join(b"%.1f,%d" % (k / 2, 40 - k % 3) for k in range(20))
+    fast = b"time,q\n" + b"\n".join(b"%.3f,%d" % (k / 100, k % 5) for k in range(300))
+    found = upload(client, ("a.csv", fast), ("b.csv", slow))
+    state = bring_in(client, found["upload"]["id"], found["proposal"]["text"])
+    assert state["state"] == "imported", state
+    assert state["maneuver_id"] is None
+    channels = client.get(f"/api/v1/flights/{state['flight_id']}/channels").json()["items"]
+    assert {c["name"]: (c["rate_hz"], c["source_file"]) for c in channels} == {
+        "q": (100.0, "a.csv"),
+        "fuel_mass": (2.0, "b.csv"),
+    }
+
+
+def test_doubtful_units_are_questions_and_stop_the_import(client: TestClient) -> None:
+    found = upload(client, ("f.csv", text()))
+    identity, mapping = found["upload"]["id"], found["proposal"]["text"]
+    at = mapping.index('name = "bf"')
+    wrong = mapping[:at] + mapping[at:].replace('unit = "deg"', 'unit = "rad"', 1)
+    checked = client.post(f"/api/v1/uploads/{identity}/check", json={"mapping": wrong}).json()
+    (question,) = checked["questions"]
+    assert (question["channel"], question["code"]) == ("bf", "too-large")
+    assert question["instead"] == ["deg"]
+    state = bring_in(client, identity, wrong)
+    assert (state["state"], state["code"]) == ("failed", "doubtful-unit")
+
+
+def test_a_mapping_that_does_not_fit_is_a_named_problem(client: TestClient) -> None:
+    found = upload(client, ("f.csv", text()))
+    at = f"/api/v1/uploads/{found['upload']['id']}"
+    mapping = found["proposal"]["text"].replace('column = "bf"', 'column = "wf"')
+    problem = client.post(f"{at}/check", json={"mapping": mapping}).json()["problem"]
+    assert (problem["code"], problem["key"]) == ("missing-column", "wf")
+    assert client.post(f"{at}/check", json={"mapping": "["}).json()["problem"] is not None
+    assert client.post(f"{at}/import", json={"mapping": "["}).status_code == 422
+    assert client.post(f"{at}/preview", json={"mapping": mapping}).status_code == 422
+
+
+def test_channels_are_drawn_before_they_are_imported(client: TestClient) -> None:
+    found = upload(client, ("f.csv", text()))
+    body = {"mapping": found["proposal"]["text"], "channels": ["q", "alpha"]}
+    figure = client.post(f"/api/v1/uploads/{found['upload']['id']}/preview", json=body).json()
+    assert [trace["meta"] for trace in figure["data"]] == ["alpha", "q"]
+
+
+def test_a_kept_mapping_is_proposed_for_the_next_files(client: TestClient) -> None:
+    found = upload(client, ("f.csv", text()))
+    mapping = "# ours\n" + found["proposal"]["text"]
+    client.post("/api/v1/mappings", json={"name": "FTI", "text": "# older\n" + mapping})
+    # Kept again, it replaces the one of the same name.
+    kept = client.post("/api/v1/mappings", json={"name": "FTI", "text": mapping})
+    assert kept.status_code == 201
+    assert len(client.get("/api/v1/mappings").json()["items"]) == 1
+    proposal = upload(client, ("g.csv", text()))["proposal"]
+    assert proposal["text"] == mapping
+    assert proposal["origin"] == "the kept mapping 'FTI'"
+    assert client.post("/api/v1/mappings", json={"name": "x", "text": "["}).status_code == 422
+    identity = kept.json()["id"]
+    assert client.get(f"/api/v1/mappings/{identity}").json()["text"] == mapping
+    assert client.delete(f"/api/v1/mappings/{identity}").status_code == 204
+    assert client.get(f"/api/v1/mappings/{identity}").status_code == 404
+
+
+def test_an_upload_is_forgotten_and_others_are_unknown(client: TestClient) -> None:
+    found = upload(client, ("f.csv", text()))
+    at = f"/api/v1/uploads/{found['upload']['id']}"
+    assert client.get(at).json() == found
+    assert client.delete(at).status_code == 204
+    for address in (at, "/api/v1/uploads/..", "/api/v1/uploads/0123456789abcdef"):
+        assert client.get(address).status_code == 404
+    bad = client.post("/api/v1/uploads", files=[("files", ("f.csv", b""))])
+    assert bad.status_code == 422
+    assert "f.csv is empty" in bad.json()["detail"]
+
+
+def test_an_import_that_a_stopped_server_left_is_said_to_be_interrupted(flown_url: str) -> None:
+    def serve() -> TestClient:
+        return TestClient(create_app(Settings(database=flown_url)), "http://127.0.0.1:8000")
+
+    with serve() as client:
+        found = upload(client, ("f.csv", text()))
+        identity, mapping = found["upload"]["id"], found["proposal"]["text"]
+    path = Path(flown_url.removeprefix("sqlite:///") + "-uploads") / identity / "state.json"
+    # As kill -9 leaves it: begun, and not committed.
+    path.write_text(json.dumps({**json.loads(path.read_text()), "state": "importing"}))
+    with serve() as client:
+        state = client.get(f"/api/v1/uploads/{identity}/state").json()
+        assert (state["state"], state["code"]) == ("failed", "interrupted")
+        assert bring_in(client, identity, mapping)["state"] == "imported"
+    store = Store.open(flown_url)
+    assert len(store.maneuvers.find()) == 2
+    store.close()
