@@ -101,6 +101,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/flights/{flight_id}/channels": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Flight Channels
+         * @description List the channels of a whole flight, from which maneuvers are cut.
+         */
+        get: operations["list_flight_channels"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/ground-tests": {
         parameters: {
             query?: never;
@@ -184,6 +204,178 @@ export interface paths {
          * @description Forget a maneuver that has no runs.
          */
         delete: operations["delete_maneuver"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/mappings": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Mappings
+         * @description List the kept mappings.
+         */
+        get: operations["list_mappings"];
+        put?: never;
+        /**
+         * Add Mapping
+         * @description Keep a mapping under a name; one of the same name is replaced.
+         */
+        post: operations["add_mapping"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/mappings/{mapping_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Mapping
+         * @description Return one mapping.
+         */
+        get: operations["get_mapping"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete Mapping
+         * @description Forget a mapping; what was imported through it stays.
+         */
+        delete: operations["delete_mapping"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/uploads": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Upload Files
+         * @description Read files and propose a mapping for them; nothing is stored yet.
+         */
+        post: operations["upload_files"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/uploads/{upload_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Upload
+         * @description Return what the files of an upload hold and the mapping proposed for them.
+         */
+        get: operations["get_upload"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete Upload
+         * @description Cancel an import, or forget the files; what was imported stays.
+         */
+        delete: operations["delete_upload"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/uploads/{upload_id}/state": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Upload State
+         * @description Return how far an import has come.
+         */
+        get: operations["get_upload_state"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/uploads/{upload_id}/check": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Check Upload
+         * @description Say what a mapping makes of the files; nothing is stored.
+         */
+        post: operations["check_upload"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/uploads/{upload_id}/preview": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Preview Upload
+         * @description Draw channels as a mapping makes them.
+         */
+        post: operations["preview_upload"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/uploads/{upload_id}/import": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Import Upload
+         * @description Begin to import the files through a mapping, all of them or nothing.
+         */
+        post: operations["import_upload"];
+        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
@@ -919,6 +1111,14 @@ export interface components {
             /** Next */
             next?: string | null;
         };
+        /** Body_upload_files */
+        Body_upload_files: {
+            /**
+             * Files
+             * @description Recorder files of one flight.
+             */
+            files: string[];
+        };
         /** Body_upload_maneuver */
         Body_upload_maneuver: {
             /**
@@ -1017,6 +1217,23 @@ export interface components {
             maneuver_id?: number | null;
             /** Id */
             id?: number | null;
+        };
+        /**
+         * Checked
+         * @description What a mapping makes of an upload, with questions where a unit is doubtful.
+         *
+         *     ``rules`` are its ``[[channels]]`` as they are written, for the table of the page.
+         */
+        Checked: {
+            /** Rules */
+            rules: {
+                [key: string]: unknown;
+            }[];
+            /** Channels */
+            channels: components["schemas"]["MappedChannel"][];
+            /** Questions */
+            questions: components["schemas"]["Doubt"][];
+            problem: components["schemas"]["flexsid__workflow__describing__Problem"] | null;
         };
         /**
          * Combination
@@ -1157,6 +1374,25 @@ export interface components {
              * @default
              */
             note: string;
+        };
+        /**
+         * Doubt
+         * @description A question to the analyst: is this unit right?
+         *
+         *     ``confirmed = ["..."]`` in the mapping of the channel says yes; ``instead`` are
+         *     units in which the samples would have a usual size.
+         */
+        Doubt: {
+            /** Code */
+            code: string;
+            /** Channel */
+            channel: string;
+            /** Unit */
+            unit: string;
+            /** Largest */
+            largest: number;
+            /** Instead */
+            instead: string[];
         };
         /**
          * DragPolar
@@ -1419,6 +1655,47 @@ export interface components {
             id?: number | null;
         };
         /**
+         * FlightChannel
+         * @description One channel of a whole recording, from which maneuvers are cut.
+         *
+         *     Native rate, unit and precision; the field and file that it came from.
+         */
+        FlightChannel: {
+            /** Flight Id */
+            flight_id: number;
+            /** Name */
+            name: string;
+            /** Unit */
+            unit: string;
+            role: components["schemas"]["Role"];
+            /** Rate Hz */
+            rate_hz: number;
+            /** Start S */
+            start_s: number;
+            /** N Samples */
+            n_samples: number;
+            /** Array */
+            array: string;
+            /** Sensor */
+            sensor?: string | null;
+            /** Source File */
+            source_file?: string | null;
+            /** Source Hash */
+            source_hash?: string | null;
+            /** Source Field */
+            source_field?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * FlightChannelList
+         * @description Channels of a whole flight.
+         */
+        FlightChannelList: {
+            /** Items */
+            items: components["schemas"]["FlightChannel"][];
+        };
+        /**
          * FlightList
          * @description Flights.
          */
@@ -1437,6 +1714,40 @@ export interface components {
             fuel: number[];
             /** Speed M S */
             speed_m_s: number[];
+        };
+        /**
+         * FoundField
+         * @description One column of a file: its rate, if the file has a time, and its first values.
+         */
+        FoundField: {
+            /** File */
+            file: string;
+            /** Field */
+            field: string;
+            /** Unit */
+            unit: string;
+            /** N Samples */
+            n_samples: number;
+            /** Rate Hz */
+            rate_hz: number | null;
+            /** First */
+            first: (number | null)[];
+            /** Smallest */
+            smallest: number | null;
+            /** Largest */
+            largest: number | null;
+        };
+        /**
+         * FoundFile
+         * @description One file of an upload.
+         */
+        FoundFile: {
+            /** Name */
+            name: string;
+            /** Sha256 */
+            sha256: string;
+            /** N Fields */
+            n_fields: number;
         };
         /**
          * Geometry
@@ -1794,6 +2105,54 @@ export interface components {
             next?: string | null;
         };
         /**
+         * MappedChannel
+         * @description A channel as a mapping makes it.
+         */
+        MappedChannel: {
+            /** Name */
+            name: string;
+            /** Unit */
+            unit: string;
+            role: components["schemas"]["Role"];
+            /** File */
+            file: string;
+            /** Field */
+            field: string;
+            /** Rate Hz */
+            rate_hz: number;
+            /** Start S */
+            start_s: number;
+            /** N Samples */
+            n_samples: number;
+            /** Smallest */
+            smallest: number;
+            /** Largest */
+            largest: number;
+        };
+        /**
+         * MappingList
+         * @description Kept mappings.
+         */
+        MappingList: {
+            /** Items */
+            items: components["schemas"]["StoredMapping"][];
+        };
+        /**
+         * MappingRequest
+         * @description Keep a mapping under a name.
+         */
+        MappingRequest: {
+            /** Name */
+            name: string;
+            /** Text */
+            text: string;
+            /**
+             * Note
+             * @default
+             */
+            note: string;
+        };
+        /**
          * MassTable
          * @description Mass properties against fuel fraction; centre of gravity in structural axes.
          */
@@ -2133,22 +2492,17 @@ export interface components {
             next?: string | null;
         };
         /**
-         * Problem
-         * @description Why a request was not carried out; ``code`` is stable, ``detail`` is for people.
+         * PreviewRequest
+         * @description A mapping and the channels of it that are drawn; the first ones where none is named.
          */
-        Problem: {
-            /** Type */
-            type: string;
-            /** Title */
-            title: string;
-            /** Status */
-            status: number;
-            /** Detail */
-            detail: string;
-            /** Code */
-            code: string;
-            /** Errors */
-            errors?: components["schemas"]["FieldError"][] | null;
+        PreviewRequest: {
+            /** Mapping */
+            mapping: string;
+            /**
+             * Channels
+             * @default []
+             */
+            channels: string[];
         };
         /**
          * Progress
@@ -2172,6 +2526,18 @@ export interface components {
              * @default
              */
             message: string;
+        };
+        /**
+         * Proposal
+         * @description A mapping to begin with; ``origin`` says where it comes from.
+         */
+        Proposal: {
+            /** Text */
+            text: string;
+            /** Origin */
+            origin: string;
+            /** Fitting */
+            fitting: string[];
         };
         /**
          * Role
@@ -2553,6 +2919,25 @@ export interface components {
          */
         Start: "best" | "prediction" | "residualized-prediction" | "equation-error" | "run";
         /**
+         * StoredMapping
+         * @description A mapping under a name; ``text`` is the TOML as it was written.
+         */
+        StoredMapping: {
+            /** Name */
+            name: string;
+            /** Text */
+            text: string;
+            /**
+             * Note
+             * @default
+             */
+            note: string;
+            /** Created At */
+            created_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
          * Structure
          * @description The content of a model structure; a run keeps its own copy.
          *
@@ -2659,6 +3044,56 @@ export interface components {
             noise_std_rad?: number | null;
         };
         /**
+         * Upload
+         * @description An upload and what became of it; ``progress`` is the fraction that is written.
+         */
+        Upload: {
+            /** Id */
+            id: string;
+            /** @default read */
+            state: components["schemas"]["UploadState"];
+            /** Progress */
+            progress?: number | null;
+            /** Code */
+            code?: string | null;
+            /** Message */
+            message?: string | null;
+            /** Maneuver Id */
+            maneuver_id?: number | null;
+            /** Flight Id */
+            flight_id?: number | null;
+            /** N Channels */
+            n_channels?: number | null;
+        };
+        /**
+         * UploadDetail
+         * @description An upload with what its files hold and a mapping proposed for them.
+         */
+        UploadDetail: {
+            upload: components["schemas"]["Upload"];
+            /** Files */
+            files: components["schemas"]["FoundFile"][];
+            /** Fields */
+            fields: components["schemas"]["FoundField"][];
+            proposal: components["schemas"]["Proposal"];
+        };
+        /**
+         * UploadMappingRequest
+         * @description A mapping, as TOML, for the files of an upload.
+         */
+        UploadMappingRequest: {
+            /** Mapping */
+            mapping: string;
+            /** Aircraft Id */
+            aircraft_id?: number | null;
+        };
+        /**
+         * UploadState
+         * @description How far an upload has come.
+         * @enum {string}
+         */
+        UploadState: "read" | "importing" | "imported" | "failed";
+        /**
          * Verdict
          * @description What a pair of ground records says of the structure.
          * @enum {string}
@@ -2695,6 +3130,36 @@ export interface components {
              */
             seed: number;
         };
+        /**
+         * Problem
+         * @description Why a request was not carried out; ``code`` is stable, ``detail`` is for people.
+         */
+        flexsid__api__errors__Problem: {
+            /** Type */
+            type: string;
+            /** Title */
+            title: string;
+            /** Status */
+            status: number;
+            /** Detail */
+            detail: string;
+            /** Code */
+            code: string;
+            /** Errors */
+            errors?: components["schemas"]["FieldError"][] | null;
+        };
+        /**
+         * Problem
+         * @description Why a mapping does not do yet; ``key`` is its key or the channel meant.
+         */
+        flexsid__workflow__describing__Problem: {
+            /** Code */
+            code: string;
+            /** Message */
+            message: string;
+            /** Key */
+            key: string | null;
+        };
     };
     responses: never;
     parameters: never;
@@ -2728,7 +3193,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -2757,7 +3222,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -2789,7 +3254,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -2820,7 +3285,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -2852,7 +3317,39 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_flight_channels: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                flight_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FlightChannelList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -2883,7 +3380,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -2915,7 +3412,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -2969,7 +3466,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3002,7 +3499,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3034,7 +3531,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3064,7 +3561,366 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_mappings: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MappingList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    add_mapping: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MappingRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StoredMapping"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_mapping: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                mapping_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StoredMapping"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    delete_mapping: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                mapping_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    upload_files: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "multipart/form-data": components["schemas"]["Body_upload_files"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["UploadDetail"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_upload: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the upload. */
+                upload_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["UploadDetail"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    delete_upload: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the upload. */
+                upload_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_upload_state: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the upload. */
+                upload_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Upload"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    check_upload: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the upload. */
+                upload_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["UploadMappingRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Checked"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    preview_upload: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the upload. */
+                upload_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PreviewRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    import_upload: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the upload. */
+                upload_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["UploadMappingRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Upload"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3096,7 +3952,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3128,7 +3984,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3159,7 +4015,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3194,7 +4050,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3225,7 +4081,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3258,7 +4114,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3290,7 +4146,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3327,7 +4183,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3360,7 +4216,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3392,7 +4248,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3422,7 +4278,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3454,7 +4310,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3489,7 +4345,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3521,7 +4377,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3553,7 +4409,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3587,7 +4443,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3616,7 +4472,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3649,7 +4505,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3678,7 +4534,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3710,7 +4566,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3740,7 +4596,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3782,7 +4638,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3818,7 +4674,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3857,7 +4713,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3907,7 +4763,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3945,7 +4801,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -3982,7 +4838,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4020,7 +4876,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4068,7 +4924,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4101,7 +4957,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4138,7 +4994,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4173,7 +5029,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4206,7 +5062,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4239,7 +5095,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4272,7 +5128,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4309,7 +5165,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4347,7 +5203,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4376,7 +5232,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Problem"];
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
