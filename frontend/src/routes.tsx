@@ -9,7 +9,15 @@ import { PageError } from "./components/PageError";
 import { AppFrame } from "./components/AppFrame";
 import { parseSearch, stringifySearch } from "./lib/urlState";
 import { NotFoundPage } from "./pages/NotFoundPage";
-import { campaignView, compareView, jobsView, maneuverView, newRunView, runView } from "./views";
+import {
+  campaignView,
+  compareView,
+  importView,
+  jobsView,
+  maneuverView,
+  newRunView,
+  runView,
+} from "./views";
 
 const root = createRootRoute({
   component: AppFrame,
@@ -86,6 +94,13 @@ const excitation = createRoute({
   component: lazyRouteComponent(() => import("./pages/ExcitationPage"), "ExcitationPage"),
 });
 
+const importPage = createRoute({
+  getParentRoute: () => root,
+  path: "/import",
+  validateSearch: importView,
+  component: lazyRouteComponent(() => import("./pages/ImportPage"), "ImportPage"),
+});
+
 export const router = createRouter({
   routeTree: root.addChildren([
     campaign,
@@ -97,6 +112,7 @@ export const router = createRouter({
     jobs,
     aircraft,
     excitation,
+    importPage,
   ]),
   parseSearch,
   stringifySearch,

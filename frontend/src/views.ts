@@ -95,3 +95,12 @@ export const compareView = view((search) => ({
 export type CompareView = ReturnType<typeof compareView>;
 
 export const jobsView = view((search) => ({ state: oneOf<RunState>(search.state, STATES) }));
+
+export const IMPORT_FORMS = ["table", "toml"] as const;
+
+export const importView = view((search) => ({
+  upload: text(search.upload),
+  form: oneOf(search.form, IMPORT_FORMS),
+  channels: words(search.channels),
+}));
+export type ImportView = ReturnType<typeof importView>;

@@ -49,21 +49,37 @@ def _record(path: Path, bad: str = "0.5") -> Path:
     return path
 
 
-def _upload(page: Page, record: Path, mapping: Path) -> None:
+def _upload(page: Page, *files: Path) -> None:
     page.goto("/")
     page.get_by_test_id("import").click()
-    for name, file in (("import-files", record), ("import-mapping", mapping)):
-        with page.expect_file_chooser() as chooser:
-            page.get_by_test_id(name).click()
-        chooser.value.set_files(file)
-    page.get_by_test_id("import-submit").click()
+    page.get_by_test_id("import-files").set_input_files(files)
 
 
 def test_a_record_becomes_a_maneuver(page: Page, tmp_path: Path, mapping: Path):
     _upload(page, _record(tmp_path / "record.csv"), mapping)
+    expect(page).to_have_url(re.compile(r"upload=u[0-9a-f]{16}"))
+    expect(page.get_by_test_id("mapping-preview")).to_have_attribute("data-drawn", "true")
+    page.get_by_test_id("import-submit").click()
     expect(page).to_have_url(re.compile(r"/maneuvers/\d+"))
     expect(page.get_by_role("heading", name="brought by hand")).to_be_visible()
     expect(page.get_by_test_id("figure-time-history")).to_have_attribute("data-drawn", "true")
+
+
+def test_a_proposal_is_corrected_and_survives_a_reload(page: Page, tmp_path: Path):
+    _upload(page, _record(tmp_path / "record.csv"))
+    expect(page.get_by_test_id("found-fields")).to_contain_text("flap")
+    unit = page.get_by_role("textbox", name="Unit of flap")
+    unit.fill("rad")
+    page.get_by_role("combobox", name="Role of flap").select_option("input")
+    expect(page.get_by_test_id("mapping-question")).to_contain_text("Is flap really in rad?")
+    page.reload()
+    expect(page.get_by_test_id("mapping-question")).to_be_visible()
+    expect(page.get_by_test_id("import-submit")).to_be_disabled()
+    page.get_by_role("button", name="It is in deg").click()
+    expect(page.get_by_test_id("mapping-question")).to_have_count(0)
+    page.get_by_role("textbox", name="Flight number").fill("78")
+    page.get_by_test_id("import-submit").click()
+    expect(page.get_by_test_id("imported")).to_contain_text("2 channels")
 
 
 def test_a_bad_record_is_refused_with_row_and_column(refused: Page, tmp_path: Path, mapping: Path):

@@ -28,7 +28,7 @@ from flexsid.workflow.ingest import Imported, explain, keep_upload
 
 KEPT_DAYS = 7
 _STATE = "state.json"
-_NAME = re.compile(r"[0-9a-f]{16}")
+_NAME = re.compile(r"u[0-9a-f]{16}")
 
 
 class UploadState(StrEnum):
@@ -94,7 +94,7 @@ class Uploads:
 
     def read(self, files: Sequence[Path], names: Sequence[str]) -> Upload:
         """Read files into a new upload."""
-        upload = Upload(id=secrets.token_hex(8))
+        upload = Upload(id=f"u{secrets.token_hex(8)}")
         folder = self._folder / upload.id
         folder.mkdir(parents=True, mode=0o700)
         try:

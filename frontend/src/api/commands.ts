@@ -1,7 +1,7 @@
 /** What pages change: submit, cancel, import, delete. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "./client";
-import type { DesignRequest, Maneuver, RunRequest } from "./types";
+import type { DesignRequest, RunRequest, UploadDetail } from "./types";
 
 /** Everything that shows a run: its own page, lists, and the badges of the campaign. */
 const RUN_VIEWS = [["runs"], ["run"], ["jobs"], ["job"], ["maneuvers"]];
@@ -35,21 +35,48 @@ export function useDeleteRun() {
   });
 }
 
-export interface Import {
-  files: File[];
-  mapping: File;
-}
-
-export function useImportManeuver() {
-  const cache = useQueryClient();
+export function useUploadFiles() {
   return useMutation({
-    mutationFn: ({ files, mapping }: Import) => {
+    mutationFn: (files: File[]) => {
       const form = new FormData();
       for (const file of files) form.append("files", file);
-      form.append("mapping", mapping);
-      return json("/api/v1/maneuvers", { method: "POST", body: form }) as Promise<Maneuver>;
+      return json("/api/v1/uploads", { method: "POST", body: form }) as Promise<UploadDetail>;
     },
-    onSuccess: () => cache.invalidateQueries({ queryKey: ["maneuvers"] }),
+  });
+}
+
+export function useImportUpload(id: string) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (mapping: string) =>
+      body(
+        api.POST("/api/v1/uploads/{upload_id}/import", {
+          params: { path: { upload_id: id } },
+          body: { mapping },
+        }),
+      ),
+    onSuccess: (begun) => {
+      cache.setQueryData(["upload", id, "state"], begun);
+    },
+  });
+}
+
+/** Cancels an import that goes on; else the files are forgotten. */
+export function useForgetUpload(id: string) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: () =>
+      body(api.DELETE("/api/v1/uploads/{upload_id}", { params: { path: { upload_id: id } } })),
+    onSettled: () => cache.invalidateQueries({ queryKey: ["upload", id, "state"] }),
+  });
+}
+
+export function useKeepMapping() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: { name: string; text: string }) =>
+      body(api.POST("/api/v1/mappings", { body: { ...wanted, note: "" } })),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["mappings"] }),
   });
 }
 

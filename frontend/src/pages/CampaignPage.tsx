@@ -1,5 +1,4 @@
 import { Button, Group, Stack, Text } from "@mantine/core";
-import { useDisclosure } from "@mantine/hooks";
 import { useInfiniteQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
 import { useCallback } from "react";
@@ -8,7 +7,6 @@ import { ButtonLink } from "../components/ButtonLink";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
 import { GroundTestAlarm } from "../components/GroundTestAlarm";
-import { ImportDialog } from "../components/ImportDialog";
 import { Loaded } from "../components/Loaded";
 import { apiFilters, ManeuverFilters } from "../components/ManeuverFilters";
 import { ManeuverList } from "../components/ManeuverList";
@@ -21,7 +19,6 @@ const route = getRouteApi("/");
 export function CampaignPage() {
   const view = route.useSearch();
   const navigate = route.useNavigate();
-  const [importing, importDialog] = useDisclosure(false);
   const filters = apiFilters(view);
   const sort = view.sort ?? "id";
   const list = useInfiniteQuery(maneuversQuery(filters, sort));
@@ -47,9 +44,9 @@ export function CampaignPage() {
                 }}
               />
             )}
-            <Button variant="default" onClick={importDialog.open} data-testid="import">
+            <ButtonLink variant="default" to="/import" data-testid="import">
               Import
-            </Button>
+            </ButtonLink>
           </>
         }
       />
@@ -110,7 +107,6 @@ export function CampaignPage() {
           />
         </aside>
       </div>
-      <ImportDialog opened={importing} onClose={importDialog.close} />
     </>
   );
 }

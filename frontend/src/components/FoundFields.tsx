@@ -1,0 +1,52 @@
+import { Text } from "@mantine/core";
+import type { UploadDetail } from "../api/types";
+import { DataTable, type Column } from "./DataTable";
+import { Section } from "./Section";
+
+type Found = UploadDetail["fields"][number];
+
+const short = (value: number | null) => (value === null ? "–" : Number(value.toPrecision(5)));
+
+const COLUMNS: Column<Found>[] = [
+  { key: "file", header: "File", render: (found) => found.file },
+  { key: "field", header: "Column", render: (found) => found.field },
+  { key: "unit", header: "Unit in the file", render: (found) => found.unit },
+  { key: "n", header: "Samples", numeric: true, render: (found) => found.n_samples },
+  {
+    key: "rate",
+    header: "Rate",
+    unit: "Hz",
+    numeric: true,
+    render: (found) => short(found.rate_hz),
+  },
+  {
+    key: "first",
+    header: "First values",
+    render: (found) => found.first.map((value) => short(value)).join(", "),
+  },
+  { key: "least", header: "Least", numeric: true, render: (found) => short(found.smallest) },
+  { key: "most", header: "Largest", numeric: true, render: (found) => short(found.largest) },
+];
+
+/** What the files of an upload hold. */
+export function FoundFields({ found }: { found: UploadDetail }) {
+  return (
+    <Section
+      title="Found"
+      note={found.files.map((file) => `${file.name}: ${file.n_fields} fields`).join(" · ")}
+    >
+      {found.fields.length > 0 ? (
+        <DataTable
+          columns={COLUMNS}
+          rows={found.fields}
+          rowKey={(own) => `${own.file}:${own.field}`}
+          label="Columns of the files"
+          testId="found-fields"
+          maxHeight={260}
+        />
+      ) : (
+        <Text size="sm">The files hold no column of samples.</Text>
+      )}
+    </Section>
+  );
+}

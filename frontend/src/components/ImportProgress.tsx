@@ -1,0 +1,105 @@
+import { Alert, Button, Group, Progress, Stack, Text } from "@mantine/core";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useNavigate } from "@tanstack/react-router";
+import { useEffect, useRef } from "react";
+import { useForgetUpload, useImportUpload } from "../api/commands";
+import { uploadStateQuery } from "../api/queries";
+import { ButtonLink } from "./ButtonLink";
+import { ProblemAlert } from "./ProblemAlert";
+
+interface Props {
+  id: string;
+  text: string;
+  /** The mapping fits and nothing is asked. */
+  ready: boolean;
+  onImported: () => void;
+}
+
+/** Begins an import, follows it, and leads to what came of it. */
+export function ImportProgress({ id, text, ready, onImported }: Props) {
+  const state = useQuery(uploadStateQuery(id));
+  const begin = useImportUpload(id);
+  const cancel = useForgetUpload(id);
+  const cache = useQueryClient();
+  const navigate = useNavigate();
+  const begun = useRef(false);
+  const upload = state.data;
+  const goesOn = upload?.state === "importing";
+
+  useEffect(() => {
+    if (!begun.current || upload?.state !== "imported") return;
+    begun.current = false;
+    onImported();
+    void cache.invalidateQueries({ queryKey: ["maneuvers"] });
+    void cache.invalidateQueries({ queryKey: ["flights"] });
+    if (upload.maneuver_id !== null) {
+      void navigate({ to: "/maneuvers/$id", params: { id: upload.maneuver_id } });
+    }
+  }, [upload, onImported, cache, navigate]);
+
+  return (
+    <Stack gap="xs" style={{ flex: "1 1 320px", maxWidth: 560 }}>
+      {upload?.state === "failed" && (
+        <Alert color="red" variant="light" title="Nothing was stored" data-testid="import-failed">
+          {upload.message}
+        </Alert>
+      )}
+      {upload?.state === "imported" && (
+        <Alert color="teal" variant="light" title="Imported" data-testid="imported">
+          {upload.maneuver_id !== null ? (
+            <ButtonLink
+              size="xs"
+              variant="default"
+              to="/maneuvers/$id"
+              params={{ id: upload.maneuver_id }}
+            >
+              Open the maneuver
+            </ButtonLink>
+          ) : (
+            `The whole flight was kept with ${String(upload.n_channels ?? 0)} channels.`
+          )}
+        </Alert>
+      )}
+      {begin.isError && <ProblemAlert error={begin.error} />}
+      {goesOn && (
+        <Progress
+          value={100 * (upload.progress ?? 0)}
+          aria-label="Import"
+          data-testid="import-progress"
+        />
+      )}
+      <Group justify="end" gap="sm">
+        {!ready && !goesOn && (
+          <Text size="sm" className="quiet">
+            Answer what is asked above first.
+          </Text>
+        )}
+        {goesOn ? (
+          <Button
+            variant="default"
+            onClick={() => {
+              cancel.mutate();
+            }}
+          >
+            Cancel
+          </Button>
+        ) : (
+          <Button
+            disabled={!ready}
+            loading={begin.isPending}
+            data-testid="import-submit"
+            onClick={() => {
+              begin.mutate(text, {
+                onSuccess: () => {
+                  begun.current = true;
+                },
+              });
+            }}
+          >
+            Import
+          </Button>
+        )}
+      </Group>
+    </Stack>
+  );
+}

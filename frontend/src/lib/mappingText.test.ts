@@ -1,0 +1,56 @@
+import { describe, expect, it } from "vitest";
+import { readKey, removeTable, setKey } from "./mappingText";
+
+const TEXT = `[aircraft]
+name = "X-1"
+
+[flight]
+number = 7  # the first
+
+[[channels]]
+column = "bf"
+unit = "deg"  # guessed
+role = "input"
+
+[[channels]]
+column = "q"
+role = "output"
+
+[channels.unit]
+q = "deg/s"
+`;
+
+describe("edits of a mapping", () => {
+  it("change one key of one table and leave the rest", () => {
+    expect(setKey(TEXT, "channels", 0, "unit", "rad")).toBe(
+      TEXT.replace('unit = "deg"  # guessed', 'unit = "rad"'),
+    );
+    expect(setKey(TEXT, "flight", 0, "number", 8)).toContain("number = 8\n");
+  });
+
+  it("add a key at the end of its table", () => {
+    expect(setKey(TEXT, "channels", 1, "name", "q_egi")).toContain(
+      'role = "output"\nname = "q_egi"\n\n[channels.unit]',
+    );
+    expect(setKey(TEXT, "channels", 0, "confirmed", ["too-large"])).toContain(
+      'role = "input"\nconfirmed = ["too-large"]\n',
+    );
+  });
+
+  it("take a key or a table out", () => {
+    expect(setKey(TEXT, "channels", 0, "unit", undefined)).not.toContain("guessed");
+    const less = removeTable(TEXT, "channels", 0);
+    expect(less).not.toContain('"bf"');
+    expect(less).toContain('column = "q"');
+  });
+
+  it("add a table that is not there", () => {
+    expect(setKey("", "aircraft", 0, "name", "X-1")).toContain('[aircraft]\nname = "X-1"');
+  });
+
+  it("read a value that stands on one line", () => {
+    expect(readKey(TEXT, "aircraft", "name")).toBe("X-1");
+    expect(readKey(TEXT, "flight", "number")).toBe("7");
+    expect(readKey(TEXT, "maneuver", "label")).toBeUndefined();
+  });
+});

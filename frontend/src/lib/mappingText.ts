@@ -1,0 +1,66 @@
+/** Edits to a mapping as TOML text, so that its comments and order stay. */
+
+/** Lines of the nth table of a name: from the line after its header to the next header. */
+function block(lines: string[], table: string, nth: number): [number, number] | null {
+  const headers = [`[[${table}]]`, `[${table}]`];
+  let seen = -1;
+  for (const [at, line] of lines.entries()) {
+    if (!headers.includes(bare(line))) continue;
+    seen += 1;
+    if (seen !== nth) continue;
+    const rest = lines.slice(at + 1);
+    const next = rest.findIndex((other) => /^\s*\[/.test(other));
+    return [at + 1, next < 0 ? lines.length : at + 1 + next];
+  }
+  return null;
+}
+
+function bare(line: string): string {
+  return line.replace(/#.*$/, "").replaceAll(/\s/g, "");
+}
+
+const isKey = (line: string, key: string) => new RegExp(`^\\s*"?${key}"?\\s*=`).test(line);
+
+/** Set a key of the nth table of a name; undefined takes the key out. */
+export function setKey(
+  text: string,
+  table: string,
+  nth: number,
+  key: string,
+  value: string | number | string[] | undefined,
+): string {
+  const lines = text.split("\n");
+  const found = block(lines, table, nth);
+  if (found === null) {
+    return value === undefined ? text : `[${table}]\n${key} = ${JSON.stringify(value)}\n\n${text}`;
+  }
+  const [first, last] = found;
+  const at = lines.findIndex((line, place) => place >= first && place < last && isKey(line, key));
+  const written = value === undefined ? [] : [`${key} = ${JSON.stringify(value)}`];
+  if (at >= 0) {
+    lines.splice(at, 1, ...written);
+  } else {
+    let end = last;
+    while (end > first && (lines[end - 1] ?? "").trim() === "") end -= 1;
+    lines.splice(end, 0, ...written);
+  }
+  return lines.join("\n");
+}
+
+/** Take the nth table of a name out. */
+export function removeTable(text: string, table: string, nth: number): string {
+  const lines = text.split("\n");
+  const found = block(lines, table, nth);
+  if (found === null) return text;
+  lines.splice(found[0] - 1, found[1] - found[0] + 1);
+  return lines.join("\n");
+}
+
+/** Value of a key of a table written on one line, as text. */
+export function readKey(text: string, table: string, key: string): string | undefined {
+  const lines = text.split("\n");
+  const found = block(lines, table, 0);
+  const line = found === null ? undefined : lines.slice(...found).find((own) => isKey(own, key));
+  const value = line === undefined ? undefined : /=\s*(?:"([^"]*)"|([^#\s]+))/.exec(line);
+  return value?.[1] ?? value?.[2];
+}

@@ -1,0 +1,131 @@
+import { Button, Group, Stack, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { getRouteApi, Link } from "@tanstack/react-router";
+import { useRef, useState, type DragEvent } from "react";
+import { useUploadFiles } from "../api/commands";
+import { uploadQuery } from "../api/queries";
+import { ButtonLink } from "../components/ButtonLink";
+import { ImportMapping } from "../components/ImportMapping";
+import { Loaded } from "../components/Loaded";
+import { PageHead } from "../components/PageHead";
+import { ProblemAlert } from "../components/ProblemAlert";
+import { Section } from "../components/Section";
+
+const route = getRouteApi("/import");
+
+/** Files are dropped, what was found is described by a mapping, and then it is imported. */
+export function ImportPage() {
+  const { upload } = route.useSearch();
+  return (
+    <>
+      <PageHead
+        title="Import"
+        trail={[
+          <Link key="campaign" to="/">
+            Campaign
+          </Link>,
+        ]}
+        actions={
+          upload !== undefined && (
+            <ButtonLink variant="default" to="/import" search={{}}>
+              Other files
+            </ButtonLink>
+          )
+        }
+      />
+      {upload === undefined ? <DropFiles /> : <Uploaded key={upload} id={upload} />}
+    </>
+  );
+}
+
+function Uploaded({ id }: { id: string }) {
+  const upload = useQuery(uploadQuery(id));
+  return (
+    <Loaded query={upload} rows={8}>
+      {(found) => <ImportMapping found={found} />}
+    </Loaded>
+  );
+}
+
+function DropFiles() {
+  const navigate = route.useNavigate();
+  const send = useUploadFiles();
+  const chooser = useRef<HTMLInputElement>(null);
+  const [over, setOver] = useState(false);
+
+  const take = async (chosen: File[]) => {
+    const mapping = chosen.find((file) => file.name.toLowerCase().endsWith(".toml"));
+    const files = chosen.filter((file) => file !== mapping);
+    if (files.length === 0) return;
+    const text = await mapping?.text();
+    send.mutate(files, {
+      onSuccess: ({ upload }) => {
+        if (text !== undefined) {
+          sessionStorage.setItem(`import-${upload.id}`, JSON.stringify({ text }));
+        }
+        void navigate({ search: { upload: upload.id } });
+      },
+    });
+  };
+  const drop = (event: DragEvent) => {
+    event.preventDefault();
+    setOver(false);
+    void take([...event.dataTransfer.files]);
+  };
+
+  return (
+    <Section
+      title="Recorder files"
+      note="CSV, TSV and fixed-width text, MATLAB, HDF5, NumPy, Parquet and MDF4. Nothing is stored before you have seen what was found."
+    >
+      <Stack gap="md">
+        <div
+          className="drop-zone"
+          data-over={over}
+          onDragOver={(event) => {
+            event.preventDefault();
+            setOver(true);
+          }}
+          onDragLeave={() => {
+            setOver(false);
+          }}
+          onDrop={drop}
+        >
+          <input
+            ref={chooser}
+            type="file"
+            multiple
+            hidden
+            aria-label="Recorder files"
+            data-testid="import-files"
+            onChange={(event) => {
+              void take([...(event.currentTarget.files ?? [])]);
+              event.currentTarget.value = "";
+            }}
+          />
+          <Text fw={600}>Drop the files of one flight or maneuver here</Text>
+          <Text size="sm" className="quiet">
+            Several recorders together are welcome, and a mapping (.toml) with them.
+          </Text>
+          <Group justify="center" mt="sm">
+            <Button
+              loading={send.isPending}
+              onClick={() => chooser.current?.click()}
+              data-testid="choose-files"
+            >
+              Choose files
+            </Button>
+          </Group>
+        </div>
+        {send.isError && (
+          <>
+            <ProblemAlert error={send.error} />
+            <Text size="sm" className="quiet">
+              Nothing was stored.
+            </Text>
+          </>
+        )}
+      </Stack>
+    </Section>
+  );
+}
