@@ -100,6 +100,20 @@ def test_the_matrix_of_sidpac_users_is_recognised(client: TestClient) -> None:
     assert detail["condition"]["mass_kg"] == pytest.approx(1.6 * 14.5939, rel=1e-4)
 
 
+def test_a_condition_from_another_recorder_follows_its_clock(client: TestClient) -> None:
+    air = b"t_s,VTAS [kt],H [ft]\n" + b"\n".join(b"%.1f,70,2000" % (k / 5) for k in range(20))
+    flaps = b"time,bf\n" + b"\n".join(b"%.2f,%d" % (k / 50, k % 5) for k in range(200))
+    found = upload(client, ("fti.csv", flaps), ("air.csv", air))
+    state = bring_in(client, found["upload"]["id"], found["proposal"]["text"])
+    assert state["state"] == "imported", state
+    detail = client.get(f"/api/v1/maneuvers/{state['maneuver_id']}").json()
+    assert {c["name"]: c["rate_hz"] for c in detail["channels"]} == {
+        "bf": 50.0,
+        "airspeed": 5.0,
+        "altitude": 5.0,
+    }
+
+
 def test_two_recorders_without_a_condition_are_proposed_as_a_whole_flight(
     client: TestClient,
 ) -> None:

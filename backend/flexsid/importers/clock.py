@@ -89,8 +89,8 @@ class Timing:
     """The time bases of the files of one import; each is checked once.
 
     A channel follows the clock that the mapping names for it, else the clock that
-    its file says it has, else the column ``[time]`` of its own file, or of the only
-    file that has it.
+    its file says it has, else the column of ``[time]`` or of ``[[clocks]]`` that is in
+    its own file, else ``[time]``.
     """
 
     default: TimeRule | None
@@ -136,6 +136,10 @@ class Timing:
         if path in source.clocks:
             column = source.clocks[path]
             return TimeRule(column=column, unit=source.units.get(column, "s"))
+        if self.default is None or self.default.column not in source.arrays:
+            for rule in self.named.values():
+                if rule.column is not None and self.sources.find(rule.column)[0] is source:
+                    return rule
         if self.default is None:
             raise refuse("time", f"is missing; {source.name} does not say when '{path}' was taken.")
         return self.default

@@ -131,6 +131,7 @@ function Belongings({ text, onChange, found }: Edit & { found: UploadDetail }) {
   return (
     <Group gap="sm" align="end">
       <Autocomplete
+        size="xs"
         label="Aircraft"
         data={aircraft.data?.map((own) => own.name) ?? []}
         value={builtin ?? readKey(text, "aircraft", "name") ?? ""}
@@ -151,7 +152,6 @@ function Belongings({ text, onChange, found }: Edit & { found: UploadDetail }) {
       {text.includes("[maneuver]") && (
         <TextInput
           label="Maneuver"
-          description={undefined}
           value={readKey(text, "maneuver", "label") ?? "{file}"}
           onChange={(event) => {
             onChange(setKey(text, "maneuver", 0, "label", event.currentTarget.value));
@@ -202,8 +202,7 @@ function Remarks({ checked, text, onChange }: Edit & { checked: CheckedMapping }
           data-testid="mapping-question"
         >
           <Text size="sm">
-            {doubt.code === "too-large" ? "Its largest value" : "Its movement"} is{" "}
-            {doubt.largest.toPrecision(4)} {doubt.unit}, which is very{" "}
+            The size of its samples is {doubt.largest.toPrecision(4)} {doubt.unit}, which is very{" "}
             {doubt.code === "too-large" ? "large" : "small"}.
           </Text>
           <Group gap="xs" mt="xs">
