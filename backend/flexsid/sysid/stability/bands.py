@@ -1,0 +1,184 @@
+"""Uncertainty of roots and flutter speeds that the covariance of the derivatives brings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.optimize import linear_sum_assignment
+
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.stability.flutter import Crossing, RootLocus
+from flexsid.sysid.stability.speeds import Aeroelastic, Modal, decompose, slopes, state_family
+
+_CLOSE = 0.15  # standard errors over the distance of two roots: closer, first order misleads
+_DRAWS = 1000
+_STEP = 1e-4  # of the airspeed, for the slope of a root
+
+
+@dataclass(frozen=True, slots=True)
+class Uncertain:
+    """Derivatives that are known with a covariance; the others are held.
+
+    ``rows`` and ``columns`` say where in the table each is.
+    """
+
+    rows: np.ndarray
+    columns: np.ndarray
+    covariance: Float[np.ndarray, "n_theta n_theta"]
+
+    def draw(
+        self, table: DerivativeTable, count: int, seed: int
+    ) -> Float[np.ndarray, "n_draws n_rows n_columns"]:
+        """Tables scattered as the covariance says."""
+        scale = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        unit = np.where(scale > 0.0, scale, 1.0)
+        values, vectors = np.linalg.eigh(self.covariance / np.outer(unit, unit))
+        half = vectors * np.sqrt(np.maximum(values, 0.0))
+        normal = np.random.default_rng(seed).standard_normal((count, scale.size))
+        tables = np.tile(table.values, (count, 1, 1))
+        tables[:, self.rows, self.columns] += normal @ half.T * unit
+        return tables
+
+
+@dataclass(frozen=True, slots=True)
+class Bands:
+    """Standard errors of real and imaginary parts [rad/s] and of the damping ratio [1].
+
+    ``by_draws`` tells at which speeds roots lie so close that draws replaced first order.
+    """
+
+    real_std: Float[np.ndarray, "n_v n_branches"]
+    imag_std: Float[np.ndarray, "n_v n_branches"]
+    damping_std: Float[np.ndarray, "n_v n_branches"]
+    by_draws: Bool[np.ndarray, " n_v"]
+
+
+def root_bands(
+    aircraft: Aeroelastic, locus: RootLocus, uncertain: Uncertain, density: float | None = None
+) -> Bands:
+    """Standard errors of all roots over airspeed.
+
+    Notes
+    -----
+    By the derivative of a simple eigenvalue. Near a coalescence of two roots that
+    derivative grows without bound; there a thousand draws are counted instead.
+    """
+    family = state_family(aircraft, locus.airspeed, density)
+    modal = decompose(family)
+    columns = _columns(modal, locus)
+    gradient = slopes(family, modal, uncertain.rows, uncertain.columns)
+    gradient = np.take_along_axis(gradient, columns[:, :, None], axis=1)
+    real, imag, damping = _deviations(gradient, locus.roots, uncertain.covariance)
+    crowded = _crowded(modal, columns, np.hypot(real, imag))
+    if crowded.any():
+        drawn = bands_by_draws(aircraft, locus, uncertain, density, only=crowded)
+        for mine, other in ((real, drawn.real_std), (imag, drawn.imag_std)):
+            mine[crowded] = other
+        damping[crowded] = drawn.damping_std
+    return Bands(real, imag, damping, crowded)
+
+
+def bands_by_draws(
+    aircraft: Aeroelastic,
+    locus: RootLocus,
+    uncertain: Uncertain,
+    density: float | None = None,
+    *,
+    only: Bool[np.ndarray, " n_v"] | None = None,
+    count: int = _DRAWS,
+    seed: int = 0,
+) -> Bands:
+    """The same from draws, at all speeds or some; roots are matched by their distance."""
+    chosen = np.ones(locus.airspeed.size, dtype=bool) if only is None else only
+    at, roots = locus.airspeed[chosen], locus.roots[chosen]
+    family = state_family(aircraft, at, density)
+    tables = uncertain.draw(aircraft.derivatives, count, seed)
+    n_x = family.A.shape[1]
+    change = (tables - aircraft.derivatives.values)[:, :, :n_x]
+    found = np.empty((count, *roots.shape), dtype=complex)
+    for k in range(at.size):
+        A = np.tile(family.A[k], (count, 1, 1))
+        A[:, family.force_states] += family.scale[k] * change
+        values = np.linalg.eigvals(A)
+        for draw in range(count):
+            cost = np.abs(roots[k][:, None] - values[draw])
+            found[draw, k] = values[draw, linear_sum_assignment(cost)[1]]
+    size = np.maximum(np.abs(found), 1e-12)
+    return Bands(
+        np.real(found).std(axis=0),
+        np.imag(found).std(axis=0),
+        (-np.real(found) / size).std(axis=0),
+        np.ones(at.size, dtype=bool),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class CrossingError:
+    """Standard errors of a crossing's airspeed [m/s] and frequency [rad/s], and the slope.
+
+    ``gradient`` is the change of the airspeed with every uncertain derivative.
+    """
+
+    airspeed_std: float
+    frequency_std: float
+    gradient: Float[np.ndarray, " n_theta"]
+
+
+def crossing_error(
+    aircraft: Aeroelastic, crossing: Crossing, uncertain: Uncertain, density: float | None = None
+) -> CrossingError:
+    """First-order standard error of a flutter speed.
+
+    Notes
+    -----
+    On the axis Re lambda(V, theta) = 0, so that dV = -Re(lambda_theta) / Re(lambda_V).
+    """
+    speed = crossing.airspeed
+    near = speed * (1.0 + _STEP * np.array([-1.0, 0.0, 1.0]))
+    family = state_family(aircraft, near, density)
+    modal = decompose(family)
+    target = 1j * crossing.frequency
+    root = int(np.argmin(np.abs(modal.values[1] - target)))
+    left, right = modal.left[1, :, root], modal.right[1, :, root]
+    by_speed = left.conj() @ (family.A[2] - family.A[0]) @ right / (near[2] - near[0])
+    by_theta = slopes(family, modal, uncertain.rows, uncertain.columns)[1, root]
+    gradient = -np.real(by_theta) / np.real(by_speed)
+    frequency = np.imag(by_theta) + np.imag(by_speed) * gradient
+    covariance = uncertain.covariance
+    return CrossingError(
+        float(np.sqrt(max(gradient @ covariance @ gradient, 0.0))),
+        float(np.sqrt(max(frequency @ covariance @ frequency, 0.0))),
+        gradient,
+    )
+
+
+def _columns(modal: Modal, locus: RootLocus) -> np.ndarray:
+    """Where the roots of a locus stand among the eigenvalues of every speed."""
+    distance = np.abs(modal.values[:, None, :] - locus.roots[:, :, None])
+    return np.argmin(distance, axis=2)
+
+
+def _deviations(
+    gradient: np.ndarray, roots: np.ndarray, covariance: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    size = np.maximum(np.abs(roots), 1e-12)
+    by_real, by_imag = np.real(gradient), np.imag(gradient)
+    modulus = np.real(np.conj(roots)[:, :, None] * gradient) / size[:, :, None]
+    damping = -by_real / size[:, :, None] + (np.real(roots) / size**2)[:, :, None] * modulus
+
+    def deviation(slope: np.ndarray) -> np.ndarray:
+        flat = slope.reshape(-1, slope.shape[2])
+        variance = np.sum((flat @ covariance) * flat, axis=1)
+        return np.sqrt(np.maximum(variance, 0.0)).reshape(slope.shape[:2])
+
+    return deviation(by_real), deviation(by_imag), deviation(damping)
+
+
+def _crowded(modal: Modal, columns: np.ndarray, deviation: np.ndarray) -> np.ndarray:
+    """Speeds at which a root's error reaches towards its nearest neighbour."""
+    own = np.take_along_axis(modal.values, columns, axis=1)
+    gap = np.abs(own[:, :, None] - modal.values[:, None, :])
+    np.put_along_axis(gap, columns[:, :, None], np.inf, axis=2)
+    return (deviation > _CLOSE * gap.min(axis=2)).any(axis=1)

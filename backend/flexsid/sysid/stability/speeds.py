@@ -1,0 +1,136 @@
+"""One aircraft at many airspeeds: trim, state matrices, and their slopes in the derivatives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexsid.errors import BadInput
+from flexsid.sysid.model.condition import GRAVITY, FlightCondition
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.modes.shapes import StructuralModes
+
+
+@dataclass(frozen=True, slots=True)
+class Aeroelastic:
+    """Derivatives on a structure in one loading, to be flown at any speed.
+
+    ``condition`` is one trimmed condition; others follow from it by constant weight.
+    """
+
+    condition: FlightCondition
+    modes: StructuralModes
+    derivatives: DerivativeTable
+
+    @property
+    def motions(self) -> tuple[str, ...]:
+        """What can move: the short period and each mode by number."""
+        return ("SP", *(str(number) for number in self.modes.numbers))
+
+
+@dataclass(frozen=True, slots=True)
+class StateFamily:
+    """State matrices at many speeds, and where each derivative enters them.
+
+    The states are alpha, q, eta..., etadot...: attitude only integrates q in level flight.
+    """
+
+    A: Float[np.ndarray, "n_v n_x n_x"]
+    scale: Float[np.ndarray, "n_v n_rows n_columns"]
+    force_states: np.ndarray
+    variable_states: np.ndarray
+
+
+def state_family(
+    aircraft: Aeroelastic,
+    airspeed: Float[np.ndarray, " n_v"],
+    density: float | None = None,
+) -> StateFamily:
+    """Assemble A at every airspeed, trimmed in level flight.
+
+    Parameters
+    ----------
+    aircraft
+        Derivatives, structure, and the condition they are known from.
+    airspeed
+        True airspeeds. [m/s]
+    density
+        Of the air; that of the known condition by default. [kg/m3]
+
+    Raises
+    ------
+    BadInput
+        If an airspeed is not positive.
+
+    Notes
+    -----
+    Source: Eqs 5-14. Weight fixes the lift, so that alpha grows with 1/dynamic pressure;
+    thrust balances the drag, whose zero-lift part is that of the known condition.
+    """
+    V = np.asarray(airspeed, dtype=float)
+    if not (V > 0.0).all():
+        raise BadInput("airspeeds must be positive", code="bad-airspeed")
+    c, modes = aircraft.condition, aircraft.modes
+    n = len(modes.numbers)
+    force = 0.5 * (c.density if density is None else density) * V**2 * c.area
+    weight = c.mass * GRAVITY * np.cos(c.gamma)
+    known = c.dynamic_pressure * c.area
+    clean = (c.thrust - c.induced_drag * weight**2 / known) / known
+    alpha = c.alpha * known / force
+    thrust = force * clean + c.induced_drag * weight**2 / force
+    rows = np.empty((V.size, 2 + n))
+    rows[:, 0] = force / (c.mass * V)
+    rows[:, 1] = force * c.chord / c.pitch_inertia
+    rows[:, 2:] = (force * c.chord)[:, None] / modes.mass
+    columns = np.ones((V.size, 2 + 2 * n))
+    columns[:, [1, *range(2 + n, 2 + 2 * n)]] = (c.chord / (2.0 * V))[:, None]
+    scale = rows[:, :, None] * columns[:, None, :]
+    force_states = np.r_[0, 1, 2 + n : 2 + 2 * n]
+    A = np.zeros((V.size, 2 + 2 * n, 2 + 2 * n))
+    A[:, force_states] = scale * aircraft.derivatives.values[:, : 2 + 2 * n]
+    A[:, 0, 0] += GRAVITY * np.sin(c.gamma) / V - thrust * np.cos(alpha) / (c.mass * V)
+    A[:, 0, 1] += 1.0
+    eta, etadot = np.arange(2, 2 + n), np.arange(2 + n, 2 + 2 * n)
+    A[:, eta, etadot] = 1.0
+    A[:, etadot, eta] -= modes.omega**2
+    A[:, etadot, etadot] -= 2.0 * modes.zeta * modes.omega
+    return StateFamily(A, scale, force_states, np.arange(2 + 2 * n))
+
+
+@dataclass(frozen=True, slots=True)
+class Modal:
+    """Eigenvalues with left and right vectors, scaled so that left^H right = 1."""
+
+    values: Complex[np.ndarray, "n_v n_x"]
+    left: Complex[np.ndarray, "n_v n_x n_x"]
+    right: Complex[np.ndarray, "n_v n_x n_x"]
+
+
+def decompose(family: StateFamily) -> Modal:
+    """Eigenvalues and vectors at every speed."""
+    values, right = np.linalg.eig(family.A.astype(complex))
+    left = np.linalg.inv(right).conj().transpose(0, 2, 1)
+    return Modal(values, left, right)
+
+
+def slopes(
+    family: StateFamily,
+    modal: Modal,
+    rows: np.ndarray,
+    columns: np.ndarray,
+) -> Complex[np.ndarray, "n_v n_x n_theta"]:
+    """Change of every eigenvalue with the derivatives at (rows, columns) of the table.
+
+    Notes
+    -----
+    d lambda = w^H dA v for vectors with w^H v = 1. Derivatives of the inputs change nothing.
+    """
+    n_x = family.A.shape[1]
+    acts = columns < n_x
+    at = np.where(acts, columns, 0)
+    pull = modal.left[:, family.force_states[rows]].conj()  # (n_v, n_theta, n_x)
+    moved = modal.right[:, family.variable_states[at]]
+    weight = np.where(acts, family.scale[:, rows, at], 0.0)
+    return (pull * moved * weight[:, :, None]).transpose(0, 2, 1)
