@@ -13,6 +13,7 @@ import {
   campaignView,
   compareView,
   importView,
+  flutterView,
   jobsView,
   maneuverView,
   newRunView,
@@ -75,6 +76,13 @@ const compare = createRoute({
   component: lazyRouteComponent(() => import("./pages/ComparePage"), "ComparePage"),
 });
 
+const flutter = createRoute({
+  getParentRoute: () => root,
+  path: "/flutter",
+  validateSearch: flutterView,
+  component: lazyRouteComponent(() => import("./pages/FlutterPage"), "FlutterPage"),
+});
+
 const jobs = createRoute({
   getParentRoute: () => root,
   path: "/jobs",
@@ -109,6 +117,7 @@ export const router = createRouter({
     newRun,
     run,
     compare,
+    flutter,
     jobs,
     aircraft,
     excitation,

@@ -94,6 +94,15 @@ export const compareView = view((search) => ({
 }));
 export type CompareView = ReturnType<typeof compareView>;
 
+export const flutterView = view((search) => ({
+  runs: integers(search.runs),
+  /** Fuel in percent, altitude [m] and next airspeed [m/s], where not the fastest point's. */
+  fuel: number(search.fuel),
+  altitude: number(search.altitude),
+  next: number(search.next),
+}));
+export type FlutterView = ReturnType<typeof flutterView>;
+
 export const jobsView = view((search) => ({ state: oneOf<RunState>(search.state, STATES) }));
 
 export const IMPORT_FORMS = ["table", "toml"] as const;

@@ -25,6 +25,7 @@ from flexsid.api.routes import (
     designs,
     figures,
     flights,
+    flutter,
     ground_tests,
     health,
     jobs,
@@ -117,6 +118,7 @@ def create_app(
         jobs,
         comparisons,
         designs,
+        flutter,
         figures,
         nomenclature,
     ):

@@ -4,6 +4,7 @@ from flexsid.figures.bode import View, bode
 from flexsid.figures.derivatives import derivatives
 from flexsid.figures.envelope import envelope
 from flexsid.figures.fit import fit
+from flexsid.figures.flutter import flutter_forecast, flutter_map, root_locus, v_omega_zeta
 from flexsid.figures.ground_test import ground_test
 from flexsid.figures.iterations import iterations
 from flexsid.figures.parameter_correlation import parameter_correlation
@@ -20,13 +21,17 @@ __all__ = [
     "derivatives",
     "envelope",
     "fit",
+    "flutter_forecast",
+    "flutter_map",
     "ground_test",
     "iterations",
     "parameter_correlation",
     "plot_matrix",
     "poles",
     "residual",
+    "root_locus",
     "spectrum",
     "time_check",
     "time_history",
+    "v_omega_zeta",
 ]

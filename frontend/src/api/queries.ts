@@ -166,6 +166,23 @@ export const comparisonQuery = (runs: readonly number[], predictions: readonly n
     placeholderData: keepPreviousData,
   });
 
+export interface FlutterQuestion {
+  run_ids: string;
+  fuel?: number;
+  altitude_m?: number;
+  next_m_s?: number;
+}
+
+export const flutterQuery = (question: FlutterQuestion) =>
+  queryOptions({
+    queryKey: ["flutter", question],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/flutter", { params: { query: question }, signal })),
+    enabled: question.run_ids !== "",
+    placeholderData: keepPreviousData,
+    staleTime: 60_000,
+  });
+
 export const figureQuery = (kind: string, params: Record<string, QueryValue>) =>
   queryOptions({
     queryKey: ["figure", kind, params],

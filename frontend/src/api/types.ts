@@ -20,6 +20,7 @@ export type ManeuverItem = Received<"ManeuverItem">;
 export type Maneuver = Received<"ManeuverDetail">;
 export type Channel = Received<"Channel">;
 export type GroundTest = Received<"GroundTest">;
+export type Flutter = Received<"Flutter">;
 export type Flight = Received<"Flight">;
 export type Aircraft = Received<"Aircraft">;
 export type ModalTable = Received<"ModalTable">;

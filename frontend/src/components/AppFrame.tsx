@@ -22,6 +22,9 @@ export function AppFrame() {
             <Link to="/compare" activeOptions={{ includeSearch: false }}>
               Compare
             </Link>
+            <Link to="/flutter" activeOptions={{ includeSearch: false }}>
+              Flutter
+            </Link>
             <Link to="/jobs" activeOptions={{ includeSearch: false }}>
               Jobs
             </Link>

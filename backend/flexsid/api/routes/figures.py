@@ -11,10 +11,11 @@ from fastapi.responses import Response
 from flexsid import figures
 from flexsid.api.context import TheStore
 from flexsid.api.export import Form, sent
+from flexsid.api.routes.flutter import TheQuestion
 from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.wire import split_ids, split_names
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow import ground_tests, views
+from flexsid.workflow import flutter, ground_tests, views
 
 router = APIRouter(prefix="/figures", tags=["figures"])
 
@@ -196,3 +197,27 @@ def draw_derivatives(
         coefficient,
     )
     return sent(figures.derivatives(value), form)
+
+
+@router.get("/v-omega-zeta", response_model=Figure)
+def draw_v_omega_zeta(store: TheStore, question: TheQuestion, form: Form = "json") -> Response:
+    """Draw frequency and damping of the identified roots over airspeed with ±2 standard errors."""
+    return sent(figures.v_omega_zeta(flutter.flutter_roots(store, question)), form)
+
+
+@router.get("/root-locus", response_model=Figure)
+def draw_root_locus(store: TheStore, question: TheQuestion, form: Form = "json") -> Response:
+    """Draw the identified roots in the s-plane as airspeed rises."""
+    return sent(figures.root_locus(flutter.flutter_roots(store, question)), form)
+
+
+@router.get("/flutter-forecast", response_model=Figure)
+def draw_flutter_forecast(store: TheStore, question: TheQuestion, form: Form = "json") -> Response:
+    """Draw the flutter speed each run predicts, classical trackers beside it."""
+    return sent(figures.flutter_forecast(flutter.flutter(store, question)), form)
+
+
+@router.get("/flutter-map", response_model=Figure)
+def draw_flutter_map(store: TheStore, question: TheQuestion, form: Form = "json") -> Response:
+    """Draw the flutter speed over fuel and altitude."""
+    return sent(figures.flutter_map(flutter.flutter_map(store, question)), form)

@@ -1,0 +1,45 @@
+"""Flutter: what identified runs say of the next test point."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query
+
+from flexsid.api.context import TheStore
+from flexsid.api.wire import Json, split_ids
+from flexsid.records.flutter import Flutter
+from flexsid.workflow import flutter as workflow
+
+router = APIRouter(prefix="/flutter", tags=["flutter"])
+
+
+def _question(
+    run_ids: Annotated[str, Query(description="Runs that succeeded, separated by commas.")],
+    fuel: Annotated[
+        float | None, Query(ge=0.0, le=1.0, description="Fuel fraction; the fastest point's.")
+    ] = None,
+    altitude_m: Annotated[
+        float | None,
+        Query(ge=-1000.0, le=11_000.0, description="Standard altitude; the fastest point's air."),
+    ] = None,
+    next_m_s: Annotated[
+        float | None,
+        Query(gt=0.0, le=1000.0, description="Airspeed of the next point; 3 % above the fastest."),
+    ] = None,
+) -> workflow.Question:
+    return workflow.Question(
+        run_ids=tuple(split_ids(run_ids, "run_ids")),
+        fuel=fuel,
+        altitude_m=altitude_m,
+        next_m_s=next_m_s,
+    )
+
+
+TheQuestion = Annotated[workflow.Question, Depends(_question)]
+
+
+@router.get("", response_model=Flutter)
+def get_flutter(store: TheStore, question: TheQuestion) -> Json:
+    """Say where the aircraft of these runs loses stability, and how sure that is."""
+    return Json(workflow.flutter(store, question))

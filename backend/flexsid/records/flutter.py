@@ -1,0 +1,130 @@
+"""Flutter: what identified models say of the next test point, as it is answered and drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StructureForecast:
+    """Flutter speed of all runs of one model structure, fused.
+
+    ``held_modes`` carry predicted derivatives only; ``airspeed_m_s`` is None where the model
+    stays stable.
+    """
+
+    run_ids: tuple[int, ...]
+    modes: tuple[int, ...]
+    held_modes: tuple[int, ...]
+    airspeed_m_s: float | None
+    airspeed_std_m_s: float | None
+    frequency_rad_s: float | None
+    sentence: str
+    preferred: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunForecast:
+    """Flutter speed of one run, against the speed at which it was flown."""
+
+    run_id: int
+    label: str
+    tested_m_s: float
+    airspeed_m_s: float | None
+    airspeed_std_m_s: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrackerForecast:
+    """What a classical tracker extrapolates from the same runs, or why it cannot."""
+
+    name: str
+    airspeed_m_s: float | None
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Participation:
+    """Share of one motion in the root that becomes unstable."""
+
+    name: str
+    share: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Flutter:
+    """The answer to "next point at V: margin, and how sure".
+
+    ``airspeed_std_m_s`` is statistical, ``spread_m_s`` the standard deviation between model
+    structures; ``low_m_s`` to ``high_m_s`` holds the flutter speed with 95 % probability.
+    ``known_m_s`` is what the aircraft's table predicted before flight.
+    """
+
+    sentence: str
+    next_point: str
+    fuel_fraction: float
+    density_kg_m3: float
+    tested_m_s: float
+    next_m_s: float
+    airspeed_m_s: float | None
+    airspeed_std_m_s: float | None
+    spread_m_s: float
+    low_m_s: float | None
+    high_m_s: float | None
+    frequency_rad_s: float | None
+    mechanism: str | None
+    participation: tuple[Participation, ...]
+    known_m_s: float | None
+    structures: tuple[StructureForecast, ...]
+    runs: tuple[RunForecast, ...]
+    trackers: tuple[TrackerForecast, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RootBranch:
+    """One root over airspeed with its standard errors, all (n_v,). [rad/s, 1]"""
+
+    name: str
+    real: np.ndarray
+    imag: np.ndarray
+    damping: np.ndarray
+    real_std: np.ndarray
+    imag_std: np.ndarray
+    damping_std: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TestedRoot:
+    """A root that a run identified at the speed flown."""
+
+    run_id: int
+    label: str
+    airspeed_m_s: float
+    name: str
+    frequency: float
+    damping: float
+    damping_std: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FlutterRoots:
+    """Roots of the preferred model over airspeed; ``by_draws`` where first order misleads."""
+
+    airspeed_m_s: np.ndarray
+    branches: tuple[RootBranch, ...]
+    tested: tuple[TestedRoot, ...]
+    flutter_m_s: float | None
+    interval_m_s: tuple[float, float] | None
+    tested_m_s: float
+    by_draws: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FlutterMap:
+    """Flutter speed (n_altitude, n_fuel) of the preferred model; NaN where there is none."""
+
+    fuel: np.ndarray
+    altitude_m: np.ndarray
+    airspeed_m_s: np.ndarray

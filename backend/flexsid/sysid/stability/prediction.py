@@ -1,0 +1,186 @@
+"""Flutter speed from identified derivatives: fused over maneuvers, spread over structures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.stability.bands import Uncertain, crossing_error
+from flexsid.sysid.stability.flutter import Crossing, RootLocus, follow_roots
+from flexsid.sysid.stability.speeds import Aeroelastic
+
+_POINTS = 120
+_SIGMAS = 1.96
+
+
+@dataclass(frozen=True, slots=True)
+class Identified:
+    """What one run says: derivatives on a structure, and which of them it estimated."""
+
+    aircraft: Aeroelastic
+    uncertain: Uncertain
+
+
+@dataclass(frozen=True, slots=True)
+class Prediction:
+    """Where the aircraft loses stability, and how sure that is.
+
+    ``crossing`` is None for an aircraft that stays stable up to the highest speed looked at;
+    ``sentence`` says it in words. ``airspeed_std`` is statistical; ``spread`` what other model
+    structures make of the same data [m/s].
+    """
+
+    locus: RootLocus
+    crossing: Crossing | None
+    airspeed_std: float
+    frequency_std: float
+    spread: float
+    sentence: str
+
+    @property
+    def interval(self) -> tuple[float, float] | None:
+        """95 % interval of the airspeed, statistics and structure together. [m/s]"""
+        if self.crossing is None:
+            return None
+        reach = _SIGMAS * float(np.hypot(self.airspeed_std, self.spread))
+        return self.crossing.airspeed - reach, self.crossing.airspeed + reach
+
+
+def predict_flutter(
+    found: Identified,
+    band: tuple[float, float],
+    density: float | None = None,
+    spread: float = 0.0,
+) -> Prediction:
+    """Follow the roots over a band of airspeeds and say where stability ends.
+
+    Parameters
+    ----------
+    found
+        Derivatives with their covariance.
+    band
+        Lowest and highest airspeed. [m/s]
+    density
+        Of the air; that of the known condition by default. [kg/m3]
+    spread
+        Standard deviation between model structures. [m/s]
+
+    Raises
+    ------
+    BadInput
+        If the band is empty, or the aircraft is unstable at its lowest speed already.
+    """
+    low, high = band
+    if not 0.0 < low < high:
+        raise BadInput(
+            f"airspeeds from {low:g} to {high:g} m/s are no band; the lowest must be positive "
+            "and come first",
+            code="bad-airspeed",
+        )
+    locus = follow_roots(found.aircraft, np.linspace(low, high, _POINTS), density)
+    growing = np.flatnonzero(np.real(locus.roots[0]) > 0.0)
+    if growing.size:
+        name = locus.names[int(growing[0])]
+        sentence = f"Already unstable at {low:.1f} m/s in {_called(name)}; look at lower speeds."
+        return Prediction(locus, None, np.nan, np.nan, spread, sentence)
+    crossing = locus.flutter
+    if crossing is None:
+        weakest = int(np.argmin(locus.damping().min(axis=0)))
+        sentence = (
+            f"Stable up to {high:.1f} m/s; the least damping is "
+            f"{100.0 * float(locus.damping()[:, weakest].min()):.1f} % in "
+            f"{_called(locus.names[weakest])}."
+        )
+        return Prediction(locus, None, np.nan, np.nan, spread, sentence)
+    error = crossing_error(found.aircraft, crossing, found.uncertain, density)
+    leading = sorted(crossing.participation, key=crossing.participation.__getitem__)[::-1][:2]
+    sentence = (
+        f"{crossing.mechanism.value.capitalize()} of {' with '.join(map(_called, leading))} at "
+        f"{crossing.airspeed:.2f} ± {2.0 * float(np.hypot(error.airspeed_std, spread)):.2f} m/s"
+    )
+    sentence += f", {crossing.frequency:.2f} rad/s." if crossing.frequency else "."
+    if crossing.recovers_at is not None:
+        sentence += f" It is a hump: stable again from {crossing.recovers_at:.2f} m/s."
+    return Prediction(locus, crossing, error.airspeed_std, error.frequency_std, spread, sentence)
+
+
+def fuse_identified(parts: Sequence[Identified], to: Aeroelastic) -> Identified:
+    """Weigh the derivatives that all parts estimated by their information.
+
+    Parameters
+    ----------
+    parts
+        Of runs with one structure.
+    to
+        Loading and condition that the result shall stand for; its derivatives are those
+        that no run estimated.
+
+    Raises
+    ------
+    BadInput
+        If the structures differ.
+    NotIdentifiable
+        If a covariance is singular.
+
+    Notes
+    -----
+    Where the runs scatter by more than their errors, the covariance is widened by the
+    ratio (Birge), for a structure that is too small changes with the condition.
+    """
+    first = parts[0]
+    for part in parts:
+        same = part.aircraft.modes.numbers == to.modes.numbers and (
+            np.array_equal(part.uncertain.rows, first.uncertain.rows)
+            and np.array_equal(part.uncertain.columns, first.uncertain.columns)
+        )
+        if not same:
+            raise BadInput(
+                "runs of different structures cannot be fused; choose runs with the same modes "
+                "and the same free derivatives",
+                code="different-structures",
+            )
+    rows, columns = first.uncertain.rows, first.uncertain.columns
+    values = np.stack([part.aircraft.derivatives.values[rows, columns] for part in parts])
+    covariances = [part.uncertain.covariance for part in parts]
+    mean, covariance = weighted_mean(values, covariances)
+    table = to.derivatives.values.copy()
+    table[rows, columns] = mean
+    derivatives = DerivativeTable(to.modes.numbers, to.derivatives.inputs, table)
+    return Identified(replace(to, derivatives=derivatives), Uncertain(rows, columns, covariance))
+
+
+def weighted_mean(
+    values: Float[np.ndarray, "n_parts n_theta"],
+    covariances: Sequence[Float[np.ndarray, "n_theta n_theta"]],
+) -> tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, "n_theta n_theta"]]:
+    """Mean by information, and its covariance widened by how much the parts disagree."""
+    if len(values) == 1:
+        return values[0], covariances[0]
+    scale = np.sqrt(np.mean([np.diag(C) for C in covariances], axis=0))
+    if not (scale > 0.0).all():
+        raise NotIdentifiable("a derivative without standard error cannot be weighed")
+    outer, identity = np.outer(scale, scale), np.eye(scale.size)
+    weights = [np.linalg.solve(C / outer, identity) for C in covariances]
+    information = np.sum(weights, axis=0)
+    moment = np.sum([W @ (v / scale) for W, v in zip(weights, values, strict=True)], axis=0)
+    mean = np.linalg.solve(information, moment)
+    off = values / scale - mean
+    chi_square = sum(float(d @ W @ d) for d, W in zip(off, weights, strict=True))
+    birge = max(1.0, chi_square / (off.size - scale.size))
+    return mean * scale, birge * np.linalg.solve(information, identity) * outer
+
+
+def structure_spread(speeds: Sequence[float], preferred: float) -> float:
+    """Standard deviation of other structures' flutter speeds about the preferred one."""
+    if not speeds:
+        return 0.0
+    return float(np.sqrt(np.mean((np.asarray(speeds, dtype=float) - preferred) ** 2)))
+
+
+def _called(motion: str) -> str:
+    return "the short period" if motion == "SP" else f"mode {motion}"

@@ -1,0 +1,121 @@
+"""What flight test has always extrapolated: damping, flutter margin, envelope of the impulse.
+
+They need no model, only what a mode did at the speeds flown. Beside the model's own
+prediction they show what knowing the structure is worth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexsid.errors import NotIdentifiable
+
+_PERIODS = 20.0  # of the slower root: how long an impulse response is watched
+
+
+@dataclass(frozen=True, slots=True)
+class TestPoint:
+    """Two roots that approach each other, as identified at one speed.
+
+    ``critical`` is the one that loses damping, ``partner`` the one it coalesces with. [rad/s]
+    """
+
+    airspeed: float
+    dynamic_pressure: float
+    critical: complex
+    partner: complex
+
+
+def damping_extrapolation(points: Sequence[TestPoint]) -> float:
+    """Airspeed at which a parabola through the critical decay rates reaches zero. [m/s]
+
+    Raises
+    ------
+    NotIdentifiable
+        If it never does, or there are fewer than three points.
+    """
+    V = np.array([point.airspeed for point in points])
+    rate = np.array([np.real(point.critical) for point in points])
+    return _first_zero(V, rate, "the decay rate")
+
+
+def flutter_margin(points: Sequence[TestPoint]) -> float:
+    """Airspeed at which the flutter margin of two roots vanishes. [m/s]
+
+    Raises
+    ------
+    NotIdentifiable
+        If it never does, or there are fewer than three points.
+
+    Notes
+    -----
+    Source: Zimmerman and Weissenburger, J. Aircraft 1 (1964): Routh's discriminant of the
+    quartic of two roots, quadratic in dynamic pressure for quasi-steady aerodynamics.
+    """
+    q = np.array([point.dynamic_pressure for point in points])
+    margin = np.array([_margin(point.critical, point.partner) for point in points])
+    at = _first_zero(q, margin / np.abs(margin).max(), "the flutter margin")
+    ratio = points[-1].airspeed / np.sqrt(points[-1].dynamic_pressure)
+    return float(np.sqrt(at) * ratio)
+
+
+def envelope_function(points: Sequence[TestPoint]) -> float:
+    """Airspeed at which the envelope of an impulse response would no longer decay. [m/s]
+
+    Raises
+    ------
+    NotIdentifiable
+        If it never does, or there are fewer than three points.
+
+    Notes
+    -----
+    Source: Cooper, Emmett, Wright and Schofield, J. Aircraft 30 (1993). The shape
+    parameter is the inverse of the envelope's centroid in time; without decay the
+    centroid lies at half the window.
+    """
+    V = np.array([point.airspeed for point in points])
+    slowest = min(abs(root) for point in points for root in (point.critical, point.partner))
+    window_s = 2.0 * np.pi * _PERIODS / slowest
+    time_s = np.linspace(0.0, window_s, 4000)
+    shape = []
+    for point in points:
+        roots = np.array([point.critical, point.partner])
+        envelope = np.abs(np.sum(np.exp(roots[:, None] * time_s), axis=0))
+        shape.append(float(envelope.sum() / (envelope @ time_s)))
+    return _first_zero(V, np.array(shape) - 2.0 / window_s, "the shape parameter")
+
+
+def _margin(a: complex, b: complex) -> float:
+    """Flutter margin F of two roots beta + j omega."""
+    b1, w1, b2, w2 = a.real, abs(a.imag), b.real, abs(b.imag)
+    half = 0.5 * (w2**2 - w1**2)
+    mean = 0.5 * (w2**2 + w1**2)
+    total = 0.5 * (b2 + b1)
+    first = (half + 0.5 * (b2**2 - b1**2)) ** 2
+    second = 4.0 * b1 * b2 * (mean + 2.0 * total**2)
+    third = ((b2 - b1) / (b2 + b1) * half + 2.0 * total**2) ** 2
+    return first + second - third
+
+
+def _first_zero(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"], what: str) -> float:
+    """Where a parabola (a line through fewer than four points) first reaches zero beyond x[0]."""
+    if x.size < 3:
+        raise NotIdentifiable(
+            f"{what} of {x.size} test points cannot be extrapolated; it takes three",
+            code="too-few-points",
+        )
+    order = np.argsort(x)
+    centre, width = float(x.mean()), float(np.ptp(x))
+    fit = np.polynomial.Polynomial.fit(x[order], y[order], 2 if x.size > 3 else 1)
+    roots: Complex[np.ndarray, " n"] = np.asarray(fit.roots(), dtype=complex)
+    real = np.real(roots[np.abs(np.imag(roots)) < 1e-9 * (centre + width)])
+    beyond = real[real > x.min()]
+    if not beyond.size:
+        raise NotIdentifiable(
+            f"{what} does not reach zero at any higher speed", code="no-flutter-in-sight"
+        )
+    return float(beyond.min())

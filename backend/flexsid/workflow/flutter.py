@@ -1,0 +1,408 @@
+"""Flutter from identified runs: fused, at any loading and air, with what is not known said."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexsid.errors import BadInput, FlexsidError
+from flexsid.records.aircraft import Aircraft
+from flexsid.records.flutter import (
+    Flutter,
+    FlutterMap,
+    FlutterRoots,
+    Participation,
+    RootBranch,
+    RunForecast,
+    StructureForecast,
+    TestedRoot,
+    TrackerForecast,
+)
+from flexsid.records.maneuver import Maneuver
+from flexsid.records.run import EstimationRun
+from flexsid.storage.store import Store
+from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
+from flexsid.sysid.stability.bands import Uncertain, root_bands
+from flexsid.sysid.stability.flutter import follow_roots
+from flexsid.sysid.stability.prediction import (
+    Identified,
+    Prediction,
+    fuse_identified,
+    predict_flutter,
+    structure_spread,
+)
+from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.trackers import (
+    TestPoint,
+    damping_extrapolation,
+    envelope_function,
+    flutter_margin,
+)
+from flexsid.workflow.condition import complete_condition, standard_density
+from flexsid.workflow.identified import identified
+from flexsid.workflow.models import flight_condition
+from flexsid.workflow.modes import AircraftModes, find_modal_tables, load_modes
+from flexsid.workflow.predictions import best_prediction, prediction_at
+
+_BAND = (0.35, 2.0)  # of the fastest point flown: where flutter is looked for
+_NEXT = 1.03  # of the fastest point flown: the next one if nobody says another
+_TRACKERS = {
+    "Damping extrapolation": damping_extrapolation,
+    "Flutter margin (Zimmerman-Weissenburger)": flutter_margin,
+    "Envelope function": envelope_function,
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Question:
+    """Runs, and the loading and air to answer for; the fastest maneuver's by default."""
+
+    run_ids: tuple[int, ...]
+    fuel: float | None = None
+    altitude_m: float | None = None
+    next_m_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Flown:
+    """One run put together again."""
+
+    run: EstimationRun
+    maneuver: Maneuver
+    found: Identified
+    poles: dict[str, complex]
+
+
+@dataclass(frozen=True, slots=True)
+class _Answered:
+    """Everything that the answer and its figures are made of."""
+
+    aircraft: Aircraft
+    modes: AircraftModes
+    flown: list[_Flown]
+    groups: list[tuple[list[_Flown], Identified, Prediction]]
+    preferred: int
+    fuel: float
+    density: float
+
+    @property
+    def best(self) -> tuple[list[_Flown], Identified, Prediction]:
+        return self.groups[self.preferred]
+
+    @property
+    def tested(self) -> float:
+        return max(part.maneuver.condition.airspeed_m_s for part in self.flown)
+
+
+def flutter(store: Store, question: Question) -> Flutter:
+    """Say where the aircraft of these runs loses stability, and what the next point risks.
+
+    Raises
+    ------
+    BadInput
+        If there is no run, runs are of several aircraft, or the loading is impossible.
+    """
+    answer = _answer(store, question)
+    _, _, best = answer.best
+    tested = answer.tested
+    following = question.next_m_s or _NEXT * tested
+    interval, crossing = best.interval, best.crossing
+    known = answer.aircraft.flutter
+    return Flutter(
+        sentence=best.sentence,
+        next_point=_next_point(best, following),
+        fuel_fraction=answer.fuel,
+        density_kg_m3=answer.density,
+        tested_m_s=tested,
+        next_m_s=following,
+        airspeed_m_s=None if crossing is None else crossing.airspeed,
+        airspeed_std_m_s=None if crossing is None else best.airspeed_std,
+        spread_m_s=best.spread,
+        low_m_s=None if interval is None else interval[0],
+        high_m_s=None if interval is None else interval[1],
+        frequency_rad_s=None if crossing is None else crossing.frequency,
+        mechanism=None if crossing is None else crossing.mechanism.value,
+        participation=()
+        if crossing is None
+        else tuple(
+            Participation(name=_name(answer.modes, motion), share=share)
+            for motion, share in sorted(crossing.participation.items(), key=lambda x: -x[1])
+        ),
+        known_m_s=None
+        if known is None
+        else float(np.interp(answer.fuel, known.fuel, known.speed_m_s)),
+        structures=tuple(
+            _structure(answer, group, place == answer.preferred)
+            for place, group in enumerate(answer.groups)
+        ),
+        runs=tuple(_single(store, answer, part) for part in answer.best[0]),
+        trackers=_trackers(answer),
+    )
+
+
+def flutter_roots(store: Store, question: Question) -> FlutterRoots:
+    """Follow the roots of the preferred model over airspeed, with standard errors."""
+    answer = _answer(store, question)
+    _, found, best = answer.best
+    bands = root_bands(found.aircraft, best.locus, found.uncertain, answer.density)
+    locus, damping = best.locus, best.locus.damping()
+    tested = tuple(
+        TestedRoot(
+            run_id=part.run.id or 0,
+            label=part.maneuver.label,
+            airspeed_m_s=part.maneuver.condition.airspeed_m_s,
+            name=pole.name,
+            frequency=float(np.hypot(pole.real, pole.imag)),
+            damping=-pole.real / float(np.hypot(pole.real, pole.imag)),
+            damping_std=pole.damping_std,
+        )
+        for part in answer.best[0]
+        for pole in (part.run.result.poles if part.run.result else ())
+        if pole.imag > 0
+    )
+    return FlutterRoots(
+        airspeed_m_s=locus.airspeed,
+        branches=tuple(
+            RootBranch(
+                name=_name(answer.modes, name),
+                real=np.real(locus.roots[:, k]),
+                imag=np.imag(locus.roots[:, k]),
+                damping=damping[:, k],
+                real_std=bands.real_std[:, k],
+                imag_std=bands.imag_std[:, k],
+                damping_std=bands.damping_std[:, k],
+            )
+            for k, name in enumerate(locus.names)
+        ),
+        tested=tested,
+        flutter_m_s=None if best.crossing is None else best.crossing.airspeed,
+        interval_m_s=best.interval,
+        tested_m_s=answer.tested,
+        by_draws=bands.by_draws,
+    )
+
+
+def flutter_map(store: Store, question: Question) -> FlutterMap:
+    """Flutter speed over fuel and altitude from the preferred model's derivatives."""
+    answer = _answer(store, question)
+    parts, found, _ = answer.best
+    fuel, altitude = np.linspace(0.0, 1.0, 9), np.linspace(0.0, 6000.0, 7)
+    speeds = np.full((altitude.size, fuel.size), np.nan)
+    band = np.linspace(_BAND[0] * answer.tested, _BAND[1] * answer.tested, 60)
+    for column, at_fuel in enumerate(fuel):
+        loaded = _loaded(answer.aircraft, answer.modes, parts, float(at_fuel), answer.density)
+        aircraft = replace(loaded, derivatives=found.aircraft.derivatives)
+        for row, height in enumerate(altitude):
+            crossing = follow_roots(aircraft, band, standard_density(float(height))).flutter
+            if crossing is not None:
+                speeds[row, column] = crossing.airspeed
+    return FlutterMap(fuel=fuel, altitude_m=altitude, airspeed_m_s=speeds)
+
+
+def _answer(store: Store, question: Question) -> _Answered:
+    if not question.run_ids:
+        raise BadInput("choose at least one run that succeeded", code="no-run")
+    flown = [_flown(store, number) for number in dict.fromkeys(question.run_ids)]
+    owners = {part.maneuver.aircraft_id for part in flown}
+    if len(owners) > 1:
+        raise BadInput("the runs are of different aircraft", code="different-aircraft")
+    aircraft = store.aircraft.get(owners.pop())
+    first = flown[0].run
+    tables = find_modal_tables(
+        store, flown[0].maneuver.aircraft_id, first.modal_table_id, first.damping_table_id
+    )
+    modes = load_modes(store, *tables)
+    fastest = max(flown, key=lambda part: part.maneuver.condition.airspeed_m_s).maneuver.condition
+    fuel = fastest.fuel_fraction if question.fuel is None else question.fuel
+    density = fastest.density_kg_m3
+    if question.altitude_m is not None:
+        density = standard_density(question.altitude_m)
+    band = (_BAND[0] * fastest.airspeed_m_s, _BAND[1] * fastest.airspeed_m_s)
+    groups: dict[tuple[object, ...], list[_Flown]] = {}
+    for part in flown:
+        key = (part.found.aircraft.modes.numbers, *_free_names(part))
+        groups.setdefault(key, []).append(part)
+    fused = []
+    for parts in groups.values():
+        reloaded = [_at_fuel(store, part, fuel) for part in parts]
+        to = replace(
+            _loaded(aircraft, modes, parts, fuel, density),
+            derivatives=reloaded[-1].aircraft.derivatives,
+        )
+        found = fuse_identified(reloaded, to)
+        fused.append((parts, found, predict_flutter(found, band, density)))
+    preferred = max(
+        range(len(fused)),
+        key=lambda k: (len(fused[k][1].aircraft.modes.numbers), len(fused[k][0])),
+    )
+    parts, found, best = fused[preferred]
+    others = [
+        p.crossing.airspeed for k, (_, _, p) in enumerate(fused) if k != preferred and p.crossing
+    ]
+    if best.crossing is not None and others:
+        spread = structure_spread(others, best.crossing.airspeed)
+        fused[preferred] = (parts, found, predict_flutter(found, band, density, spread))
+    return _Answered(aircraft, modes, flown, fused, preferred, fuel, density)
+
+
+def _flown(store: Store, run_id: int) -> _Flown:
+    run = store.runs.get(run_id)
+    model = identified(store, run)
+    assert run.result is not None
+    names = [parameter.name for parameter in run.result.parameters]
+    numbers = model.model.modes.numbers
+    rows, columns = coefficients(numbers), variables(numbers, model.model.inputs)
+    places = {f"{r}_{c}": (i, j) for i, r in enumerate(rows) for j, c in enumerate(columns)}
+    chosen = [k for k, name in enumerate(names) if name in places]
+    covariance = np.asarray(store.arrays.get(run.result.covariance))[np.ix_(chosen, chosen)]
+    where = np.array([places[names[k]] for k in chosen], dtype=int).reshape(-1, 2)
+    found = Identified(
+        Aeroelastic(model.model.condition, model.model.modes, model.derivatives),
+        Uncertain(where[:, 0], where[:, 1], covariance),
+    )
+    poles = {pole.name: complex(pole.real, pole.imag) for pole in run.result.poles}
+    return _Flown(run, store.maneuvers.get(run.maneuver_id), found, poles)
+
+
+def _at_fuel(store: Store, part: _Flown, fuel: float) -> Identified:
+    """A run's derivatives carried to another fuel weight by how the prediction changes.
+
+    Mode shapes change with fuel, and with them every generalised force; what a prediction
+    gets wrong in level it still gets right in proportion. A derivative that passes through
+    zero grows by a large factor, and its error with it, so that it weighs little.
+    """
+    flown = part.maneuver.condition.fuel_fraction
+    table = part.found.aircraft.derivatives
+    result = part.run.result
+    wanted = part.run.prediction_id or (None if result is None else result.prediction_id)
+    prediction = best_prediction(
+        store, part.maneuver.aircraft_id, wanted, table.modes, table.inputs
+    )
+    if prediction is None or fuel == flown:
+        return part.found
+    there, here = (prediction_at(store, prediction, f) for f in (fuel, flown))
+    rows, columns = coefficients(table.modes), variables(table.modes, table.inputs)
+    factor = np.ones(table.values.shape)
+    for i, row in enumerate(rows):
+        for j, column in enumerate(columns):
+            name = f"{row}_{column}"
+            if name in there and name in here and here[name][0] != 0.0:
+                factor[i, j] = there[name][0] / here[name][0] or 1.0
+    moved = DerivativeTable(table.modes, table.inputs, table.values * factor)
+    known = part.found.uncertain
+    own = factor[known.rows, known.columns]
+    return Identified(
+        replace(part.found.aircraft, derivatives=moved),
+        replace(known, covariance=known.covariance * np.outer(own, own)),
+    )
+
+
+def _loaded(
+    aircraft: Aircraft, modes: AircraftModes, parts: Sequence[_Flown], fuel: float, density: float
+) -> Aeroelastic:
+    """Structure and trim at a loading; derivatives of the last part, until they are replaced."""
+    last = parts[-1]
+    condition = complete_condition(
+        aircraft,
+        {
+            "airspeed": last.maneuver.condition.airspeed_m_s,
+            "density": density,
+            "fuel_fraction": fuel,
+        },
+    )
+    return Aeroelastic(
+        flight_condition(aircraft, condition),
+        modes.table.at(fuel).select(last.found.aircraft.modes.numbers),
+        last.found.aircraft.derivatives,
+    )
+
+
+def _free_names(part: _Flown) -> tuple[tuple[int, int], ...]:
+    uncertain = part.found.uncertain
+    return tuple(zip(uncertain.rows.tolist(), uncertain.columns.tolist(), strict=True))
+
+
+def _structure(
+    answer: _Answered, group: tuple[list[_Flown], Identified, Prediction], preferred: bool
+) -> StructureForecast:
+    parts, found, prediction = group
+    numbers = found.aircraft.modes.numbers
+    free = {int(row) - 2 for row in found.uncertain.rows}
+    crossing = prediction.crossing
+    return StructureForecast(
+        run_ids=tuple(part.run.id or 0 for part in parts),
+        modes=tuple(n for k, n in enumerate(numbers) if k in free),
+        held_modes=tuple(n for k, n in enumerate(numbers) if k not in free),
+        airspeed_m_s=None if crossing is None else crossing.airspeed,
+        airspeed_std_m_s=None if crossing is None else prediction.airspeed_std,
+        frequency_rad_s=None if crossing is None else crossing.frequency,
+        sentence=prediction.sentence,
+        preferred=preferred,
+    )
+
+
+def _single(store: Store, answer: _Answered, part: _Flown) -> RunForecast:
+    own = _at_fuel(store, part, answer.fuel)
+    to = _loaded(answer.aircraft, answer.modes, [part], answer.fuel, answer.density)
+    found = fuse_identified([own], replace(to, derivatives=own.aircraft.derivatives))
+    band = (_BAND[0] * answer.tested, _BAND[1] * answer.tested)
+    prediction = predict_flutter(found, band, answer.density)
+    crossing = prediction.crossing
+    return RunForecast(
+        run_id=part.run.id or 0,
+        label=part.maneuver.label,
+        tested_m_s=part.maneuver.condition.airspeed_m_s,
+        airspeed_m_s=None if crossing is None else crossing.airspeed,
+        airspeed_std_m_s=None if crossing is None else prediction.airspeed_std,
+    )
+
+
+def _trackers(answer: _Answered) -> tuple[TrackerForecast, ...]:
+    """Classical trackers on the short period and the mode that dominates the flutter."""
+    parts, _, best = answer.best
+    shares = {} if best.crossing is None else best.crossing.participation
+    numbers = [name for name in sorted(shares, key=lambda n: -shares[n]) if name != "SP"]
+    critical = _name(answer.modes, numbers[0]) if numbers else ""
+    points = [
+        TestPoint(
+            part.maneuver.condition.airspeed_m_s,
+            0.5 * part.maneuver.condition.density_kg_m3 * part.maneuver.condition.airspeed_m_s**2,
+            part.poles[critical],
+            part.poles["SP"],
+        )
+        for part in parts
+        if critical in part.poles and "SP" in part.poles
+    ]
+    result = []
+    for name, tracker in _TRACKERS.items():
+        try:
+            speed = tracker(points)
+            sentence = f"Extrapolated from {len(points)} test points of {critical} and SP."
+        except FlexsidError as reason:
+            speed, sentence = None, str(reason)
+        result.append(TrackerForecast(name=name, airspeed_m_s=speed, sentence=sentence))
+    return tuple(result)
+
+
+def _next_point(best: Prediction, following: float) -> str:
+    if best.crossing is None or best.interval is None:
+        return f"Next point at {following:.1f} m/s: no instability is in sight."
+    margin = best.crossing.airspeed / following - 1.0
+    low, high = (edge / following - 1.0 for edge in best.interval)
+    sure = f"between {low:+.1%} and {high:+.1%} with 95 % probability"
+    if low > 0.0:
+        return f"Next point at {following:.1f} m/s: margin {margin:+.1%}, {sure}."
+    if high < 0.0:
+        return (
+            f"Next point at {following:.1f} m/s lies beyond flutter: margin {margin:+.1%}, {sure}."
+        )
+    return (
+        f"Next point at {following:.1f} m/s may be beyond flutter: margin {margin:+.1%}, {sure}. "
+        "Fly a slower one first."
+    )
+
+
+def _name(modes: AircraftModes, motion: str) -> str:
+    return motion if not motion.isdigit() else modes.names.get(int(motion), f"mode {motion}")

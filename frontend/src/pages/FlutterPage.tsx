@@ -1,0 +1,248 @@
+import { Alert, MultiSelect, NumberInput, Stack, Table, Text } from "@mantine/core";
+import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
+import { getRouteApi, Link } from "@tanstack/react-router";
+import { flutterQuery, maneuversQuery, runsQuery } from "../api/queries";
+import type { Flutter } from "../api/types";
+import { Empty } from "../components/Empty";
+import { Figure } from "../components/Figure";
+import { Loaded } from "../components/Loaded";
+import { PageHead } from "../components/PageHead";
+import { Section } from "../components/Section";
+import { fixed, percent } from "../lib/format";
+import { integers } from "../lib/urlState";
+import type { FlutterView } from "../views";
+
+const route = getRouteApi("/flutter");
+
+/** What the identified models say of the next test point. */
+export function FlutterPage() {
+  const view = route.useSearch();
+  const navigate = route.useNavigate();
+  const runs = view.runs ?? [];
+  const question = {
+    run_ids: runs.join(","),
+    fuel: view.fuel === undefined ? undefined : view.fuel / 100,
+    altitude_m: view.altitude,
+    next_m_s: view.next,
+  };
+  const answer = useQuery(flutterQuery(question));
+  const change = (part: Partial<FlutterView>) =>
+    void navigate({ search: (previous) => ({ ...previous, ...part }) });
+  return (
+    <>
+      <PageHead
+        title="Flutter"
+        trail={[
+          <Link to="/" className="link" key="campaign">
+            Campaign
+          </Link>,
+        ]}
+      />
+      <div className="split split-early">
+        <Choices view={view} answer={answer.data} onChange={change} />
+        {runs.length === 0 ? (
+          <div className="panel">
+            <Empty title="No runs chosen">
+              Choose runs that succeeded, best over several airspeeds. Runs of one model structure
+              are fused; other structures tell how much the structure matters.
+            </Empty>
+          </div>
+        ) : (
+          <Stack gap="md">
+            <Loaded query={answer} rows={6}>
+              {(data) => <Answer answer={data} />}
+            </Loaded>
+            <div className="panel" style={{ padding: 12 }}>
+              <Figure
+                kind="v-omega-zeta"
+                title="Frequency and damping over airspeed"
+                params={question}
+              />
+            </div>
+            <div className="panel" style={{ padding: 12 }}>
+              <Figure
+                kind="flutter-forecast"
+                title="Flutter speed against the speed flown"
+                params={question}
+              />
+            </div>
+            <div className="panel" style={{ padding: 12 }}>
+              <Figure kind="root-locus" title="Root locus over airspeed" params={question} />
+            </div>
+            <div className="panel" style={{ padding: 12 }}>
+              <Figure
+                kind="flutter-map"
+                title="Flutter speed over fuel and altitude"
+                params={question}
+              />
+            </div>
+          </Stack>
+        )}
+      </div>
+    </>
+  );
+}
+
+interface ChoicesProps {
+  view: FlutterView;
+  answer: Flutter | undefined;
+  onChange: (change: Partial<FlutterView>) => void;
+}
+
+function Choices({ view, answer, onChange }: ChoicesProps) {
+  const runs = useQuery(runsQuery({ state: "succeeded" }));
+  const campaign = useInfiniteQuery(maneuversQuery({}, "id", 200));
+  const flown = new Map(
+    (campaign.data?.pages ?? []).flatMap((page) => page.items).map((item) => [item.id, item]),
+  );
+  const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
+  return (
+    <Stack gap="md">
+      <MultiSelect
+        label="Runs"
+        description="Method, modes and maneuver"
+        searchable
+        clearable
+        hidePickedOptions
+        maxDropdownHeight={320}
+        data-testid="flutter-runs"
+        data={(runs.data ?? []).map((run) => {
+          const maneuver = flown.get(run.maneuver_id);
+          const ratio = maneuver?.airspeed_ratio;
+          const at = ratio == null ? "" : `, ${fixed(ratio, 2)} V/Vf`;
+          return {
+            value: String(run.id),
+            label: `${run.method} ${String(run.id)}: ${run.structure.modes.join(" ")}, ${maneuver?.label ?? ""}${at}`,
+          };
+        })}
+        value={(view.runs ?? []).map(String)}
+        onChange={(ids) => {
+          onChange({ runs: integers(ids) });
+        }}
+      />
+      <NumberInput
+        label="Next point [m/s]"
+        description="3 % above the fastest flown by default"
+        placeholder={answer && fixed(answer.next_m_s, 1)}
+        min={1}
+        value={view.next ?? ""}
+        onChange={(value) => {
+          onChange({ next: typed(value) });
+        }}
+      />
+      <NumberInput
+        label="Fuel [%]"
+        placeholder={answer && percent(answer.fuel_fraction)}
+        min={0}
+        max={100}
+        value={view.fuel ?? ""}
+        onChange={(value) => {
+          onChange({ fuel: typed(value) });
+        }}
+      />
+      <NumberInput
+        label="Altitude [m]"
+        description="Standard atmosphere; the air of the fastest point by default"
+        min={-1000}
+        max={11000}
+        value={view.altitude ?? ""}
+        onChange={(value) => {
+          onChange({ altitude: typed(value) });
+        }}
+      />
+    </Stack>
+  );
+}
+
+function Answer({ answer }: { answer: Flutter }) {
+  const safe = answer.low_m_s === null || answer.low_m_s > answer.next_m_s;
+  return (
+    <>
+      <Alert
+        color={safe ? "green" : "red.9"}
+        variant={safe ? "light" : "filled"}
+        role={safe ? "status" : "alert"}
+        title={answer.next_point}
+        data-testid="next-point"
+      >
+        {answer.sentence} At {percent(answer.fuel_fraction)} % fuel and an air density of{" "}
+        {fixed(answer.density_kg_m3, 3)} kg/m³.
+      </Alert>
+      <Section
+        title="Model structures"
+        note="The largest is preferred; how the others differ widens the interval"
+      >
+        <Structures answer={answer} />
+      </Section>
+      <Section
+        title="Classical trackers"
+        note="From the same runs, without a model of the structure"
+      >
+        <Trackers answer={answer} />
+      </Section>
+    </>
+  );
+}
+
+function Structures({ answer }: { answer: Flutter }) {
+  return (
+    <Table className="numbers" fz="sm" data-testid="structures">
+      <Table.Thead>
+        <Table.Tr>
+          <Table.Th>Modes estimated</Table.Th>
+          <Table.Th>From prediction</Table.Th>
+          <Table.Th ta="right">Runs</Table.Th>
+          <Table.Th ta="right">Flutter ±2σ [m/s]</Table.Th>
+          <Table.Th ta="right">Frequency [rad/s]</Table.Th>
+        </Table.Tr>
+      </Table.Thead>
+      <Table.Tbody>
+        {answer.structures.map((one) => (
+          <Table.Tr key={one.run_ids.join()} fw={one.preferred ? 600 : undefined}>
+            <Table.Td>{one.modes.join(" ") || "rigid only"}</Table.Td>
+            <Table.Td>{one.held_modes.join(" ") || "–"}</Table.Td>
+            <Table.Td ta="right">{one.run_ids.length}</Table.Td>
+            <Table.Td ta="right">
+              {one.airspeed_m_s === null
+                ? one.sentence
+                : `${fixed(one.airspeed_m_s, 2)} ± ${fixed(2 * (one.airspeed_std_m_s ?? 0), 2)}`}
+            </Table.Td>
+            <Table.Td ta="right">{fixed(one.frequency_rad_s, 2)}</Table.Td>
+          </Table.Tr>
+        ))}
+      </Table.Tbody>
+    </Table>
+  );
+}
+
+function Trackers({ answer }: { answer: Flutter }) {
+  return (
+    <Table className="numbers" fz="sm">
+      <Table.Thead>
+        <Table.Tr>
+          <Table.Th>Tracker</Table.Th>
+          <Table.Th ta="right">Flutter [m/s]</Table.Th>
+          <Table.Th>How</Table.Th>
+        </Table.Tr>
+      </Table.Thead>
+      <Table.Tbody>
+        {answer.trackers.map((tracker) => (
+          <Table.Tr key={tracker.name}>
+            <Table.Td>{tracker.name}</Table.Td>
+            <Table.Td ta="right">{fixed(tracker.airspeed_m_s, 2)}</Table.Td>
+            <Table.Td>
+              <Text size="sm" className="quiet">
+                {tracker.sentence}
+              </Text>
+            </Table.Td>
+          </Table.Tr>
+        ))}
+        <Table.Tr>
+          <Table.Td>Predicted before flight</Table.Td>
+          <Table.Td ta="right">{fixed(answer.known_m_s, 2)}</Table.Td>
+          <Table.Td />
+        </Table.Tr>
+      </Table.Tbody>
+    </Table>
+  );
+}

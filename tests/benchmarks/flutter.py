@@ -1,0 +1,258 @@
+"""How well and how fast flutter is foretold: ``python tests/benchmarks/flutter.py``.
+
+Campaigns on FLEX-28 (eight-mode truth) are simulated line by line with the campaign's
+sensor noise; the predictions that stand in for modes nobody identified are wrong by 15 %.
+Prints one JSON line per figure.
+"""
+
+from __future__ import annotations
+
+import os
+
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[_name] = "1"
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexsid.demo.aircraft import describe_aircraft
+from flexsid.demo.flex28 import INPUTS, Truth, load_truth
+from flexsid.errors import FlexsidError
+from flexsid.records.maneuver import Condition
+from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.likelihood import maximize
+from flexsid.sysid.estimation.output_error import output_error
+from flexsid.sysid.estimation.parameters import Parameters, select_parameters
+from flexsid.sysid.model.derivatives import DerivativeTable, derivative_names
+from flexsid.sysid.model.reduction import residualize
+from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.stability.bands import Uncertain, bands_by_draws, root_bands
+from flexsid.sysid.stability.flutter import follow_roots
+from flexsid.sysid.stability.prediction import (
+    Identified,
+    fuse_identified,
+    predict_flutter,
+    structure_spread,
+)
+from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.trackers import (
+    TestPoint,
+    damping_extrapolation,
+    envelope_function,
+    flutter_margin,
+)
+from flexsid.workflow.models import build_model, default_outputs, define_outputs
+
+FUEL = 0.5
+KEPT, ALL = 4, 8
+PERIOD_S, RECORD_S, RATE_HZ = 24.0, 30.0, 200.0
+OMEGA = 2.0 * np.pi * np.arange(6, 331) / PERIOD_S
+DEFLECTION = np.deg2rad(2.0) / np.sqrt(2.0 * 65.0)  # amplitude of one line
+PREDICTION_ERROR = 0.15
+CAMPAIGN = (0.56, 0.62, 0.68, 0.74, 0.80)
+
+
+@dataclass(frozen=True, slots=True)
+class Flight:
+    """A maneuver's spectra at an airspeed."""
+
+    condition: Condition
+    inputs: FrequencyData
+    outputs: FrequencyData
+
+
+class Range:
+    """FLEX-28 and everything to fly it with."""
+
+    def __init__(self, truth: Truth) -> None:
+        self.truth = truth
+        self.aircraft = describe_aircraft(truth)
+        names = default_outputs(self.aircraft, [s.name for s in self.aircraft.sensors])
+        self.outputs = define_outputs(self.aircraft, names)
+        self.flutter = truth.flutter_speed_at(FUEL)
+        self.derivatives = truth.derivatives_at(FUEL, ALL)
+
+    def fly(self, ratio: float, rng: np.random.Generator) -> Flight:
+        """One maneuver: surfaces on their own lines, a little of each on the others'."""
+        c = self.truth.condition_at(ratio * self.flutter, FUEL)
+        condition = Condition(
+            airspeed_m_s=c.airspeed,
+            density_kg_m3=c.density,
+            fuel_fraction=FUEL,
+            mass_kg=c.mass,
+            pitch_inertia_kg_m2=c.pitch_inertia,
+            x_cg_m=c.x_cg,
+            z_cg_m=c.z_cg,
+            alpha_rad=c.alpha,
+            thrust_n=c.thrust,
+        )
+        modes = self.truth.modes_at(FUEL, ALL)
+        model = build_model(self.aircraft, condition, modes, INPUTS, self.outputs)
+        owner = np.arange(OMEGA.size) % len(INPUTS)
+        command = np.zeros((OMEGA.size, len(INPUTS)), dtype=complex)
+        phases = np.exp(2j * np.pi * rng.uniform(size=OMEGA.size))
+        command[np.arange(OMEGA.size), owner] = 0.5 * PERIOD_S * DEFLECTION * phases
+        u = command @ (np.eye(len(INPUTS)) + 0.05 * rng.normal(size=(len(INPUTS),) * 2))
+        y = (model.response(self.derivatives, OMEGA) @ u[:, :, None])[:, :, 0]
+        level = np.array([self._noise(k) for k in range(len(self.outputs))])
+        scatter = rng.normal(size=y.shape) + 1j * rng.normal(size=y.shape)
+        z = y + level * np.sqrt(RECORD_S / RATE_HZ / 2.0) * scatter
+        return Flight(
+            condition,
+            FrequencyData(OMEGA, u, INPUTS),
+            FrequencyData(OMEGA, z, tuple(output.name for output in self.outputs)),
+        )
+
+    def fit(
+        self, flight: Flight, count: int, start: DerivativeTable, free: list[str] | None
+    ) -> tuple[Identified, Parameters, Estimate]:
+        """Output error with ``count`` modes."""
+        modes = self.truth.modes_at(FUEL, count)
+        model = build_model(self.aircraft, flight.condition, modes, INPUTS, self.outputs)
+        parameters = select_parameters(start, free, model.outputs)
+        through = np.ones_like(flight.outputs.values)
+        found = maximize([output_error(model, flight.inputs, flight.outputs, through)], parameters)
+        table = parameters.table(found.values)
+        uncertain = Uncertain(parameters.rows, parameters.columns, found.corrected_covariance)
+        return (
+            Identified(Aeroelastic(model.condition, modes, table), uncertain), parameters, found,
+        )  # fmt: skip
+
+    def with_predicted(self, flight: Flight, predicted: DerivativeTable) -> Identified:
+        """Four modes estimated, the other four as predicted."""
+        kept = derivative_names(predicted.modes[:KEPT], INPUTS)
+        return self.fit(flight, ALL, predicted, list(kept))[0]
+
+    def alone(self, flight: Flight, predicted: DerivativeTable) -> Identified:
+        """Four modes, nothing else."""
+        condition = self.truth.condition_at(flight.condition.airspeed_m_s, FUEL)
+        modes = self.truth.modes_at(FUEL, ALL)
+        start = residualize(predicted, modes, condition, predicted.modes[:KEPT])
+        return self.fit(flight, KEPT, start, None)[0]
+
+    def predicted(self, rng: np.random.Generator) -> DerivativeTable:
+        """A prediction that is wrong by its usual error."""
+        values = self.derivatives.values
+        wrong = values * (1.0 + PREDICTION_ERROR * rng.normal(size=values.shape))
+        return DerivativeTable(self.derivatives.modes, INPUTS, wrong)
+
+    def speed(self, found: Identified, spread: float = 0.0) -> tuple[float, float, float]:
+        """Flutter speed and its 95 % interval, over the true one."""
+        prediction = predict_flutter(found, (25.0, 110.0), spread=spread)
+        if prediction.crossing is None or prediction.interval is None:
+            return np.nan, np.nan, np.nan
+        low, high = prediction.interval
+        return tuple(x / self.flutter for x in (prediction.crossing.airspeed, low, high))
+
+    def _noise(self, place: int) -> float:
+        terms = self.outputs[place].terms
+        return float(np.sqrt(sum((w * (s.noise_std or 0.0)) ** 2 for s, w in terms)))
+
+
+def main() -> None:
+    """Measure and print everything."""
+    flex = Range(load_truth())
+    print_single_maneuvers(flex, 20)
+    print_campaigns(flex, 100)
+    print_bands(flex)
+
+
+def print_single_maneuvers(flex: Range, seeds: int) -> None:
+    for ratio in (0.65, 0.80, 0.95):
+        kinds: dict[str, Callable[[Flight, DerivativeTable], Identified]] = {
+            "four_modes": flex.alone,
+            "four_modes_others_predicted": flex.with_predicted,
+        }
+        errors: dict[str, list[float]] = {kind: [] for kind in kinds}
+        for seed in range(seeds):
+            rng = np.random.default_rng(seed)
+            flight, predicted = flex.fly(ratio, rng), flex.predicted(rng)
+            for kind, identify in kinds.items():
+                errors[kind].append(abs(flex.speed(identify(flight, predicted))[0] - 1.0))
+        for kind, values in errors.items():
+            say(f"single_{ratio:.2f}_{kind}", median_error=float(np.median(values)), seeds=seeds)
+
+
+def print_campaigns(flex: Range, campaigns: int) -> None:
+    """Fusion up to 0.80 V_f, its interval, and the classical trackers on the same maneuvers."""
+    ours, held = [], 0
+    trackers = {
+        "damping_extrapolation": damping_extrapolation,
+        "flutter_margin": flutter_margin,
+        "envelope_function": envelope_function,
+    }
+    theirs: dict[str, list[float]] = {name: [] for name in trackers}
+    for seed in range(campaigns):
+        rng = np.random.default_rng(1000 + seed)
+        predicted = flex.predicted(rng)
+        flights = [flex.fly(ratio, rng) for ratio in CAMPAIGN]
+        large = [flex.with_predicted(flight, predicted) for flight in flights]
+        small = [flex.alone(flight, predicted) for flight in flights]
+        best = fuse_identified(large, large[-1].aircraft)
+        other = flex.speed(fuse_identified(small, small[-1].aircraft))[0]
+        central = flex.speed(best)[0]
+        spread = structure_spread([other * flex.flutter], central * flex.flutter)
+        speed, low, high = flex.speed(best, spread)
+        ours.append(abs(speed - 1.0))
+        held += low <= 1.0 <= high
+        points = [test_point(found) for found in large]
+        for name, tracker in trackers.items():
+            try:
+                theirs[name].append(abs(tracker(points) / flex.flutter - 1.0))
+            except FlexsidError:
+                theirs[name].append(np.inf)
+    say("campaign_to_0.80", median_error=float(np.median(ours)), campaigns=campaigns)
+    say("interval_holds_truth", of_100=100.0 * held / campaigns)
+    for name, errors in theirs.items():
+        middle = float(np.median(errors))
+        say(f"tracker_{name}", median_error=middle if np.isfinite(middle) else None)
+
+
+def test_point(found: Identified) -> TestPoint:
+    """Short period and SW1B where the maneuver was flown."""
+    condition = found.aircraft.condition
+    at = np.linspace(0.98, 1.0, 3) * condition.airspeed
+    locus = follow_roots(found.aircraft, at)
+    by_name = dict(zip(locus.names, locus.roots[-1], strict=True))
+    return TestPoint(
+        condition.airspeed,
+        condition.dynamic_pressure,
+        complex(by_name[str(found.aircraft.modes.numbers[0])]),
+        complex(by_name["SP"]),
+    )
+
+
+def print_bands(flex: Range) -> None:
+    rng = np.random.default_rng(5)
+    found = flex.alone(flex.fly(0.80, rng), flex.predicted(rng))
+    locus = follow_roots(found.aircraft, np.linspace(25.0, 80.0, 200))
+    began = time.process_time()
+    bands = root_bands(found.aircraft, locus, found.uncertain)
+    ours = time.process_time() - began
+    began = time.process_time()
+    drawn = bands_by_draws(found.aircraft, locus, found.uncertain)
+    draws = time.process_time() - began
+    clear = ~bands.by_draws
+    off = np.abs(bands.real_std[clear] / drawn.real_std[clear] - 1.0)
+    say(
+        "bands_vs_draws",
+        ratio=ours / draws,
+        baseline="1000 draws at 200 speeds",
+        largest_difference=float(off.max()),
+        median_difference=float(np.median(off)),
+        speeds_left_to_draws=int(bands.by_draws.sum()),
+    )
+
+
+def say(name: str, **values: float | str | None) -> None:
+    """One JSON line."""
+    rounded = {k: float(f"{v:.4g}") if isinstance(v, float) else v for k, v in values.items()}
+    print(json.dumps({"name": name, **rounded}))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,290 @@
+"""Flutter: exact on known aircraft, honest about its error, a sentence where there is none."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from flexsid.demo.flex28 import load_truth
+from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.sysid.model.condition import FlightCondition
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.modes.shapes import StructuralModes
+from flexsid.sysid.stability.bands import (
+    Uncertain,
+    bands_by_draws,
+    crossing_error,
+    root_bands,
+)
+from flexsid.sysid.stability.flutter import Mechanism, follow_roots
+from flexsid.sysid.stability.prediction import (
+    Identified,
+    fuse_identified,
+    predict_flutter,
+    structure_spread,
+    weighted_mean,
+)
+from flexsid.sysid.stability.speeds import Aeroelastic, decompose, slopes, state_family
+from flexsid.sysid.stability.trackers import TestPoint as Point
+from flexsid.sysid.stability.trackers import (
+    damping_extrapolation,
+    envelope_function,
+    flutter_margin,
+)
+
+FOOT = 0.3048
+GERI = Path(__file__).parents[3] / "shared" / "data" / "maewing1" / "geri.json"
+SPEEDS = np.linspace(25.0, 95.0, 120)
+
+
+def flex28(n_modes: int, fuel: float = 0.5) -> Aeroelastic:
+    truth = load_truth()
+    return Aeroelastic(
+        truth.condition_at(40.0, fuel),
+        truth.modes_at(fuel, n_modes),
+        truth.derivatives_at(fuel, n_modes),
+    )
+
+
+def everything(aircraft: Aeroelastic, share: float) -> Uncertain:
+    """Every derivative known to a share of its value."""
+    n = len(aircraft.modes.numbers)
+    rows, columns = (x.ravel() for x in np.indices((2 + n, 2 + 2 * n)))
+    size = np.maximum(np.abs(aircraft.derivatives.values[rows, columns]), 0.02)
+    return Uncertain(rows, columns, np.diag((share * size) ** 2))
+
+
+@pytest.mark.parametrize(
+    ("fuel", "n_modes", "published_ft_s"),
+    [
+        (0.0, 8, 199.00),
+        (0.25, 8, 196.26),
+        (0.5, 8, 194.60),
+        (0.75, 8, 193.47),
+        (1.0, 8, 192.63),
+        (0.5, 4, 194.90),
+        (0.5, 2, 200.85),
+        (1.0, 2, 199.32),
+    ],
+)
+def test_flutter_speeds_are_those_of_the_design_notes(fuel, n_modes, published_ft_s):
+    crossing = follow_roots(flex28(n_modes, fuel), SPEEDS).flutter
+    assert crossing is not None
+    assert crossing.airspeed / FOOT == pytest.approx(published_ft_s, rel=1e-4)
+    assert crossing.mechanism is Mechanism.FLUTTER
+    assert max(crossing.participation, key=crossing.participation.__getitem__) == "7"
+
+
+@pytest.mark.parametrize("fuel", np.linspace(0.0, 1.0, 17))
+def test_flutter_at_every_fuel_weight_is_where_the_state_space_says(fuel, make_case):
+    truth = load_truth()
+    found = follow_roots(flex28(8, fuel), SPEEDS).flutter
+    assert found is not None
+    case = make_case(8)
+
+    def growth(speed: float) -> float:
+        model = replace(
+            case.model, condition=truth.condition_at(speed, fuel), modes=truth.modes_at(fuel, 8)
+        )
+        A = model.state_space(truth.derivatives_at(fuel, 8)).A
+        values = np.linalg.eigvals(A)
+        return float(values[np.abs(values) > 5.0].real.max())
+
+    expected = brentq(growth, 50.0, 65.0, xtol=1e-8)
+    assert found.airspeed == pytest.approx(expected, rel=1e-6)
+
+
+def test_roots_keep_their_names_through_a_coalescence():
+    locus = follow_roots(flex28(4), SPEEDS)
+    assert set(locus.names) == {"SP", "7", "9", "11", "12"}
+    steps = np.abs(np.diff(locus.roots, axis=0)).max(axis=0)
+    assert (steps < 4.0).all(), "a root jumped to another branch"
+
+
+@pytest.mark.parametrize(
+    ("kind", "speed", "frequency"),
+    [("NOM", 31.0076, 33.2584), ("PID_updated", 33.2794, 35.3078)],
+)
+@pytest.mark.skipif(not GERI.is_file(), reason="the data of mAEWing1 are not here")
+def test_a_published_aircraft_flutters_where_it_was_published(kind, speed, frequency):
+    crossing = follow_roots(maewing1(kind), np.linspace(12.0, 40.0, 120)).flutter
+    assert crossing is not None
+    assert crossing.airspeed == pytest.approx(speed, rel=2e-3)
+    assert crossing.frequency == pytest.approx(frequency, rel=2e-3)
+
+
+def test_slopes_of_roots_equal_differences():
+    aircraft = flex28(2)
+    V = np.array([30.0, 50.0])
+    family = state_family(aircraft, V)
+    modal = decompose(family)
+    rows, columns = np.array([0, 1, 2, 3, 2]), np.array([0, 1, 2, 5, 7])
+    found = slopes(family, modal, rows, columns)
+    for index, (row, column) in enumerate(zip(rows, columns, strict=True)):
+        step = 1e-5
+        shifted = []
+        for sign in (1.0, -1.0):
+            values = aircraft.derivatives.values.copy()
+            values[row, column] += sign * step
+            table = DerivativeTable(aircraft.derivatives.modes, aircraft.derivatives.inputs, values)
+            shifted.append(decompose(state_family(replace(aircraft, derivatives=table), V)).values)
+        for k in range(V.size):
+            for root, value in enumerate(modal.values[k]):
+                ends = [s[k][np.argmin(np.abs(s[k] - value))] for s in shifted]
+                difference = (ends[0] - ends[1]) / (2 * step)
+                assert found[k, root, index] == pytest.approx(difference, rel=1e-4, abs=1e-5)
+
+
+def test_bands_agree_with_draws():
+    aircraft = flex28(4)
+    locus = follow_roots(aircraft, np.linspace(30.0, 75.0, 12))
+    uncertain = everything(aircraft, 0.02)
+    bands = root_bands(aircraft, locus, uncertain)
+    drawn = bands_by_draws(aircraft, locus, uncertain, count=1000, seed=3)
+    clear = ~bands.by_draws
+    assert clear.any()
+    for ours, theirs in (
+        (bands.real_std, drawn.real_std),
+        (bands.imag_std, drawn.imag_std),
+        (bands.damping_std, drawn.damping_std),
+    ):
+        assert np.abs(ours[clear] / theirs[clear] - 1.0).max() < 0.1
+
+
+def test_where_roots_meet_draws_replace_first_order():
+    aircraft = flex28(4)
+    locus = follow_roots(aircraft, np.linspace(40.0, 56.0, 9))
+    uncertain = everything(aircraft, 0.25)
+    bands = root_bands(aircraft, locus, uncertain)
+    assert bands.by_draws.any()
+    again = bands_by_draws(aircraft, locus, uncertain, only=bands.by_draws)
+    assert np.array_equal(bands.real_std[bands.by_draws], again.real_std)
+
+
+def test_error_of_the_flutter_speed_is_that_of_draws():
+    aircraft = flex28(2)
+    uncertain = everything(aircraft, 0.01)
+    crossing = follow_roots(aircraft, SPEEDS).flutter
+    assert crossing is not None
+    error = crossing_error(aircraft, crossing, uncertain)
+    near = np.linspace(0.8, 1.2, 12) * crossing.airspeed
+    drawn = []
+    for values in uncertain.draw(aircraft.derivatives, 150, seed=1):
+        table = DerivativeTable(aircraft.derivatives.modes, aircraft.derivatives.inputs, values)
+        found = follow_roots(replace(aircraft, derivatives=table), near).flutter
+        assert found is not None
+        drawn.append((found.airspeed, found.frequency))
+    std = np.std(drawn, axis=0)
+    assert error.airspeed_std == pytest.approx(std[0], rel=0.2)
+    assert error.frequency_std == pytest.approx(std[1], rel=0.2)
+
+
+def test_no_flutter_is_a_sentence_and_not_a_number():
+    found = Identified(flex28(4), everything(flex28(4), 0.01))
+    calm = predict_flutter(found, (25.0, 45.0))
+    assert calm.crossing is None
+    assert calm.interval is None
+    assert "Stable up to 45.0 m/s; the least damping is" in calm.sentence
+    late = predict_flutter(found, (62.0, 80.0))
+    assert "Already unstable at 62.0 m/s" in late.sentence
+    with pytest.raises(BadInput, match="no band"):
+        predict_flutter(found, (50.0, 40.0))
+
+
+def test_divergence_is_told_from_flutter():
+    aircraft = flex28(0)
+    values = aircraft.derivatives.values.copy()
+    values[1, 0] = 3.0  # statically unstable enough to diverge from some speed on
+    values[0, 0] = -0.05
+    table = DerivativeTable((), aircraft.derivatives.inputs, values)
+    heavy = replace(aircraft, derivatives=table)
+    prediction = predict_flutter(Identified(heavy, everything(heavy, 0.01)), (5.0, 60.0))
+    assert "unstable" in prediction.sentence or (
+        prediction.crossing is not None and prediction.crossing.mechanism is Mechanism.DIVERGENCE
+    )
+
+
+def test_fusion_weighs_by_information_and_widens_where_runs_disagree():
+    rng = np.random.default_rng(2)
+    covariances = [np.diag([1.0, 4.0]), np.diag([4.0, 1.0])]
+    agreeing = np.array([[1.0, 1.0], [1.2, 0.9]])
+    mean, covariance = weighted_mean(agreeing, covariances)
+    assert mean == pytest.approx([1.04, 0.92])
+    assert np.diag(covariance) == pytest.approx([0.8, 0.8])
+    apart = np.array([[0.0, 0.0], [20.0, 20.0]]) + rng.normal(size=(2, 2))
+    _, wide = weighted_mean(apart, covariances)
+    assert (np.diag(wide) > 10.0).all()
+    assert structure_spread([59.0, 61.0], 60.0) == pytest.approx(1.0)
+    assert structure_spread([], 60.0) == 0.0
+
+
+def test_runs_of_different_structures_are_not_fused():
+    two, four = flex28(2), flex28(4)
+    parts = [Identified(a, everything(a, 0.01)) for a in (two, four)]
+    with pytest.raises(BadInput, match="same modes"):
+        fuse_identified(parts, four)
+
+
+def test_classical_trackers_extrapolate_what_two_roots_do():
+    points = []
+    for speed in (42.0, 45.0, 48.0, 51.0, 54.0):
+        locus = follow_roots(flex28(1), np.array([0.99, 1.0]) * speed)
+        roots = dict(zip(locus.names, locus.roots[-1], strict=True))
+        points.append(
+            Point(speed, 0.5 * 1.0556 * speed**2, complex(roots["7"]), complex(roots["SP"]))
+        )
+    truth = follow_roots(flex28(1), SPEEDS).flutter
+    assert truth is not None
+    assert flutter_margin(points) == pytest.approx(truth.airspeed, rel=0.05)
+    fading = [
+        Point(v, v**2, complex(-0.1 * (60.0 - v), 20.0), complex(-5.0, 8.0))
+        for v in (40.0, 45.0, 50.0)
+    ]
+    assert damping_extrapolation(fading) == pytest.approx(60.0)
+    with pytest.raises(NotIdentifiable, match="three"):
+        damping_extrapolation(fading[:2])
+    with pytest.raises(NotIdentifiable, match="shape parameter"):
+        envelope_function(points[::-1][:3])
+
+
+def maewing1(kind: str) -> Aeroelastic:
+    """The aircraft of the file; rates of eta and CQ_q are per (.)/V there, without c/2."""
+    source = json.loads(GERI.read_text())
+    c, size, mass = source[f"coefficients_{kind}"], source["geometry"], source["mass"]
+    structure = source["modes"]
+    omega = np.array(structure["omega_rad_s"])
+    n, per_speed = omega.size, 2.0 / size["cbar_ft"]
+    table = np.zeros((2 + n, 2 + 2 * n))
+    for row, name in enumerate(("CZ", "Cm")):
+        etadot = per_speed * np.array(c[f"{name}_etadt_i"])
+        table[row] = [c[f"{name}_alpha"], c[f"{name}_q"], *c[f"{name}_eta_i"], *etadot]
+    for i in range(n):
+        etadot = per_speed * np.array(c["CQ_etadot_i"][i])
+        table[2 + i] = [c["CQ_alpha"][i], per_speed * c["CQ_q"][i], *c["CQ_eta_i"][i], *etadot]
+    slug, inertia = 14.593903, 1.3558179
+    condition = FlightCondition(
+        airspeed=23.0,
+        density=source["geometry"]["rho"] * 515.378818,
+        mass=mass["m_slug"] * slug,
+        pitch_inertia=mass["Iyy"] * inertia,
+        area=size["S_ft2"] * FOOT**2,
+        chord=size["cbar_ft"] * FOOT,
+        alpha=size["alpha0_rad"],
+    )
+    modes = StructuralModes(
+        numbers=tuple(range(1, n + 1)),
+        omega=omega,
+        zeta=np.array(structure["zeta"]),
+        mass=np.full(n, structure["generalized_mass"] * inertia),
+        points=(),
+        translation=np.zeros((0, 3, n)),
+        rotation=np.zeros((0, 3, n)),
+        gauges=(),
+        strain=np.zeros((0, n)),
+    )
+    return Aeroelastic(condition, modes, DerivativeTable(modes.numbers, (), table))
