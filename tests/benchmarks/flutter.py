@@ -146,7 +146,8 @@ class Range:
         if prediction.crossing is None or prediction.interval is None:
             return np.nan, np.nan, np.nan
         low, high = prediction.interval
-        return tuple(x / self.flutter for x in (prediction.crossing.airspeed, low, high))
+        speed = prediction.crossing.airspeed
+        return speed / self.flutter, low / self.flutter, high / self.flutter
 
     def _noise(self, place: int) -> float:
         terms = self.outputs[place].terms

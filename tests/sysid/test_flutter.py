@@ -196,17 +196,21 @@ def test_no_flutter_is_a_sentence_and_not_a_number():
         predict_flutter(found, (50.0, 40.0))
 
 
-def test_divergence_is_told_from_flutter():
-    aircraft = flex28(0)
+@pytest.mark.parametrize("stiffness", [0.05, 0.1, 0.2])
+def test_divergence_is_told_from_flutter_and_stands_where_statics_put_it(stiffness):
+    """A mode that nothing but its own displacement drives loses its stiffness."""
+    aircraft = flex28(1)
     values = aircraft.derivatives.values.copy()
-    values[1, 0] = 3.0  # statically unstable enough to diverge from some speed on
-    values[0, 0] = -0.05
-    table = DerivativeTable((), aircraft.derivatives.inputs, values)
-    heavy = replace(aircraft, derivatives=table)
-    prediction = predict_flutter(Identified(heavy, everything(heavy, 0.01)), (5.0, 60.0))
-    assert "unstable" in prediction.sentence or (
-        prediction.crossing is not None and prediction.crossing.mechanism is Mechanism.DIVERGENCE
-    )
+    values[2, 0] = values[0, 2] = values[1, 2] = 0.0
+    values[2, 2] = stiffness
+    alone = replace(aircraft, derivatives=replace(aircraft.derivatives, values=values))
+    c, modes = alone.condition, alone.modes
+    pressure = modes.mass[0] * modes.omega[0] ** 2 / (c.area * c.chord * stiffness)
+    found = predict_flutter(Identified(alone, everything(alone, 0.01)), (20.0, 90.0))
+    assert found.crossing is not None
+    assert found.crossing.mechanism is Mechanism.DIVERGENCE
+    assert found.crossing.airspeed == pytest.approx(np.sqrt(2.0 * pressure / c.density), rel=1e-6)
+    assert found.sentence.startswith("Divergence of mode 7")
 
 
 def test_fusion_weighs_by_information_and_widens_where_runs_disagree():

@@ -115,7 +115,7 @@ def flutter_forecast(value: Flutter) -> Spec:
             )  # fmt: skip
     layout: Spec = {
         "xaxis": title("Airspeed flown [m/s]"),
-        "yaxis": title("Flutter speed [m/s]"),
+        "yaxis": title("Flutter speed [m/s]") | _near(value.airspeed_m_s),
         "shapes": shapes,
         "showlegend": True,
         "hovermode": "closest",
@@ -149,6 +149,11 @@ def flutter_map(value: FlutterMap) -> Spec:
             "meta": {"rows": 3},
         },
     }
+
+
+def _near(speed: float | None) -> Spec:
+    """Zoomed in on the answer; a tracker that is far off is found by zooming out."""
+    return {} if speed is None else {"range": [0.8 * speed, 1.25 * speed]}
 
 
 def _mark_speeds(layout: Spec, value: FlutterRoots) -> None:

@@ -220,6 +220,7 @@ def _answer(store: Store, question: Question) -> _Answered:
     if question.altitude_m is not None:
         density = standard_density(question.altitude_m)
     band = (_BAND[0] * fastest.airspeed_m_s, _BAND[1] * fastest.airspeed_m_s)
+    called = {str(number): name for number, name in modes.names.items()}
     groups: dict[tuple[object, ...], list[_Flown]] = {}
     for part in flown:
         key = (part.found.aircraft.modes.numbers, *_free_names(part))
@@ -232,7 +233,7 @@ def _answer(store: Store, question: Question) -> _Answered:
             derivatives=reloaded[-1].aircraft.derivatives,
         )
         found = fuse_identified(reloaded, to)
-        fused.append((parts, found, predict_flutter(found, band, density)))
+        fused.append((parts, found, predict_flutter(found, band, density, called=called)))
     preferred = max(
         range(len(fused)),
         key=lambda k: (len(fused[k][1].aircraft.modes.numbers), len(fused[k][0])),
@@ -243,7 +244,7 @@ def _answer(store: Store, question: Question) -> _Answered:
     ]
     if best.crossing is not None and others:
         spread = structure_spread(others, best.crossing.airspeed)
-        fused[preferred] = (parts, found, predict_flutter(found, band, density, spread))
+        fused[preferred] = (parts, found, predict_flutter(found, band, density, spread, called))
     return _Answered(aircraft, modes, flown, fused, preferred, fuel, density)
 
 

@@ -27,6 +27,7 @@ export function AdvancedChoices({ draft, outputs, onChange }: Props) {
   ];
   const changed =
     draft.freeDelays ||
+    draft.carryModes ||
     draft.alsoFree.length > 0 ||
     draft.noise === "full" ||
     draft.priorSpread !== null;
@@ -66,6 +67,16 @@ export function AdvancedChoices({ draft, outputs, onChange }: Props) {
               value={draft.noise}
               onChange={(noise) => {
                 onChange({ noise: noise === "full" ? "full" : "diagonal" });
+              }}
+            />
+            <Switch
+              label="Carry the other modes as predicted"
+              description="They move with the prediction's derivatives; flutter is foretold best so"
+              data-testid="run-carry"
+              disabled={draft.prediction === null}
+              checked={draft.carryModes}
+              onChange={(event) => {
+                onChange({ carryModes: event.currentTarget.checked });
               }}
             />
             <TagsInput

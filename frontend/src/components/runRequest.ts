@@ -1,6 +1,7 @@
 /** From a draft to a request, and from an earlier run back to a draft. */
 import type { Maneuver, ModalTable, Prediction, Run, RunRequest } from "../api/types";
 import { excitedInputs } from "../lib/channels";
+import { derivativeNames } from "../lib/derivatives";
 import {
   bandOf,
   EMPTY_DRAFT,
@@ -16,18 +17,20 @@ export function runRequest(
   method: RunRequest["method"],
   maneuver: number,
   excited: string[],
-  { like, together }: { like?: Run; together?: number[] },
+  { like, together, carried = [] }: { like?: Run; together?: number[]; carried?: number[] },
 ): RunRequest {
   const band = bandOf(draft);
+  const inputs = draft.inputs.length > 0 ? draft.inputs : excited;
+  const free = freeDerivatives(draft, inputs);
   return {
     author: "",
     maneuver_id: maneuver,
     method,
     structure: {
-      modes: draft.modes,
+      modes: [...draft.modes, ...carried],
       inputs: draft.inputs,
       outputs: draft.outputs,
-      free: freeDerivatives(draft, draft.inputs.length > 0 ? draft.inputs : excited),
+      free: free ?? (carried.length > 0 ? derivativeNames(draft.modes, inputs) : null),
       fixed: like?.structure.fixed ?? {},
       free_delays: draft.freeDelays,
       also_free: draft.alsoFree,
@@ -89,6 +92,7 @@ export function firstDraft({ maneuver, tables, predictions, like, methods }: Beg
     start: STARTS.find((one) => one === settings.start) ?? "best",
     band: [String(settings.band_hz?.[0] ?? ""), String(settings.band_hz?.[1] ?? "")],
     freeDelays: structure.free_delays,
+    carryModes: false, // the run before names them among its modes
     alsoFree: structure.also_free,
     noise: settings.noise === "full" ? "full" : "diagonal",
     priorSpread: settings.prior_spread,

@@ -25,6 +25,8 @@ export interface RunDraft {
   /** Limits in Hz as they are typed; empty: the whole excited band. */
   band: [string, string];
   freeDelays: boolean;
+  /** The other predicted modes move too, with their derivatives held. */
+  carryModes: boolean;
   /** Quantities beyond the derivatives: `delay_q`, `scale_alpha`, `omega_7`, `zeta_7`. */
   alsoFree: string[];
   noise: "diagonal" | "full";
@@ -45,6 +47,7 @@ export const EMPTY_DRAFT: RunDraft = {
   start: "best",
   band: ["", ""],
   freeDelays: false,
+  carryModes: false,
   alsoFree: [],
   noise: "diagonal",
   priorSpread: null,
@@ -59,6 +62,18 @@ export function freeDerivatives(draft: RunDraft, inputs: readonly string[]): str
   const all = derivativeNames(draft.modes, inputs);
   const free = all.filter((name) => !draft.held.includes(name));
   return free.length === all.length ? null : free;
+}
+
+/** Modes that a prediction knows and a draft does not estimate. */
+export function carriedModes(
+  draft: RunDraft,
+  symmetric: readonly number[],
+  predicted: readonly string[],
+): number[] {
+  if (!draft.carryModes) return [];
+  return symmetric.filter(
+    (mode) => !draft.modes.includes(mode) && predicted.includes(`CQ${String(mode)}_alpha`),
+  );
 }
 
 export function holdAllBut(

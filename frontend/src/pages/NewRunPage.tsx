@@ -17,6 +17,7 @@ import { RunForm } from "../components/RunForm";
 import { firstDraft, runRequest } from "../components/runRequest";
 import { excitedInputs, named } from "../lib/channels";
 import type { RunDraft } from "../lib/runDraft";
+import { carriedModes } from "../lib/runDraft";
 import { useDraft } from "../lib/useDraft";
 
 const route = getRouteApi("/maneuvers/$id/new-run");
@@ -87,6 +88,10 @@ function Form({ maneuver, aircraft, tables, predictions, like }: FormProps) {
   ];
   const maneuvers = [maneuver.id, ...(view.also ?? []).filter((id) => id !== maneuver.id)];
 
+  const modal = tables.find((one) => one.id === draft.modalTable);
+  const symmetric = modal?.numbers.filter((_, place) => modal.symmetric[place]) ?? [];
+  const predicted = predictions.find((one) => one.id === draft.prediction)?.names ?? [];
+
   const send = () => {
     const [first, ...others] = maneuvers;
     const separate = view.together === true && first !== undefined ? [first] : maneuvers;
@@ -94,6 +99,7 @@ function Form({ maneuver, aircraft, tables, predictions, like }: FormProps) {
       draft.methods.map((method) =>
         runRequest(draft, method, id, excitedInputs(maneuver), {
           like,
+          carried: carriedModes(draft, symmetric, predicted),
           together: view.together === true ? others : undefined,
         }),
       ),

@@ -41,7 +41,8 @@ class Crossing:
 class RootLocus:
     """Roots over airspeed; a column is one root followed by its shape.
 
-    Of complex pairs the root above the real axis is kept. ``names`` are the motions that
+    Of complex pairs the root above the real axis is kept; where a pair has become two real
+    roots, the less stable of them. ``names`` are the motions that
     dominate the roots at the lowest speed.
     """
 
@@ -81,19 +82,21 @@ def follow_roots(
     -----
     Roots of neighbouring speeds belong together by the modal assurance of left with right
     vectors; the assignment is optimal over all. A crossing is refined between two speeds
-    by Brent's method on the root that continues the branch.
+    by Brent's method on the real parts.
     """
     V = np.asarray(airspeed, dtype=float)
     modal = decompose(state_family(aircraft, V, density))
     order = _followed(modal)
     values = np.take_along_axis(modal.values, order, axis=1)
-    upper = _upper_branches(values)
+    upper, branch_of = _pairs(values)
     names = _names(aircraft, modal, order[0, upper])
     crossings: list[Crossing] = []
-    for branch, column in enumerate(upper):
-        crossings += _crossings(aircraft, V, density, modal, order[:, column], branch)
-    crossings.sort(key=lambda crossing: crossing.airspeed)
-    return RootLocus(V, values[:, upper], names, tuple(crossings))
+    for column, branch in enumerate(branch_of):
+        crossings += _crossings(aircraft, V, density, modal, order[:, column], int(branch))
+    # Both roots of a pair tell of the same crossing.
+    once = {(c.branch, round(c.airspeed / V[-1], 8)): c for c in crossings}
+    found = tuple(sorted(once.values(), key=lambda crossing: crossing.airspeed))
+    return RootLocus(V, _weaker(values, upper, branch_of), names, found)
 
 
 def participation(modal: Modal, at: int, root: int, motions: tuple[str, ...]) -> dict[str, float]:
@@ -120,11 +123,29 @@ def _followed(modal: Modal) -> np.ndarray:
     return order
 
 
-def _upper_branches(values: Complex[np.ndarray, "n_v n_x"]) -> np.ndarray:
-    """One branch of every pair: those that lie above the real axis, and lone real ones."""
+def _pairs(values: Complex[np.ndarray, "n_v n_x"]) -> tuple[np.ndarray, np.ndarray]:
+    """One column of every pair, that above the real axis, and the branch of every column."""
     height = np.imag(values).sum(axis=0)
-    real = np.abs(np.imag(values)).max(axis=0) < _STILL
-    return np.flatnonzero((height > 0.0) | real)
+    lone = np.abs(np.imag(values)).max(axis=0) < _STILL
+    upper = np.flatnonzero((height > 0.0) | lone)
+    branch_of = np.empty(values.shape[1], dtype=int)
+    branch_of[upper] = np.arange(upper.size)
+    for column in np.flatnonzero((height <= 0.0) & ~lone):
+        distance = np.abs(values[:, upper].conj() - values[:, [column]]).min(axis=0)
+        branch_of[column] = int(np.argmin(distance))
+    return upper, branch_of
+
+
+def _weaker(
+    values: Complex[np.ndarray, "n_v n_x"], upper: np.ndarray, branch_of: np.ndarray
+) -> Complex[np.ndarray, "n_v n_branches"]:
+    roots = values[:, upper].copy()
+    for column, branch in enumerate(branch_of):
+        other = values[:, column]
+        real = np.maximum(np.abs(np.imag(other)), np.abs(np.imag(roots[:, branch]))) < _STILL
+        worse = real & (np.real(other) > np.real(roots[:, branch]))
+        roots[worse, branch] = other[worse]
+    return roots
 
 
 def _names(aircraft: Aeroelastic, modal: Modal, roots: np.ndarray) -> tuple[str, ...]:
@@ -149,20 +170,16 @@ def _crossings(
     entries = np.flatnonzero((growth[:-1] < 0.0) & (growth[1:] >= 0.0))
     exits = np.flatnonzero((growth[:-1] >= 0.0) & (growth[1:] < 0.0))
     found = []
-    for k in entries:
-        column = int(columns[k])
-        speed = _refined(aircraft, V, density, modal, int(k), column)
+    for k in entries.tolist():
+        speed = _refined(aircraft, V, density, modal, k)
         there = decompose(state_family(aircraft, np.array([speed]), density))
-        root = _continued(there, modal.left[k, :, column], modal.values[k, column])
-        frequency = abs(float(np.imag(there.values[0, root])))
+        root = _on_the_axis(there)
+        frequency = float(np.imag(there.values[0, root]))
         later = exits[exits > k]
-        recovery = None
-        if later.size:
-            m = int(later[0])
-            recovery = _refined(aircraft, V, density, modal, m, int(columns[m]))
+        recovery = _refined(aircraft, V, density, modal, int(later[0])) if later.size else None
         mechanism = Mechanism.FLUTTER if frequency > _STILL else Mechanism.DIVERGENCE
         shares = participation(there, 0, root, aircraft.motions)
-        found.append(Crossing(speed, frequency, mechanism, branch, shares, recovery))
+        found.append(Crossing(speed, max(frequency, 0.0), mechanism, branch, shares, recovery))
     return found
 
 
@@ -172,22 +189,26 @@ def _refined(
     density: float | None,
     modal: Modal,
     k: int,
-    column: int,
 ) -> float:
-    left, start = modal.left[k, :, column], modal.values[k, column]
+    """Airspeed between V[k] and V[k + 1] at which the number of unstable roots changes.
+
+    Real parts in order of size are continuous, whatever the roots do to each other.
+    """
+    unstable = np.count_nonzero(np.real(modal.values[k : k + 2]) >= 0.0, axis=1)
+    place = int(unstable.min())
 
     def growth(speed: float) -> float:
-        there = decompose(state_family(aircraft, np.array([speed]), density))
-        return float(np.real(there.values[0, _continued(there, left, start)]))
+        A = state_family(aircraft, np.array([speed]), density).A[0]
+        return float(np.sort(np.real(np.linalg.eigvals(A)))[::-1][place])
 
     low, high = float(V[k]), float(V[k + 1])
-    if growth(low) * growth(high) > 0.0:  # the shape turns within the step: halve by value alone
+    if growth(low) * growth(high) > 0.0:  # one root comes as another goes
         return 0.5 * (low + high)
     return float(brentq(growth, low, high, xtol=1e-10 * high, rtol=1e-14))
 
 
-def _continued(there: Modal, left: np.ndarray, value: complex) -> int:
-    """The root that continues a branch."""
-    assurance = np.minimum(np.abs(left.conj() @ there.right[0]), 1.0)
-    reach = np.abs(there.values[0] - value) / np.abs(there.values[0]).max()
-    return int(np.argmin(reach - assurance))
+def _on_the_axis(there: Modal) -> int:
+    """The root nearest the imaginary axis; of a pair, the one above the real axis."""
+    values = there.values[0]
+    below = np.imag(values) < -_STILL
+    return int(np.argmin(np.where(below, np.inf, np.abs(np.real(values)))))

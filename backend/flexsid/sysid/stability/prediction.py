@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -56,6 +56,7 @@ def predict_flutter(
     band: tuple[float, float],
     density: float | None = None,
     spread: float = 0.0,
+    called: Mapping[str, str] | None = None,
 ) -> Prediction:
     """Follow the roots over a band of airspeeds and say where stability ends.
 
@@ -69,6 +70,8 @@ def predict_flutter(
         Of the air; that of the known condition by default. [kg/m3]
     spread
         Standard deviation between model structures. [m/s]
+    called
+        What to call motions in words, by name.
 
     Raises
     ------
@@ -76,6 +79,7 @@ def predict_flutter(
         If the band is empty, or the aircraft is unstable at its lowest speed already.
     """
     low, high = band
+    names = {name: _called(name) for name in found.aircraft.motions} | dict(called or {})
     if not 0.0 < low < high:
         raise BadInput(
             f"airspeeds from {low:g} to {high:g} m/s are no band; the lowest must be positive "
@@ -86,7 +90,7 @@ def predict_flutter(
     growing = np.flatnonzero(np.real(locus.roots[0]) > 0.0)
     if growing.size:
         name = locus.names[int(growing[0])]
-        sentence = f"Already unstable at {low:.1f} m/s in {_called(name)}; look at lower speeds."
+        sentence = f"Already unstable at {low:.1f} m/s in {names[name]}; look at lower speeds."
         return Prediction(locus, None, np.nan, np.nan, spread, sentence)
     crossing = locus.flutter
     if crossing is None:
@@ -94,13 +98,14 @@ def predict_flutter(
         sentence = (
             f"Stable up to {high:.1f} m/s; the least damping is "
             f"{100.0 * float(locus.damping()[:, weakest].min()):.1f} % in "
-            f"{_called(locus.names[weakest])}."
+            f"{names[locus.names[weakest]]}."
         )
         return Prediction(locus, None, np.nan, np.nan, spread, sentence)
     error = crossing_error(found.aircraft, crossing, found.uncertain, density)
     leading = sorted(crossing.participation, key=crossing.participation.__getitem__)[::-1][:2]
+    moving = " with ".join(names[name] for name in leading)
     sentence = (
-        f"{crossing.mechanism.value.capitalize()} of {' with '.join(map(_called, leading))} at "
+        f"{crossing.mechanism.value.capitalize()} of {moving} at "
         f"{crossing.airspeed:.2f} ± {2.0 * float(np.hypot(error.airspeed_std, spread)):.2f} m/s"
     )
     sentence += f", {crossing.frequency:.2f} rad/s." if crossing.frequency else "."

@@ -1,0 +1,94 @@
+"""From two flown maneuvers to a flutter speed, as an analyst asks for it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexsid import figures
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flex28 import load_truth
+from flexsid.demo.flights import fly
+from flexsid.errors import BadInput
+from flexsid.records.flight import Flight
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage import queue
+from flexsid.storage.store import Store
+from flexsid.sysid.model.derivatives import derivative_names
+from flexsid.workflow.estimation import compute, keep, prepare
+from flexsid.workflow.flutter import Question, flutter, flutter_map, flutter_roots
+
+ESTIMATED = (7, 9, 11, 12)
+PREDICTED = (15, 17, 18, 22)
+FUEL = 0.5
+
+
+@pytest.fixture
+def runs(store: Store) -> dict[str, tuple[int, ...]]:
+    """Runs with the higher modes as predicted, and without them, at two airspeeds."""
+    aircraft = add_aircraft(store)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=9))
+    maneuvers = [
+        add_maneuver(store, fly(airspeed_ratio=ratio, fuel=fuel, fta=506, seed=3), flight.id or 0)
+        for ratio, fuel in ((0.65, 0.7), (0.80, FUEL))
+    ]
+    surfaces = ("bfs", "wf1s", "wf2s", "wf3s", "wf4s")
+    free = derivative_names(ESTIMATED, surfaces)
+    found: dict[str, tuple[int, ...]] = {"with": (), "without": ()}
+    for maneuver in maneuvers:
+        for kind, structure in (
+            ("with", Structure(modes=(*ESTIMATED, *PREDICTED), free=free, fixed={})),
+            ("without", Structure(modes=ESTIMATED, fixed={})),
+        ):
+            request = EstimationRun(
+                maneuver_id=maneuver.id or 0,
+                method=Method.OE,
+                structure=structure,
+                settings=RunSettings(),
+            )
+            run = store.runs.add(request)
+            claimed = queue.claim(store, run.id)
+            assert claimed is not None
+            computed = compute(prepare(store, run), lambda progress: None)
+            keep(store, run.id or 0, claimed.attempt, computed)
+            found[kind] += (run.id or 0,)
+    return found
+
+
+def test_the_next_point_is_answered_with_its_margin(store: Store, runs):
+    every = (*runs["with"], *runs["without"])
+    answer = flutter(store, Question(run_ids=every))
+    truth = load_truth().flutter_speed_at(FUEL)
+    assert answer.fuel_fraction == pytest.approx(FUEL, abs=1e-4)
+    assert answer.airspeed_m_s == pytest.approx(truth, rel=0.01)
+    assert answer.low_m_s is not None
+    assert answer.high_m_s is not None
+    assert answer.low_m_s < truth < answer.high_m_s
+    assert answer.sentence.startswith("Flutter of SW1B with the short period at")
+    assert answer.participation[0].name == "SW1B"
+    assert [one.held_modes for one in answer.structures] == [PREDICTED, ()]
+    assert [one.preferred for one in answer.structures] == [True, False]
+    assert len(answer.runs) == 2
+    assert answer.next_point.startswith("Next point at 48.9 m/s: margin +2")
+    beyond = flutter(store, Question(run_ids=every, next_m_s=62.0))
+    assert "lies beyond flutter" in beyond.next_point
+    assert [tracker.airspeed_m_s for tracker in answer.trackers] == [None] * 3
+    assert "three" in answer.trackers[0].sentence
+
+
+def test_everything_is_drawn(store: Store, runs):
+    question = Question(run_ids=runs["with"], fuel=0.3, altitude_m=1000.0)
+    roots = flutter_roots(store, question)
+    assert {branch.name for branch in roots.branches} >= {"SP", "SW1B", "SW1T"}
+    assert figures.v_omega_zeta(roots)["layout"]["yaxis2"]["title"]["text"] == "Damping ratio [%]"
+    assert len(figures.root_locus(roots)["data"]) == len(roots.branches)
+    assert figures.flutter_forecast(flutter(store, question))["data"]
+    table = flutter_map(store, question)
+    assert (np.diff(table.airspeed_m_s, axis=0) > 0.0).all(), "thinner air delays flutter"
+    assert figures.flutter_map(table)["data"][0]["type"] == "heatmap"
+
+
+def test_no_run_and_a_run_without_result_are_refused(store: Store, runs):
+    with pytest.raises(BadInput, match="at least one run"):
+        flutter(store, Question(run_ids=()))
