@@ -783,6 +783,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/flutter": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Flutter
+         * @description Say where the aircraft of these runs loses stability, and how sure that is.
+         */
+        get: operations["get_flutter"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/figures/envelope": {
         parameters: {
             query?: never;
@@ -1037,6 +1057,86 @@ export interface paths {
          * @description Draw derivatives by method and prediction with ±2 standard errors.
          */
         get: operations["draw_derivatives"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/v-omega-zeta": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw V Omega Zeta
+         * @description Draw frequency and damping of the identified roots over airspeed with ±2 standard errors.
+         */
+        get: operations["draw_v_omega_zeta"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/root-locus": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Root Locus
+         * @description Draw the identified roots in the s-plane as airspeed rises.
+         */
+        get: operations["draw_root_locus"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/flutter-forecast": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Flutter Forecast
+         * @description Draw the flutter speed each run predicts, classical trackers beside it.
+         */
+        get: operations["draw_flutter_forecast"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/flutter-map": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Flutter Map
+         * @description Draw the flutter speed over fuel and altitude.
+         */
+        get: operations["draw_flutter_map"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1706,6 +1806,52 @@ export interface components {
             next?: string | null;
         };
         /**
+         * Flutter
+         * @description The answer to "next point at V: margin, and how sure".
+         *
+         *     ``airspeed_std_m_s`` is statistical, ``spread_m_s`` the standard deviation between model
+         *     structures; ``low_m_s`` to ``high_m_s`` holds the flutter speed with 95 % probability.
+         *     ``known_m_s`` is what the aircraft's table predicted before flight.
+         */
+        Flutter: {
+            /** Sentence */
+            sentence: string;
+            /** Next Point */
+            next_point: string;
+            /** Fuel Fraction */
+            fuel_fraction: number;
+            /** Density Kg M3 */
+            density_kg_m3: number;
+            /** Tested M S */
+            tested_m_s: number;
+            /** Next M S */
+            next_m_s: number;
+            /** Airspeed M S */
+            airspeed_m_s: number | null;
+            /** Airspeed Std M S */
+            airspeed_std_m_s: number | null;
+            /** Spread M S */
+            spread_m_s: number;
+            /** Low M S */
+            low_m_s: number | null;
+            /** High M S */
+            high_m_s: number | null;
+            /** Frequency Rad S */
+            frequency_rad_s: number | null;
+            /** Mechanism */
+            mechanism: string | null;
+            /** Participation */
+            participation: components["schemas"]["Participation"][];
+            /** Known M S */
+            known_m_s: number | null;
+            /** Structures */
+            structures: components["schemas"]["StructureForecast"][];
+            /** Runs */
+            runs: components["schemas"]["RunForecast"][];
+            /** Trackers */
+            trackers: components["schemas"]["TrackerForecast"][];
+        };
+        /**
          * FlutterTable
          * @description Predicted open-loop flutter speed against fuel; campaigns are planned in V/V_f.
          */
@@ -2361,6 +2507,16 @@ export interface components {
             insensitivity?: number | null;
         };
         /**
+         * Participation
+         * @description Share of one motion in the root that becomes unstable.
+         */
+        Participation: {
+            /** Name */
+            name: string;
+            /** Share */
+            share: number;
+        };
+        /**
          * PeakChange
          * @description One peak before and after a flight.
          *
@@ -2652,6 +2808,22 @@ export interface components {
             covariance: number[][] | null;
             /** Lines */
             lines: components["schemas"]["ExportedLines"][];
+        };
+        /**
+         * RunForecast
+         * @description Flutter speed of one run, against the speed at which it was flown.
+         */
+        RunForecast: {
+            /** Run Id */
+            run_id: number;
+            /** Label */
+            label: string;
+            /** Tested M S */
+            tested_m_s: number;
+            /** Airspeed M S */
+            airspeed_m_s: number | null;
+            /** Airspeed Std M S */
+            airspeed_std_m_s: number | null;
         };
         /**
          * RunList
@@ -2984,6 +3156,31 @@ export interface components {
             axis: string;
         };
         /**
+         * StructureForecast
+         * @description Flutter speed of all runs of one model structure, fused.
+         *
+         *     ``held_modes`` carry predicted derivatives only; ``airspeed_m_s`` is None where the model
+         *     stays stable.
+         */
+        StructureForecast: {
+            /** Run Ids */
+            run_ids: number[];
+            /** Modes */
+            modes: number[];
+            /** Held Modes */
+            held_modes: number[];
+            /** Airspeed M S */
+            airspeed_m_s: number | null;
+            /** Airspeed Std M S */
+            airspeed_std_m_s: number | null;
+            /** Frequency Rad S */
+            frequency_rad_s: number | null;
+            /** Sentence */
+            sentence: string;
+            /** Preferred */
+            preferred: boolean;
+        };
+        /**
          * StructureRequest
          * @description A model structure; see ``Structure``.
          */
@@ -3042,6 +3239,18 @@ export interface components {
             actuator?: string | null;
             /** Noise Std Rad */
             noise_std_rad?: number | null;
+        };
+        /**
+         * TrackerForecast
+         * @description What a classical tracker extrapolates from the same runs, or why it cannot.
+         */
+        TrackerForecast: {
+            /** Name */
+            name: string;
+            /** Airspeed M S */
+            airspeed_m_s: number | null;
+            /** Sentence */
+            sentence: string;
         };
         /**
          * Upload
@@ -4718,6 +4927,44 @@ export interface operations {
             };
         };
     };
+    get_flutter: {
+        parameters: {
+            query: {
+                /** @description Runs that succeeded, separated by commas. */
+                run_ids: string;
+                /** @description Fuel fraction; the fastest point's. */
+                fuel?: number | null;
+                /** @description Standard altitude; the fastest point's air. */
+                altitude_m?: number | null;
+                /** @description Airspeed of the next point; 3 % above the fastest. */
+                next_m_s?: number | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Flutter"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     draw_envelope: {
         parameters: {
             query?: {
@@ -5181,6 +5428,166 @@ export interface operations {
                 coefficient?: string | null;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_v_omega_zeta: {
+        parameters: {
+            query: {
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+                /** @description Runs that succeeded, separated by commas. */
+                run_ids: string;
+                /** @description Fuel fraction; the fastest point's. */
+                fuel?: number | null;
+                /** @description Standard altitude; the fastest point's air. */
+                altitude_m?: number | null;
+                /** @description Airspeed of the next point; 3 % above the fastest. */
+                next_m_s?: number | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_root_locus: {
+        parameters: {
+            query: {
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+                /** @description Runs that succeeded, separated by commas. */
+                run_ids: string;
+                /** @description Fuel fraction; the fastest point's. */
+                fuel?: number | null;
+                /** @description Standard altitude; the fastest point's air. */
+                altitude_m?: number | null;
+                /** @description Airspeed of the next point; 3 % above the fastest. */
+                next_m_s?: number | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_flutter_forecast: {
+        parameters: {
+            query: {
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+                /** @description Runs that succeeded, separated by commas. */
+                run_ids: string;
+                /** @description Fuel fraction; the fastest point's. */
+                fuel?: number | null;
+                /** @description Standard altitude; the fastest point's air. */
+                altitude_m?: number | null;
+                /** @description Airspeed of the next point; 3 % above the fastest. */
+                next_m_s?: number | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_flutter_map: {
+        parameters: {
+            query: {
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+                /** @description Runs that succeeded, separated by commas. */
+                run_ids: string;
+                /** @description Fuel fraction; the fastest point's. */
+                fuel?: number | null;
+                /** @description Standard altitude; the fastest point's air. */
+                altitude_m?: number | null;
+                /** @description Airspeed of the next point; 3 % above the fastest. */
+                next_m_s?: number | null;
             };
             header?: never;
             path?: never;
