@@ -102,6 +102,18 @@ def test_files_are_imported(database_url: str, capsys, tmp_path: Path) -> None:
     command = ["import", str(recording), "--mapping", str(mapping), "--database", database_url]
     assert main(command) == 0
     assert "maneuver 1: multisine, flight 7 of FLEX-28" in capsys.readouterr().out
+
+    mapping.write_text(mapping.read_text().replace('label = "multisine"', ""))
+    (tmp_path / "n.csv").write_text(recording.read_text() + "late\n")
+    (tmp_path / "o.csv").write_text(recording.read_text() + "0.40,1,1\n")
+    files = [str(tmp_path / name) for name in ("m.csv", "n.csv", "o.csv")]
+    options = ["--mapping", str(mapping), "--database", database_url]
+    assert main(["import", *files, "--each", *options]) == 1
+    told = capsys.readouterr()
+    assert "m.csv: maneuver 2, m" in told.out
+    assert "o.csv: maneuver 3, o" in told.out
+    assert "n.csv: row 22 has 1 cells" in told.err
+    assert "1 of 3 files were refused" in told.err
     assert "imported" in refused(capsys, 1, *command)
     recording.write_text("t_s,bfs,q\n0.00,x,1\n")
     assert "m.csv" in refused(capsys, 2, *command)

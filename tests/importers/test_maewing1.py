@@ -157,3 +157,26 @@ def test_pitch_rate_answers_as_in_the_authors_model(store: Store, imported: Impo
         expected = C[9] @ np.linalg.solve(s * np.eye(A.shape[0]) - A, B[:, :4])
         found = ours.C[0] @ np.linalg.solve(s * np.eye(ours.A.shape[0]) - ours.A, ours.B)
         np.testing.assert_allclose(found, expected, rtol=0.06)
+
+
+def test_the_conditioned_record_and_the_stored_waveforms_come_in_too(
+    store: Store, imported: Imported
+) -> None:
+    examples = ROOT / "examples/maewing1"
+    record = FLIGHT / "geri_flight_conditioned.csv"
+    maneuver = import_files(store, [record], examples / "conditioned.toml").maneuver
+    assert maneuver is not None
+    (theta,) = store.channels.find(maneuver_id=maneuver.id, name="theta")
+    column = np.genfromtxt(record, delimiter=",", names=True)["theta"]
+    np.testing.assert_array_equal(store.arrays.get(theta.array), column)
+    assert theta.sensor == "theta"
+
+    names = ("playback_OMS2_1.csv", "playback_OMS2_2.csv")
+    files = [FLIGHT / "flown_multisines" / name for name in names]
+    flight = import_files(store, files, examples / "playback.toml")
+    assert [(c.name, c.rate_hz, c.source_file) for c in flight.flight_channels] == [
+        ("OMS2_1", 150.0, names[0]),
+        ("OMS2_2", 150.0, names[1]),
+    ]
+    stored = store.arrays.get(flight.flight_channels[1].array)
+    np.testing.assert_array_equal(stored, np.loadtxt(files[1]))

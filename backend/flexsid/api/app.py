@@ -14,7 +14,7 @@ from fastapi.routing import APIRoute
 
 import flexsid
 from flexsid.api.body_limit import BodyLimit
-from flexsid.api.context import BringAlong, Context
+from flexsid.api.context import Context
 from flexsid.api.docs import add_docs
 from flexsid.api.errors import Problem, add_error_handlers
 from flexsid.api.guards import Guards
@@ -44,6 +44,7 @@ from flexsid.settings import Settings
 from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
+from flexsid.workflow.ingest import BringAlong
 from flexsid.workflow.uploads import Uploads
 
 # The database and numpy hold the interpreter anyway; many threads only make them

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -10,10 +9,8 @@ from fastapi import Depends, Request
 
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.storage.store import Store
+from flexsid.workflow.ingest import BringAlong
 from flexsid.workflow.uploads import Uploads
-
-BringAlong = Callable[[Store, str], None]
-"""Adds an aircraft that comes with the software, by its name, unless it is there."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,27 +16,42 @@ from flexsid.errors import BadInput, FlexsidError
 from flexsid.records.run import EstimationRun
 from flexsid.settings import Settings
 from flexsid.workflow.export import export_run
-from flexsid.workflow.ingest import Imported, keep_upload, read_upload
+from flexsid.workflow.ingest import Imported, import_each, keep_upload, read_upload
 
 
 def bring_in(
     settings: Settings, files: Sequence[str], mapping: str | None, aircraft_id: int | None
 ) -> int:
-    """Import files and say what came in."""
+    """Import files that belong together and say what came in."""
     upload = read_upload([Path(file) for file in files], None if mapping is None else Path(mapping))
     with opened(settings) as store:
-        with store.transaction():
-            if upload.builtin is not None:
-                bring_along(store, upload.builtin)
-            imported = keep_upload(store, upload, aircraft_id)
-        n_channels = (
-            0
-            if imported.maneuver is None
-            else len(store.channels.find(maneuver_id=imported.maneuver.id))
-        )
-    for line in _report(imported, n_channels):
+        imported = keep_upload(store, upload, aircraft_id, bring_along=bring_along)
+    for line in _report(imported, len(upload.channels)):
         print(line)
     return 0
+
+
+def bring_in_each(
+    settings: Settings, files: Sequence[str], mapping: str | None, aircraft_id: int | None
+) -> int:
+    """Import a campaign, file by file; those that are refused are named at the end."""
+    paths = [Path(file) for file in files]
+    text = None if mapping is None else Path(mapping)
+    refused: list[str] = []
+    with opened(settings) as store:
+        for file, result in import_each(store, paths, text, aircraft_id, bring_along):
+            if isinstance(result, FlexsidError):
+                refused.append(f"{file}: {result.message}")
+                continue
+            if result.maneuver is not None:
+                print(f"{file}: maneuver {result.maneuver.id}, {result.maneuver.label}")
+            else:
+                print(f"{file}: {len(result.flight_channels)} channels of a whole flight")
+    for line in refused:
+        print(line, file=sys.stderr)
+    if refused:
+        print(f"{len(refused)} of {len(paths)} files were refused", file=sys.stderr)
+    return 1 if refused else 0
 
 
 def export(settings: Settings, run_id: int, output: str) -> int:
@@ -66,6 +81,10 @@ def _report(imported: Imported, n_channels: int) -> list[str]:
         lines.append(
             f"maneuver {maneuver.id}: {maneuver.label}, flight {imported.flight.number} of"
             f" {imported.aircraft.name}, {n_channels} channels, {maneuver.duration_s:g} s"
+        )
+    elif imported.flight is not None:
+        lines.append(
+            f"flight {imported.flight.number} of {imported.aircraft.name}: {n_channels} channels"
         )
     lines += [f"modal table {table.id}: {table.name}" for table in imported.modal_tables]
     lines += [f"prediction {kept.id}: {kept.source}" for kept in imported.predictions]

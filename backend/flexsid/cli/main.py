@@ -72,6 +72,9 @@ def _parser() -> argparse.ArgumentParser:
     bring.add_argument(
         "--aircraft", type=int, metavar="ID", help="whose, where the mapping names none"
     )
+    bring.add_argument(
+        "--each", action="store_true", help="every file is an import of its own: a campaign"
+    )
 
     run = add("run", _run, "estimate from a maneuver")
     run.add_argument("--maneuver", type=int, required=True, metavar="ID")
@@ -131,9 +134,10 @@ def _migrate(settings: Settings, _chosen: argparse.Namespace) -> int:
 
 
 def _import(settings: Settings, chosen: argparse.Namespace) -> int:
-    from flexsid.cli.data import bring_in
+    from flexsid.cli.data import bring_in, bring_in_each
 
-    return bring_in(settings, chosen.files, chosen.mapping, chosen.aircraft)
+    bring = bring_in_each if chosen.each else bring_in
+    return bring(settings, chosen.files, chosen.mapping, chosen.aircraft)
 
 
 def _run(settings: Settings, chosen: argparse.Namespace) -> int:

@@ -35,6 +35,9 @@ from flexsid.workflow.keeping import (
     keep_recording,
 )
 
+BringAlong = Callable[[Store, str], None]
+"""Adds an aircraft that comes with the software, by its name, unless it is there."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Imported:
@@ -131,6 +134,7 @@ def keep_upload(
     upload: Upload,
     aircraft_id: int | None = None,
     report: Callable[[float], None] = lambda fraction: None,
+    bring_along: BringAlong | None = None,
 ) -> Imported:
     """Store everything that an upload holds in one transaction.
 
@@ -144,6 +148,8 @@ def keep_upload(
         Aircraft chosen by the user; needed where the mapping names none.
     report
         Is told which fraction of the samples is written; what it raises undoes all.
+    bring_along
+        Adds the aircraft that comes with the software when the upload needs it.
 
     Raises
     ------
@@ -157,6 +163,8 @@ def keep_upload(
     _ask(upload.channels)
     writing = Writing(upload.rows, report)
     with store.transaction():
+        if upload.builtin is not None and bring_along is not None:
+            bring_along(store, upload.builtin)
         aircraft = keep_aircraft(store, mapping.aircraft, aircraft_id)
         check_sensors(aircraft, upload.channels)
         flight = maneuver = None
@@ -202,6 +210,7 @@ def import_each(
     files: Sequence[Path],
     mapping: Path | str | None = None,
     aircraft_id: int | None = None,
+    bring_along: BringAlong | None = None,
 ) -> Iterator[tuple[Path, Imported | FlexsidError]]:
     """Import a campaign: every file is an import of its own, read through the same mapping.
 
@@ -229,7 +238,7 @@ def import_each(
             coming = ahead.submit(read, files[number]) if number < len(files) else None
             if isinstance(upload, Upload):
                 try:
-                    yield file, keep_upload(store, upload, aircraft_id)
+                    yield file, keep_upload(store, upload, aircraft_id, bring_along=bring_along)
                 except FlexsidError as error:
                     yield file, error
             else:

@@ -12,7 +12,7 @@ import secrets
 import shutil
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
@@ -24,7 +24,7 @@ from flexsid.importers import confined
 from flexsid.importers.mapping import parse_mapping
 from flexsid.importers.source import Sources
 from flexsid.storage.store import Store
-from flexsid.workflow.ingest import Imported, explain, keep_upload
+from flexsid.workflow.ingest import BringAlong, Imported, explain, keep_upload
 
 KEPT_DAYS = 7
 _STATE = "state.json"
@@ -54,14 +54,10 @@ class Upload:
     n_channels: int | None = None
 
 
-Prepare = Callable[[Store, str], None]
-"""Adds what a mapping needs beside the files, by the name of the aircraft."""
-
-
 class Uploads:
     """The uploads of one server, and the thread that imports them one after the other."""
 
-    def __init__(self, store: Store, folder: Path, bring_along: Prepare | None = None) -> None:
+    def __init__(self, store: Store, folder: Path, bring_along: BringAlong | None = None) -> None:
         self._store = store
         self._folder = folder
         self._bring_along = bring_along
@@ -156,10 +152,7 @@ class Uploads:
         try:
             report(0.0)
             upload = explain(self.sources(identity), parse_mapping(text))
-            with self._store.transaction():
-                if upload.builtin is not None and self._bring_along is not None:
-                    self._bring_along(self._store, upload.builtin)
-                imported = keep_upload(self._store, upload, aircraft_id, report)
+            imported = keep_upload(self._store, upload, aircraft_id, report, self._bring_along)
             ended = _ended(identity, imported)
         except FlexsidError as error:
             ended = Upload(

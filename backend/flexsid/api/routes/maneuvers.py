@@ -110,10 +110,9 @@ def upload_maneuver(
         upload = read_upload(paths, None if mapping is None else _text_of(mapping), names)
         if upload.mapping.maneuver is None:
             raise BadInput("the mapping describes no maneuver", code="bad-mapping", key="maneuver")
-        with context.store.transaction():
-            if upload.builtin is not None and context.bring_along is not None:
-                context.bring_along(context.store, upload.builtin)
-            kept = keep_upload(context.store, upload, aircraft_id).maneuver
+        kept = keep_upload(
+            context.store, upload, aircraft_id, bring_along=context.bring_along
+        ).maneuver
     assert kept is not None
     location = {"Location": f"/api/v1/maneuvers/{kept.id}"}
     return Json(_detail(context.store, kept), status.HTTP_201_CREATED, location)
