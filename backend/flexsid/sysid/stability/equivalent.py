@@ -1,0 +1,179 @@
+"""Equivalent modes: what air does to a mode's own frequency and damping (Eq. 25)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.sysid.stability.bands import Uncertain
+from flexsid.sysid.stability.speeds import Aeroelastic
+
+
+@dataclass(frozen=True, slots=True)
+class EquivalentMode:
+    """A mode as if it stood alone in the air, with standard errors.
+
+    ``stiffness`` is omega_eq^2 [rad2/s2], ``rate`` 2 zeta_eq omega_eq [rad/s].
+    """
+
+    mode: int
+    airspeed: float
+    dynamic_pressure: float
+    stiffness: float
+    stiffness_std: float
+    rate: float
+    rate_std: float
+
+    @property
+    def omega(self) -> float:
+        """Equivalent frequency; not a number where the air has taken all stiffness. [rad/s]"""
+        return float(np.sqrt(self.stiffness)) if self.stiffness > 0.0 else float("nan")
+
+    @property
+    def zeta(self) -> float:
+        """Equivalent damping ratio. [1]"""
+        return 0.5 * self.rate / self.omega
+
+
+@dataclass(frozen=True, slots=True)
+class InVacuo:
+    """What straight lines over dynamic pressure say of a mode, with standard errors.
+
+    ``stiffness_derivative`` and ``damping_derivative`` are C_Qi_eta_i and C_Qi_etadot_i.
+    """
+
+    mode: int
+    omega: float
+    omega_std: float
+    zeta: float
+    zeta_std: float
+    stiffness_derivative: float
+    stiffness_derivative_std: float
+    damping_derivative: float
+    damping_derivative_std: float
+
+
+def equivalent_modes(aircraft: Aeroelastic, uncertain: Uncertain) -> tuple[EquivalentMode, ...]:
+    """Equivalent stiffness and damping of every mode at the aircraft's own condition.
+
+    Notes
+    -----
+    Source: Eq. 25: omega_eq^2 = omega^2 - (q S c / m) C_Q_eta and
+    2 zeta_eq omega_eq = 2 zeta omega - (q S c / m) (c / 2V) C_Q_etadot. The data tell only
+    these sums: structural values and derivatives of one condition are confounded.
+    """
+    c, modes = aircraft.condition, aircraft.modes
+    n = len(modes.numbers)
+    values = aircraft.derivatives.values
+    place = {
+        pair: k
+        for k, pair in enumerate(
+            zip(uncertain.rows.tolist(), uncertain.columns.tolist(), strict=True)
+        )
+    }
+    std = np.sqrt(np.maximum(np.diag(uncertain.covariance), 0.0))
+    found = []
+    for i, number in enumerate(modes.numbers):
+        factor = c.dynamic_pressure * c.area * c.chord / float(modes.mass[i])
+        eta, etadot = (2 + i, 2 + i), (2 + i, 2 + n + i)
+        errors = [float(std[place[key]]) if key in place else 0.0 for key in (eta, etadot)]
+        omega, zeta = float(modes.omega[i]), float(modes.zeta[i])
+        found.append(
+            EquivalentMode(
+                number,
+                c.airspeed,
+                c.dynamic_pressure,
+                omega**2 - factor * float(values[eta]),
+                factor * errors[0],
+                2.0 * zeta * omega - factor * c.rate_factor * float(values[etadot]),
+                factor * c.rate_factor * errors[1],
+            )
+        )
+    return tuple(found)
+
+
+def fit_in_vacuo(
+    points: Sequence[EquivalentMode], area: float, chord: float, mass: float
+) -> InVacuo:
+    """Straight lines through equivalent modes of several conditions; no FEM is needed.
+
+    Parameters
+    ----------
+    points
+        One mode at three or more conditions of one loading.
+    area, chord, mass
+        Of the aircraft, and the generalised mass. [m2, m, kg m2]
+
+    Raises
+    ------
+    BadInput
+        If the points are of different modes.
+    NotIdentifiable
+        If there are fewer than three, or all were flown at one dynamic pressure.
+    """
+    if len({point.mode for point in points}) != 1:
+        raise BadInput("equivalent modes of different modes cannot be on one line")
+    if len(points) < 3:
+        raise NotIdentifiable(
+            f"{len(points)} conditions are too few for a line with an error; it takes three",
+            code="too-few-points",
+        )
+    q = np.array([point.dynamic_pressure for point in points])
+    V = np.array([point.airspeed for point in points])
+    stiffness, of_stiffness = _line(
+        q, [p.stiffness for p in points], [p.stiffness_std for p in points]
+    )
+    rate, of_rate = _line(q / V, [p.rate for p in points], [p.rate_std for p in points])
+    if stiffness[0] <= 0.0:
+        raise NotIdentifiable("the line leaves the mode no stiffness without air")
+    per_eta, per_etadot = area * chord / mass, 0.5 * area * chord**2 / mass
+    omega = float(np.sqrt(stiffness[0]))
+    omega_std = float(np.sqrt(of_stiffness[0, 0])) / (2.0 * omega)
+    zeta = 0.5 * float(rate[0]) / omega
+    zeta_std = float(np.hypot(0.5 * np.sqrt(of_rate[0, 0]) / omega, zeta * omega_std / omega))
+    return InVacuo(
+        points[0].mode,
+        omega,
+        omega_std,
+        zeta,
+        zeta_std,
+        -float(stiffness[1]) / per_eta,
+        float(np.sqrt(of_stiffness[1, 1])) / per_eta,
+        -float(rate[1]) / per_etadot,
+        float(np.sqrt(of_rate[1, 1])) / per_etadot,
+    )
+
+
+def separation(frequencies: Sequence[float], short_period: float) -> float:
+    """Lowest elastic over rigid-body frequency; the field calls five decoupled. [1]
+
+    Raises
+    ------
+    BadInput
+        If there is no elastic mode, or the short period does not oscillate.
+    """
+    if not frequencies or short_period <= 0.0:
+        raise BadInput("a separation needs an elastic mode and a short period that oscillates")
+    return min(frequencies) / short_period
+
+
+def _line(
+    x: Float[np.ndarray, " n"], y: Sequence[float], std: Sequence[float]
+) -> tuple[Float[np.ndarray, " 2"], Float[np.ndarray, "2 2"]]:
+    """Offset and slope by weighted least squares, and their covariance."""
+    sigma = np.asarray(std, dtype=float)
+    weight = 1.0 / sigma if (sigma > 0.0).all() else np.ones(x.size)
+    if float(np.ptp(x)) <= 1e-6 * float(np.abs(x).max()):
+        raise NotIdentifiable(
+            "all points were flown at one condition; a line takes different dynamic pressures"
+        )
+    size = float(np.abs(x).max())
+    A = np.stack([weight, weight * x / size], axis=1)
+    found = np.linalg.lstsq(A, weight * np.asarray(y, dtype=float), rcond=None)[0]
+    covariance = np.linalg.solve(A.T @ A, np.eye(2))
+    back = np.array([1.0, 1.0 / size])
+    return found * back, covariance * np.outer(back, back)

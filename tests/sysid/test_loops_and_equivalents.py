@@ -1,0 +1,150 @@
+"""Closed loops against python-control, equivalent modes against what they were made of."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import control
+import numpy as np
+import pytest
+
+from flexsid.demo.flex28 import load_truth
+from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.sysid.model.aeroelastic import StateSpace
+from flexsid.sysid.stability.bands import Uncertain
+from flexsid.sysid.stability.closed_loop import (
+    broken_loops,
+    close_loop,
+    loop_margins,
+    margin_spread,
+)
+from flexsid.sysid.stability.equivalent import equivalent_modes, fit_in_vacuo, separation
+from flexsid.sysid.stability.speeds import Aeroelastic
+
+BAND = (0.5, 150.0)
+
+
+def controller(gain: float, *surfaces: str) -> StateSpace:
+    """Pitch rate, lagged by 20 rad/s, fed back to surfaces."""
+    n = len(surfaces)
+    return StateSpace(
+        A=np.array([[-20.0]]),
+        B=np.array([[20.0]]),
+        C=np.full((n, 1), gain),
+        D=np.zeros((n, 1)),
+        states=("lag",),
+        inputs=("q",),
+        outputs=surfaces,
+    )
+
+
+@pytest.fixture
+def plant(make_case) -> StateSpace:
+    case = make_case(2)
+    return case.model.state_space(case.truth)
+
+
+def siso(plant: StateSpace) -> control.StateSpace:
+    system = plant.to_control()
+    return system[plant.outputs.index("q"), plant.inputs.index("wf3s")]
+
+
+def test_closed_loop_poles_are_those_of_python_control(plant):
+    law = controller(0.4, "wf3s")
+    ours = np.sort_complex(np.linalg.eigvals(close_loop(plant, law).A))
+    around: Any = law.to_control()  # which the stubs take for a number
+    theirs = control.poles(siso(plant).feedback(around, 1))
+    assert np.allclose(ours, np.sort_complex(theirs), atol=1e-8)
+
+
+@pytest.mark.parametrize("feedback", [0.4, -0.15])
+def test_margins_are_those_of_python_control(plant, feedback):
+    law = controller(feedback, "wf3s")
+    (found,) = loop_margins(plant, law, BAND)
+    with np.errstate(invalid="ignore"):  # python-control compares where it found nothing
+        gain, phase, _, gain_at, phase_at, _ = control.stability_margins(
+            -law.to_control() * siso(plant)
+        )
+    if np.isfinite(gain):  # python-control tells the one nearest to 1, in either direction
+        nearest = min(found.gain_up, 1.0 / max(found.gain_down, 1e-9))
+        assert nearest == pytest.approx(max(gain, 1.0 / gain), rel=1e-3)
+        if gain > 1.0:
+            assert found.gain_up_at == pytest.approx(gain_at, rel=1e-3)
+    if np.isfinite(phase):
+        assert found.phase == pytest.approx(np.deg2rad(abs(phase)), rel=1e-3)
+        assert found.phase_at == pytest.approx(phase_at, rel=1e-3)
+    assert 0.0 < found.disk < 2.0
+
+
+def test_a_loop_broken_at_one_surface_leaves_the_others_closed(plant):
+    law = controller(0.2, "wf3s", "wf4s")
+    omega = np.array([2.0, 15.0, 60.0])
+    both = broken_loops(plant, law, omega)
+    one = controller(0.2, "wf4s")
+    inner = close_loop(plant, one)
+    lone = broken_loops(inner, controller(0.2, "wf3s"), omega)
+    assert np.allclose(both[:, 0], lone[:, 0], rtol=1e-8)
+
+
+def test_uncertain_plants_spread_the_margins(make_case):
+    case = make_case(2)
+    rng = np.random.default_rng(0)
+    plants = []
+    for _ in range(12):
+        values = case.truth.values * (1.0 + 0.02 * rng.normal(size=case.truth.values.shape))
+        plants.append(case.model.state_space(replace(case.truth, values=values)))
+    disk, phase = margin_spread(plants, controller(0.4, "wf3s"), BAND)["wf3s"]
+    assert 0.0 < disk < 0.2
+    assert phase >= 0.0
+
+
+def test_a_controller_of_another_aircraft_is_refused(plant):
+    with pytest.raises(BadInput, match="drives 'elevator'"):
+        close_loop(plant, controller(0.1, "elevator"))
+
+
+def test_lines_over_dynamic_pressure_return_the_structure_and_its_derivatives():
+    truth = load_truth()
+    rng = np.random.default_rng(4)
+    n = 4
+    rows, columns = (x.ravel() for x in np.indices((2 + n, 2 + 2 * n)))
+    table = truth.derivatives_at(0.5, n)
+    sigma = 0.01 * np.maximum(np.abs(table.values[rows, columns]), 0.02)
+    modes = truth.modes_at(0.5, n)
+    points: list[list] = [[] for _ in range(n)]
+    for ratio in (0.56, 0.65, 0.72, 0.80, 0.95):
+        values = table.values.copy()
+        values[rows, columns] += sigma * rng.normal(size=sigma.size)
+        aircraft = Aeroelastic(
+            truth.condition_at(ratio * 59.3, 0.5), modes, replace(table, values=values)
+        )
+        for k, found in enumerate(
+            equivalent_modes(aircraft, Uncertain(rows, columns, np.diag(sigma**2)))
+        ):
+            points[k].append(found)
+    for k, number in enumerate(modes.numbers):
+        line = fit_in_vacuo(points[k], truth.area, truth.chord, float(modes.mass[k]))
+        assert line.mode == number
+        for value, std, true in (
+            (line.omega, line.omega_std, modes.omega[k]),
+            (line.zeta, line.zeta_std, modes.zeta[k]),
+            (line.stiffness_derivative, line.stiffness_derivative_std, table.values[2 + k, 2 + k]),
+            (
+                line.damping_derivative,
+                line.damping_derivative_std,
+                table.values[2 + k, 2 + n + k],
+            ),
+        ):
+            assert abs(value - true) < 4.0 * std
+    assert points[0][0].omega == pytest.approx(np.sqrt(points[0][0].stiffness))
+    with pytest.raises(NotIdentifiable, match="three"):
+        fit_in_vacuo(points[0][:2], truth.area, truth.chord, 1.0)
+    with pytest.raises(NotIdentifiable, match="one condition"):
+        fit_in_vacuo([points[0][0]] * 3, truth.area, truth.chord, 1.0)
+
+
+def test_separation_is_the_lowest_elastic_over_the_rigid_frequency():
+    assert separation([24.0, 65.0], 10.0) == pytest.approx(2.4)
+    with pytest.raises(BadInput, match="oscillates"):
+        separation([24.0], 0.0)
