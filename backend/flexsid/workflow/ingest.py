@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 from flexsid.errors import BadInput, FlexsidError
@@ -110,7 +110,7 @@ def read_upload(
 
 
 def explain(sources: Sources, mapping: mappings.Mapping) -> Upload:
-    """Take out of files what a mapping says that they hold; the samples are hashed here.
+    """Take out of files what a mapping says that they hold.
 
     Raises
     ------
@@ -125,8 +125,15 @@ def explain(sources: Sources, mapping: mappings.Mapping) -> Upload:
     else:
         raw = extract_maneuver(mapping.maneuver, mapping.recording, sources)
         channels = raw.channels
-    rows = {channel.name: describe(channel.samples, channel.unit) for channel in channels}
-    return Upload(sources, mapping, channels, raw, rows)
+    return Upload(sources, mapping, channels, raw)
+
+
+def hashed(upload: Upload) -> Upload:
+    """Hash the samples of an upload, unless that was done before."""
+    if upload.rows or not upload.channels:
+        return upload
+    rows = {c.name: describe(c.samples, c.unit) for c in upload.channels}
+    return replace(upload, rows=rows)
 
 
 def keep_upload(
@@ -159,8 +166,9 @@ def keep_upload(
     Conflict
         If this maneuver is already there, or a name stands for something else.
     """
-    mapping, sources = upload.mapping, upload.sources
     _ask(upload.channels)
+    upload = hashed(upload)
+    mapping, sources = upload.mapping, upload.sources
     writing = Writing(upload.rows, report)
     with store.transaction():
         if upload.builtin is not None and bring_along is not None:
@@ -226,7 +234,7 @@ def import_each(
 
     def read(file: Path) -> Upload | FlexsidError:
         try:
-            return read_upload([file], text)
+            return hashed(read_upload([file], text))
         except FlexsidError as error:
             return error
 

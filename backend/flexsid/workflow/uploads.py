@@ -7,6 +7,7 @@ loaded again and a server that was stopped says what became of it.
 from __future__ import annotations
 
 import json
+import logging
 import re
 import secrets
 import shutil
@@ -25,6 +26,8 @@ from flexsid.importers.mapping import parse_mapping
 from flexsid.importers.source import Sources
 from flexsid.storage.store import Store
 from flexsid.workflow.ingest import BringAlong, Imported, explain, keep_upload
+
+_log = logging.getLogger(__name__)
 
 KEPT_DAYS = 7
 _STATE = "state.json"
@@ -159,6 +162,7 @@ class Uploads:
                 id=identity, state=UploadState.FAILED, code=error.code, message=error.message
             )
         except Exception as error:  # what nobody foresaw must still end the import in words
+            _log.exception("the import of %s failed", identity)
             ended = Upload(
                 id=identity,
                 state=UploadState.FAILED,
