@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import io
-import json
+import signal
+import subprocess
+import sys
 import time
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -191,20 +192,47 @@ def test_an_upload_is_forgotten_and_others_are_unknown(client: TestClient) -> No
     assert "f.csv is empty" in bad.json()["detail"]
 
 
-def test_an_import_that_a_stopped_server_left_is_said_to_be_interrupted(flown_url: str) -> None:
+KILLED = """
+import os, signal, sys, time
+from fastapi.testclient import TestClient
+from flexsid.api.app import create_app
+from flexsid.settings import Settings
+from flexsid.workflow import keeping, uploads
+
+keeping.BYTES_AT_ONCE = 1
+keep = uploads.keep_upload
+
+def killed(store, upload, aircraft_id, report, bring_along):
+    def tell(fraction):
+        report(fraction)
+        if fraction > 0.5:
+            os.kill(os.getpid(), signal.SIGKILL)
+    return keep(store, upload, aircraft_id, tell, bring_along)
+
+uploads.keep_upload = killed
+with TestClient(create_app(Settings(database=sys.argv[1])), "http://127.0.0.1:8000") as client:
+    at = f"/api/v1/uploads/{sys.argv[2]}/import"
+    assert client.post(at, json={"mapping": sys.argv[3]}).status_code == 202
+    time.sleep(60)
+"""
+
+
+def test_a_server_killed_during_an_import_says_so_when_it_is_back(flown_url: str) -> None:
     def serve() -> TestClient:
         return TestClient(create_app(Settings(database=flown_url)), "http://127.0.0.1:8000")
 
     with serve() as client:
         found = upload(client, ("f.csv", text()))
-        identity, mapping = found["upload"]["id"], found["proposal"]["text"]
-    path = Path(flown_url.removeprefix("sqlite:///") + "-uploads") / identity / "state.json"
-    # As kill -9 leaves it: begun, and not committed.
-    path.write_text(json.dumps({**json.loads(path.read_text()), "state": "importing"}))
+    identity, mapping = found["upload"]["id"], found["proposal"]["text"]
+    command = [sys.executable, "-c", KILLED, flown_url, identity, mapping]
+    assert subprocess.run(command, check=False).returncode == -signal.SIGKILL
+    store = Store.open(flown_url)
+    assert len(store.maneuvers.find()) == 1
+    assert len(store.flights.find()) == 1
     with serve() as client:
         state = client.get(f"/api/v1/uploads/{identity}/state").json()
         assert (state["state"], state["code"]) == ("failed", "interrupted")
+        assert "what was not finished was not stored" in state["message"]
         assert bring_in(client, identity, mapping)["state"] == "imported"
-    store = Store.open(flown_url)
     assert len(store.maneuvers.find()) == 2
     store.close()

@@ -16,6 +16,7 @@ from flexsid.errors import BadInput, Cancelled, Conflict, FlexsidError, Unreadab
 from flexsid.importers.plausibility import find_doubt
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
+from flexsid.storage.channels import read_flight_channels
 from flexsid.storage.store import Store
 from flexsid.workflow.ingest import Imported, import_each, import_files, keep_upload, read_upload
 
@@ -111,12 +112,16 @@ def test_a_whole_flight_is_kept_with_its_channels(
     imported = import_files(store, files, HEAD + CHANNELS)
     assert imported.maneuver is None
     assert imported.flight is not None
+    assert imported.flight.id is not None
     channels = store.flight_channels.find(flight_id=imported.flight.id)
     assert [(c.name, c.start_s, c.n_samples) for c in channels] == [
         ("bfs", 100.0, 300),
         ("tas", 100.0, 120),
         ("q", 100.0, 1000),
     ]
+    found = read_flight_channels(store.database, imported.flight.id, ["q", "bfs"])
+    assert [channel for channel, _ in found.values()] == [channels[0], channels[2]]
+    np.testing.assert_array_equal(found["q"][1], store.arrays.get(channels[2].array))
     with pytest.raises(Conflict, match=r"Flight 7 has a channel 'bfs' already, from a\.csv"):
         import_files(store, files, HEAD + CHANNELS)
     store.flights.delete(1)

@@ -1,22 +1,21 @@
-"""Channels of one maneuver together with their samples, in one statement."""
+"""Channels of a maneuver or a whole flight together with their samples, in one statement."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
 from operator import itemgetter
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
+from flexsid.records.flight import FlightChannel
 from flexsid.records.maneuver import Channel, Role
 from flexsid.storage.database import Database, DatabaseUnavailable
-from flexsid.storage.tables import arrays, channels
+from flexsid.storage.tables import arrays, channels, flight_channels
 
-_FIELDS = tuple(Channel.__dataclass_fields__)
-_NAME = _FIELDS.index("name")
+_Kind = TypeVar("_Kind", Channel, FlightChannel)
 _ROLES = {role.value: role for role in Role}
-_identity = itemgetter(_FIELDS.index("id"))
 
 
 def read_channels(
@@ -38,37 +37,57 @@ def read_channels(
     dict
         Channels with samples in native unit and precision, which cannot be written to.
     """
+    return _read(database, Channel, channels.name, "maneuver_id", maneuver_id, names)
+
+
+def read_flight_channels(
+    database: Database, flight_id: int, names: Sequence[str] | None = None
+) -> dict[str, tuple[FlightChannel, np.ndarray]]:
+    """Read channels of a whole flight as ``read_channels`` does those of a maneuver."""
+    return _read(database, FlightChannel, flight_channels.name, "flight_id", flight_id, names)
+
+
+def _read(
+    database: Database,
+    kind: type[_Kind],
+    table: str,
+    owner: str,
+    identity: int,
+    names: Sequence[str] | None,
+) -> dict[str, tuple[_Kind, np.ndarray]]:
     asked = None if names is None else tuple(dict.fromkeys(names))
     if asked == ():
         return {}
+    fields = tuple(kind.__dataclass_fields__)
     with database.reading() as connection:
         mark = "?" if connection.dialect.paramstyle == "qmark" else "%s"
-        query = _query(mark, None if asked is None else len(asked))
+        query = _query(table, owner, fields, mark, None if asked is None else len(asked))
         cursor = connection.connection.cursor()
         try:
-            cursor.execute(query, (maneuver_id, *(asked or ())))
+            cursor.execute(query, (identity, *(asked or ())))
             rows = cursor.fetchall()
         except connection.dialect.loaded_dbapi.Error as error:
             raise DatabaseUnavailable(f"the database does not answer: {error}") from error
         finally:
             cursor.close()
     # Sorted here, for the database would sort the samples with their rows.
-    ordered = sorted(rows, key=_identity)
-    return {row[_NAME]: (_channel(row), np.frombuffer(row[-1], row[-2])) for row in ordered}
+    rows = sorted(rows, key=itemgetter(fields.index("id")))
+    found = ((_record(kind, fields, row), np.frombuffer(row[-1], row[-2])) for row in rows)
+    return {channel.name: (channel, samples) for channel, samples in found}
 
 
 @lru_cache(maxsize=256)
-def _query(mark: str, n_names: int | None) -> str:
+def _query(table: str, owner: str, fields: tuple[str, ...], mark: str, n_names: int | None) -> str:
     """Plain SQL for the driver: SQLAlchemy around it takes as long as the answer of SQLite."""
-    fields = ", ".join(f"{channels.name}.{name}" for name in _FIELDS)
+    columns = ", ".join(f"{table}.{name}" for name in fields)
     chosen = "" if n_names is None else f" AND name IN ({', '.join([mark] * n_names)})"
     return (
-        f"SELECT {fields}, dtype, data FROM {channels.name} "
-        f"JOIN {arrays.name} ON hash = array WHERE maneuver_id = {mark}{chosen}"
+        f"SELECT {columns}, dtype, data FROM {table} "
+        f"JOIN {arrays.name} ON hash = array WHERE {owner} = {mark}{chosen}"
     )
 
 
-def _channel(row: Sequence[Any]) -> Channel:
-    values = dict(zip(_FIELDS, row, strict=False))
+def _record(kind: type[_Kind], fields: tuple[str, ...], row: Sequence[Any]) -> _Kind:
+    values = dict(zip(fields, row, strict=False))
     values["role"] = _ROLES[values["role"]]
-    return Channel(**values)
+    return kind(**values)
