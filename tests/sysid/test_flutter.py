@@ -250,8 +250,10 @@ def test_classical_trackers_extrapolate_what_two_roots_do():
         for v in (40.0, 45.0, 50.0)
     ]
     assert damping_extrapolation(fading) == pytest.approx(60.0)
-    with pytest.raises(NotIdentifiable, match="three"):
-        damping_extrapolation(fading[:2])
+    for tracker in (damping_extrapolation, flutter_margin, envelope_function):
+        for few in ([], fading[:2]):
+            with pytest.raises(NotIdentifiable, match="three"):
+                tracker(few)
     with pytest.raises(NotIdentifiable, match="shape parameter"):
         envelope_function(points[::-1][:3])
 

@@ -362,10 +362,13 @@ def _single(store: Store, answer: _Answered, part: _Flown) -> RunForecast:
 
 def _trackers(answer: _Answered) -> tuple[TrackerForecast, ...]:
     """Classical trackers on the short period and the mode that dominates the flutter."""
-    parts, _, best = answer.best
-    shares = {} if best.crossing is None else best.crossing.participation
-    numbers = [name for name in sorted(shares, key=lambda n: -shares[n]) if name != "SP"]
-    critical = _name(answer.modes, numbers[0]) if numbers else ""
+    parts, found, best = answer.best
+    motions = found.aircraft.motions
+    if best.crossing is not None:
+        shares = best.crossing.participation
+        motions = tuple(sorted(shares, key=lambda name: -shares[name]))
+    elastic = [name for name in motions if name != "SP"]
+    critical = _name(answer.modes, elastic[0]) if elastic else ""
     points = [
         TestPoint(
             part.maneuver.condition.airspeed_m_s,

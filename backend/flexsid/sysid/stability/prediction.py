@@ -76,7 +76,7 @@ def predict_flutter(
     Raises
     ------
     BadInput
-        If the band is empty, or the aircraft is unstable at its lowest speed already.
+        If the band is empty.
     """
     low, high = band
     names = {name: _called(name) for name in found.aircraft.motions} | dict(called or {})
@@ -88,11 +88,13 @@ def predict_flutter(
         )
     locus = follow_roots(found.aircraft, np.linspace(low, high, _POINTS), density)
     growing = np.flatnonzero(np.real(locus.roots[0]) > 0.0)
-    if growing.size:
-        name = locus.names[int(growing[0])]
-        sentence = f"Already unstable at {low:.1f} m/s in {names[name]}; look at lower speeds."
-        return Prediction(locus, None, np.nan, np.nan, spread, sentence)
     crossing = locus.flutter
+    already = ""
+    if growing.size:
+        name = names[locus.names[int(growing[0])]]
+        already = f"Already unstable at {low:.1f} m/s in {name}; look at lower speeds."
+        if crossing is None:
+            return Prediction(locus, None, np.nan, np.nan, spread, already)
     if crossing is None:
         weakest = int(np.argmin(locus.damping().min(axis=0)))
         sentence = (
@@ -111,6 +113,8 @@ def predict_flutter(
     sentence += f", {crossing.frequency:.2f} rad/s." if crossing.frequency else "."
     if crossing.recovers_at is not None:
         sentence += f" It is a hump: stable again from {crossing.recovers_at:.2f} m/s."
+    if already:
+        sentence += f" {already}"
     return Prediction(locus, crossing, error.airspeed_std, error.frequency_std, spread, sentence)
 
 

@@ -58,7 +58,7 @@ def flutter_margin(points: Sequence[TestPoint]) -> float:
     """
     q = np.array([point.dynamic_pressure for point in points])
     margin = np.array([_margin(point.critical, point.partner) for point in points])
-    at = _first_zero(q, margin / np.abs(margin).max(), "the flutter margin")
+    at = _first_zero(q, margin, "the flutter margin")
     ratio = points[-1].airspeed / np.sqrt(points[-1].dynamic_pressure)
     return float(np.sqrt(at) * ratio)
 
@@ -78,6 +78,8 @@ def envelope_function(points: Sequence[TestPoint]) -> float:
     centroid lies at half the window.
     """
     V = np.array([point.airspeed for point in points])
+    if len(points) < 3:
+        return _first_zero(V, V, "the shape parameter")
     slowest = min(abs(root) for point in points for root in (point.critical, point.partner))
     window_s = 2.0 * np.pi * _PERIODS / slowest
     time_s = np.linspace(0.0, window_s, 4000)
@@ -110,7 +112,8 @@ def _first_zero(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"], what: st
         )
     order = np.argsort(x)
     centre, width = float(x.mean()), float(np.ptp(x))
-    fit = np.polynomial.Polynomial.fit(x[order], y[order], 2 if x.size > 3 else 1)
+    size = float(np.abs(y).max()) or 1.0
+    fit = np.polynomial.Polynomial.fit(x[order], y[order] / size, 2 if x.size > 3 else 1)
     roots: Complex[np.ndarray, " n"] = np.asarray(fit.roots(), dtype=complex)
     real = np.real(roots[np.abs(np.imag(roots)) < 1e-9 * (centre + width)])
     beyond = real[real > x.min()]
