@@ -181,6 +181,12 @@ OBJECTS = np.empty(N, dtype=object)
 OBJECTS[:] = [np.zeros(2)] * N
 PICKLE = npy(np.zeros(0), descr="|O", shape=(N,)) + pickle.dumps([Evil()])
 
+
+def packed_badly() -> bytes:
+    raw = zipped(q=npy(np.random.default_rng(0).normal(size=500)))
+    return changed(raw, 0.3, b"\xff" * 8)
+
+
 BAD: dict[str, tuple[str, bytes, str]] = {
     "nothing": ("f.csv", b"", "row 1"),
     "blank lines": ("f.csv", b"\n \n\n", "row 1"),
@@ -235,6 +241,7 @@ BAD: dict[str, tuple[str, bytes, str]] = {
     "an archive with a false header": ("f.npz", zipped(q=b"\x93NUMPY\x01\x00\x02\x00{}"), "'q'"),
     "an archive cut": ("f.npz", npz()[:-30], "damaged"),
     "an archive with bits turned": ("f.npz", changed(npz(), 0.5, b"\x55" * 9), "f.npz"),
+    "an archive packed badly": ("f.npz", packed_badly(), "damaged"),
     "an archive with infinity": ("f.npz", npz(q=with_nan(-np.inf)), "row 31, column 'q'"),
     "an archive of two lengths": ("f.npz", npz(bf=GOOD["bf"][:7]), "'bf' has 7 samples"),
     "an archive of complex numbers": ("f.npz", npz(q=GOOD["q"] * 1j), "'q'"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import zipfile
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -50,7 +51,14 @@ def _fields(path: Path) -> Iterator[Field]:
                     )
                 seen.add(name)
                 yield Field(name, _member(archive, member, name))
-    except (zipfile.BadZipFile, EOFError, OSError, NotImplementedError, RuntimeError) as error:
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        EOFError,
+        OSError,
+        NotImplementedError,
+        RuntimeError,
+    ) as error:
         raise UnreadableFile(f"the archive is damaged ({error}).") from error
 
 

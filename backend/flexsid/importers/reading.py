@@ -69,6 +69,9 @@ def _answer(request: dict[str, Any]) -> dict[str, Any]:
             "split the recording, or export it as HDF5 with one data set per channel."
         )
         return {"error": {"message": message, "code": "too-large", "context": {}}}
+    except Exception as error:  # a damaged file may raise anything, deep in a library
+        message = f"{name}: the file is damaged ({type(error).__name__}: {error})."
+        return {"error": {"message": message, "code": UnreadableFile.code, "context": {}}}
     (folder / MANIFEST).write_text(json.dumps(sources), encoding="utf-8")
     return {"done": True}
 
