@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from flexsid.errors import UnreadableFile
 from flexsid.importers import confined
@@ -67,3 +68,16 @@ def test_the_reader_ends_with_its_parent(record: Path) -> None:
         subprocess.run(["sleep", "0.1"], check=True)
     else:
         pytest.fail("the reader is still there")
+
+
+def test_a_file_that_crashes_a_library_is_refused_and_the_next_is_read(
+    record: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "flight.mat"
+    savemat(path, {"t": np.arange(200) / 50.0, "q": np.ones(200)})
+    raw = bytearray(path.read_bytes())
+    raw[177] = 36  # a type that does not exist; scipy 1.17 looks it up without a check
+    path.write_bytes(raw)
+    with pytest.raises(UnreadableFile, match=r"flight\.mat: "):
+        confined.read_all([path])
+    assert confined.read_all([record]).numbers("q").size == 200_000
