@@ -12,6 +12,7 @@ import { NotFoundPage } from "./pages/NotFoundPage";
 import {
   campaignView,
   compareView,
+  designView,
   importView,
   flutterView,
   jobsView,
@@ -109,6 +110,14 @@ const importPage = createRoute({
   component: lazyRouteComponent(() => import("./pages/ImportPage"), "ImportPage"),
 });
 
+const design = createRoute({
+  getParentRoute: () => root,
+  path: "/excitation/$id",
+  params: byId,
+  validateSearch: designView,
+  component: lazyRouteComponent(() => import("./pages/DesignPage"), "DesignPage"),
+});
+
 export const router = createRouter({
   routeTree: root.addChildren([
     campaign,
@@ -121,6 +130,7 @@ export const router = createRouter({
     jobs,
     aircraft,
     excitation,
+    design,
     importPage,
   ]),
   parseSearch,

@@ -103,6 +103,18 @@ export const flutterView = view((search) => ({
 }));
 export type FlutterView = ReturnType<typeof flutterView>;
 
+export const designView = view((search) => ({
+  /** Amplitude: 0 low, 1 medium, 2 high. */
+  level: integer(search.level),
+  /** Actuator: natural frequency [rad/s], deflection [deg] and rate [deg/s] limits. */
+  actuator: number(search.actuator),
+  position: number(search.position),
+  rate: number(search.rate),
+  /** Output-error run whose derivatives the design would be flown for. */
+  run: integer(search.run),
+}));
+export type DesignView = ReturnType<typeof designView>;
+
 export const jobsView = view((search) => ({ state: oneOf<RunState>(search.state, STATES) }));
 
 export const IMPORT_FORMS = ["table", "toml"] as const;

@@ -46,6 +46,11 @@ def test_a_design_is_made_kept_checked_and_exported(empty: TestClient):
     samples = np.array([row.split(",") for row in rows[1:]], dtype=float)
     assert samples.shape == (2400, 6)
     assert np.abs(samples[:, 1]).max() == pytest.approx(0.02, rel=0.01)
+    number = made.json()["id"]
+    for kind, unit in (("design-history", "[deg]"), ("design-spectrum", "[deg]")):
+        figure = empty.get(f"/api/v1/figures/{kind}?design_id={number}&level=2").json()
+        assert len(figure["data"]) == 5
+        assert unit in figure["layout"]["yaxis"]["title"]["text"]
     for form in ("mat", "h", "json"):
         assert empty.get(f"{where}/export?form={form}").status_code == 200
     assert empty.delete(where).status_code == 204

@@ -3,6 +3,7 @@
 from flexsid.figures.bode import View, bode
 from flexsid.figures.derivatives import derivatives
 from flexsid.figures.envelope import envelope
+from flexsid.figures.excitation import design_history, design_spectrum
 from flexsid.figures.fit import fit
 from flexsid.figures.flutter import flutter_forecast, flutter_map, root_locus, v_omega_zeta
 from flexsid.figures.ground_test import ground_test
@@ -19,6 +20,8 @@ __all__ = [
     "View",
     "bode",
     "derivatives",
+    "design_history",
+    "design_spectrum",
     "envelope",
     "fit",
     "flutter_forecast",

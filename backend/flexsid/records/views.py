@@ -262,3 +262,17 @@ class GroundSpectra:
     before: tuple[np.ndarray, np.ndarray]
     after: tuple[np.ndarray, np.ndarray]
     expected: tuple[ModeMarker, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DesignedExcitation:
+    """One period of a design: ``command`` (n, n_inputs) [rad], and its lines by input.
+
+    ``frequency_hz`` and ``amplitude`` [rad] are (n_lines,) of each input.
+    """
+
+    names: tuple[str, ...]
+    time_s: np.ndarray
+    command: np.ndarray
+    frequency_hz: dict[str, np.ndarray]
+    amplitude: dict[str, np.ndarray]

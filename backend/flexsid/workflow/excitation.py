@@ -10,6 +10,7 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.run import Method
+from flexsid.records.views import DesignedExcitation
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.expectation import expect
 from flexsid.sysid.estimation.parameters import select_parameters
@@ -107,6 +108,19 @@ def multisine_of(design: ExcitationDesign, level: int = 0) -> Multisine:
     """Return the multisine of a design at one of its three amplitudes, 0 to 2."""
     phases = {name: np.array(own) for name, own in design.phases.items()}
     return designer.from_phases(design.wish, phases, level)
+
+
+def designed(design: ExcitationDesign, level: int = 0) -> DesignedExcitation:
+    """One period at the flight computer's rate, and the lines of every input."""
+    made, rate = multisine_of(design, level), design.wish.rate_hz
+    time_s = np.arange(round(made.period_s * rate)) / rate
+    return DesignedExcitation(
+        names=made.inputs,
+        time_s=time_s,
+        command=made.sample(time_s),
+        frequency_hz={name: own.harmonics / made.period_s for name, own in made.tones.items()},
+        amplitude={name: own.amplitudes for name, own in made.tones.items()},
+    )
 
 
 def checks_of(design: ExcitationDesign, actuator: ActuatorLimits, level: int = 0) -> DesignChecks:

@@ -197,6 +197,47 @@ export const designsQuery = queryOptions({
   queryFn: async ({ signal }) => (await body(api.GET("/api/v1/designs", { signal }))).items,
 });
 
+export const designQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["designs", id],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/designs/{design_id}", { params: { path: { design_id: id } }, signal })),
+  });
+
+export interface Actuator {
+  natural_frequency: number;
+  position?: number;
+  rate?: number;
+}
+
+export const designChecksQuery = (id: number, level: number, actuator: Actuator) =>
+  queryOptions({
+    queryKey: ["designs", id, "checks", level, actuator],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/designs/{design_id}/checks", {
+          params: { path: { design_id: id }, query: { ...actuator, level } },
+          signal,
+        }),
+      ),
+    placeholderData: keepPreviousData,
+  });
+
+export const expectedErrorsQuery = (id: number, level: number, runId: number | undefined) =>
+  queryOptions({
+    queryKey: ["designs", id, "expected", level, runId],
+    queryFn: async ({ signal }) =>
+      (
+        await body(
+          api.GET("/api/v1/designs/{design_id}/expected-errors", {
+            params: { path: { design_id: id }, query: { run_id: runId ?? 0, level } },
+            signal,
+          }),
+        )
+      ).items,
+    enabled: runId !== undefined,
+  });
+
 export const catalogueQuery = queryOptions({
   queryKey: ["designs", "catalogue"],
   queryFn: async ({ signal }) =>

@@ -18,7 +18,15 @@ const FORMS = ["csv", "mat", "h", "json"] as const;
 const LEVELS = [0.5, 1, 2] as const;
 
 const DESIGN_COLUMNS: Column<Design>[] = [
-  { key: "name", header: "Design", render: (design) => design.name },
+  {
+    key: "name",
+    header: "Design",
+    render: (design) => (
+      <Link to="/excitation/$id" params={{ id: design.id }} className="link">
+        {design.name}
+      </Link>
+    ),
+  },
   {
     key: "duration",
     header: "Duration",

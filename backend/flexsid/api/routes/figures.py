@@ -11,11 +11,12 @@ from fastapi.responses import Response
 from flexsid import figures
 from flexsid.api.context import TheStore
 from flexsid.api.export import Form, sent
+from flexsid.api.routes.designs import Level
 from flexsid.api.routes.flutter import TheQuestion
 from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.wire import split_ids, split_names
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow import flutter, ground_tests, views
+from flexsid.workflow import excitation, flutter, ground_tests, views
 
 router = APIRouter(prefix="/figures", tags=["figures"])
 
@@ -221,3 +222,21 @@ def draw_flutter_forecast(store: TheStore, question: TheQuestion, form: Form = "
 def draw_flutter_map(store: TheStore, question: TheQuestion, form: Form = "json") -> Response:
     """Draw the flutter speed over fuel and altitude."""
     return sent(figures.flutter_map(flutter.flutter_map(store, question)), form)
+
+
+@router.get("/design-history", response_model=Figure)
+def draw_design_history(
+    store: TheStore, design_id: _Id, level: Level = 0, form: Form = "json"
+) -> Response:
+    """Draw one period of a designed excitation."""
+    value = excitation.designed(store.designs.get(design_id), level)
+    return sent(figures.design_history(value), form)
+
+
+@router.get("/design-spectrum", response_model=Figure)
+def draw_design_spectrum(
+    store: TheStore, design_id: _Id, level: Level = 0, form: Form = "json"
+) -> Response:
+    """Draw the lines of a designed excitation by the input that owns them."""
+    value = excitation.designed(store.designs.get(design_id), level)
+    return sent(figures.design_spectrum(value), form)

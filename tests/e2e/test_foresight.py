@@ -1,0 +1,71 @@
+"""Before the next flight: what an excitation would tell, and how far flutter is."""
+
+from __future__ import annotations
+
+import json
+import re
+import urllib.request
+
+import pytest
+from playwright.sync_api import Page, expect
+
+pytestmark = pytest.mark.e2e
+
+FIGURE_MS = 30_000
+ESTIMATION_MS = 120_000
+
+
+def test_a_designed_excitation_is_looked_at_and_checked(page: Page):
+    page.goto("/excitation")
+    page.get_by_role("button", name="Design FTA 500", exact=True).click()
+    link = page.get_by_test_id("designs-table").get_by_role("link", name="FTA 500").first
+    link.click(timeout=ESTIMATION_MS)
+    expect(page.get_by_role("heading", name="FTA 500")).to_be_visible()
+    for kind in ("design-history", "design-spectrum"):
+        _drawn(page, kind)
+    checks = page.get_by_test_id("design-checks")
+    expect(checks.locator("tbody tr")).to_have_count(5)
+    expect(checks).not_to_contain_text("exceeded")
+    page.get_by_label("Rate limit").fill("1")
+    page.get_by_label("Rate limit").blur()
+    expect(page).to_have_url(re.compile("rate=1"))
+    expect(checks).to_contain_text("exceeded")
+
+
+def test_the_next_test_point_is_answered(page: Page, server: str):
+    maneuver = _get(f"{server}/api/v1/maneuvers?fta=506&limit=1&sort=airspeed_ratio")["items"][0]
+    wish = {
+        "maneuver_id": maneuver["id"],
+        "method": "EE",
+        "structure": {"modes": [7, 9], "fixed": {}},
+        "settings": {},
+    }
+    run = _post(f"{server}/api/v1/runs", wish)
+    page.goto(f"/runs/{run['id']}")
+    expect(page.get_by_test_id("parameter-table")).to_be_visible(timeout=ESTIMATION_MS)
+    page.goto("/flutter")
+    expect(page.get_by_text("No runs chosen")).to_be_visible()
+    page.goto(f"/flutter?runs={run['id']}&next=45")
+    answer = page.get_by_test_id("next-point")
+    expect(answer).to_contain_text("Next point at 45.0 m/s", timeout=FIGURE_MS)
+    expect(page.get_by_test_id("structures").locator("tbody tr")).to_have_count(1)
+    for kind in ("v-omega-zeta", "flutter-forecast", "root-locus", "flutter-map"):
+        _drawn(page, kind)
+
+
+def _drawn(page: Page, kind: str) -> None:
+    figure = page.get_by_test_id(f"figure-{kind}")
+    expect(figure).to_have_attribute("data-drawn", "true", timeout=FIGURE_MS)
+
+
+def _get(address: str) -> dict:
+    with urllib.request.urlopen(address) as answer:
+        return json.load(answer)
+
+
+def _post(address: str, content: dict) -> dict:
+    request = urllib.request.Request(
+        address, json.dumps(content).encode(), {"Content-Type": "application/json"}
+    )
+    with urllib.request.urlopen(request) as answer:
+        return json.load(answer)
