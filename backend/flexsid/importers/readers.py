@@ -47,8 +47,6 @@ _FORMATS: dict[str, _Format] = {
     ".mdf": _MDF,
 }
 
-SUFFIXES: tuple[str, ...] = tuple(_FORMATS)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OpenFile:
