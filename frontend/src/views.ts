@@ -23,7 +23,7 @@ export const campaignView = view((search) => ({
 }));
 export type CampaignView = ReturnType<typeof campaignView>;
 
-export const BODE_PLANES = ["bode", "nichols", "nyquist"] as const;
+export const BODE_PLANES = ["bode", "nichols", "nyquist", "loops"] as const;
 
 export const MANEUVER_TABS = ["time", "spectra", "inputs", "bode", "runs"] as const;
 

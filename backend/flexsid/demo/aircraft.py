@@ -31,6 +31,9 @@ _DESCRIPTION = (
 )
 
 
+_HELD_S = 1e-3  # for which the flight computer holds a command: half of it is a delay
+
+
 def describe_aircraft(truth: Truth) -> Aircraft:
     """Write the aircraft down as an analyst would know it. The airframe is exact, noise typical."""
     source = truth.source
@@ -48,7 +51,12 @@ def describe_aircraft(truth: Truth) -> Aircraft:
             z_cg_m=_numbers(truth.z_cg),
         ),
         surfaces=tuple(
-            Surface(name=name, instrument="potentiometer", noise_std_rad=noise["pot_rad"])
+            Surface(
+                name=name,
+                instrument="potentiometer",
+                servo="servo",
+                noise_std_rad=noise["pot_rad"],
+            )
             for name in INPUTS
         ),
         sensors=_sensors(truth),
@@ -90,6 +98,10 @@ def _instruments(source: dict[str, Any]) -> dict[str, Instrument]:
         return SecondOrder(natural_frequency=entry["wn"], damping=entry["zeta"])
 
     return {
+        "servo": Instrument(
+            elements=(second_order("actuator"),),
+            delay_s=dynamics["actuator"]["delay_s"] + 0.5 * _HELD_S,
+        ),
         "potentiometer": Instrument(elements=(_butterworth(dynamics["pot_filter"]), last)),
         "accelerometer": Instrument(
             elements=(second_order("accelerometer"), last), delay_s=delay["accel"]

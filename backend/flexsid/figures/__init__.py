@@ -8,6 +8,7 @@ from flexsid.figures.fit import fit
 from flexsid.figures.flutter import flutter_forecast, flutter_map, root_locus, v_omega_zeta
 from flexsid.figures.ground_test import ground_test
 from flexsid.figures.iterations import iterations
+from flexsid.figures.loops import loops
 from flexsid.figures.parameter_correlation import parameter_correlation
 from flexsid.figures.plot_matrix import plot_matrix
 from flexsid.figures.poles import poles
@@ -28,6 +29,7 @@ __all__ = [
     "flutter_map",
     "ground_test",
     "iterations",
+    "loops",
     "parameter_correlation",
     "plot_matrix",
     "poles",

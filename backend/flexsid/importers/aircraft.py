@@ -115,6 +115,7 @@ def _surface(table: Table, instruments: dict[str, Instrument]) -> Surface:
         name=table.text("name"),
         instrument=_instrument_name(table, "instrument", instruments),
         actuator=_instrument_name(table, "actuator", instruments),
+        servo=_instrument_name(table, "servo", instruments),
         noise_std_rad=table.si_scalar("noise_std", "angle") if "noise_std" in table else None,
     )
     table.close()

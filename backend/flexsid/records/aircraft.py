@@ -54,11 +54,14 @@ class Surface:
 
     ``instrument`` lies between the true deflection and its recording. Where the
     command was recorded instead, ``actuator`` turns it into the true deflection.
+    ``servo`` lies between command and deflection where both were recorded; control loops
+    are broken in front of it.
     """
 
     name: str
     instrument: str | None = None
     actuator: str | None = None
+    servo: str | None = None
     noise_std_rad: float | None = None
 
 

@@ -276,3 +276,29 @@ class DesignedExcitation:
     command: np.ndarray
     frequency_hz: dict[str, np.ndarray]
     amplitude: dict[str, np.ndarray]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LoopCurve:
+    """Gain of one surface's loop at its own lines, (M,), with margins.
+
+    ``std`` is of the complex error; ``gain_up`` is a factor, infinite where nothing is crossed.
+    """
+
+    surface: str
+    frequency_hz: np.ndarray
+    gain: np.ndarray
+    std: np.ndarray
+    gain_up: float
+    phase_rad: float
+    phase_std_rad: float
+    disk: float
+    disk_std: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LoopPlot:
+    """Loops of all excited surfaces of a maneuver, each broken in front of its servo."""
+
+    maneuver_id: int
+    curves: tuple[LoopCurve, ...]

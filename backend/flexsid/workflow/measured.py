@@ -102,7 +102,9 @@ def measure(
         owner=lines.owner,
         inputs=FrequencyData(lines.omega, recorded.values * factors, inputs),
         outputs=spectra_of(store, maneuver, aircraft, names, lines),
-        instruments=np.stack(responses, axis=1),
+        instruments=np.reshape(
+            np.array(responses, dtype=complex), (len(outputs), lines.omega.size)
+        ).T,
         commands=_commands(store, maneuver, aircraft, inputs, lines),
         input_noise=noise,
         crowding=_crowding(lines.omega, duration_s),

@@ -139,6 +139,25 @@ def input_correction(aircraft: Aircraft, surface: str, omega: np.ndarray) -> np.
     )
 
 
+def servo_of(aircraft: Aircraft, surface: str) -> Instrument:
+    """What lies between the command of a surface and its deflection.
+
+    Raises
+    ------
+    BadInput
+        If the aircraft does not describe it.
+    """
+    for candidate in aircraft.surfaces:
+        if candidate.name == surface and candidate.servo is not None:
+            return _instrument(aircraft, candidate.servo)
+    raise BadInput(
+        f"{aircraft.name} has no servo for '{surface}'; describe what lies between its command "
+        "and its deflection",
+        code="no-servo",
+        input=surface,
+    )
+
+
 def _instrument(aircraft: Aircraft, name: str | None) -> Instrument:
     if name is None:
         return _NO_INSTRUMENT

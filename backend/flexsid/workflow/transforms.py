@@ -147,7 +147,8 @@ def spectra_of(
         transform = _transform(samples, rate_hz, start_s, maneuver, lines, settles)
         spectra.update({c.name: transform[:, k] for k, (c, _) in enumerate(group)})
     columns = [sum(w * spectra[part] for part, w in parts[name]) for name in names]
-    return FrequencyData(lines.omega, np.stack(columns, axis=1), names)
+    values = np.reshape(np.array(columns, dtype=complex), (len(names), lines.omega.size)).T
+    return FrequencyData(lines.omega, values, names)
 
 
 def _transform(

@@ -1185,6 +1185,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/figures/loops": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Loops
+         * @description Draw each surface's loop as flown, with its margins.
+         */
+        get: operations["draw_loops"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/nomenclature": {
         parameters: {
             query?: never;
@@ -3269,6 +3289,8 @@ export interface components {
          *
          *     ``instrument`` lies between the true deflection and its recording. Where the
          *     command was recorded instead, ``actuator`` turns it into the true deflection.
+         *     ``servo`` lies between command and deflection where both were recorded; control loops
+         *     are broken in front of it.
          */
         Surface: {
             /** Name */
@@ -3277,6 +3299,8 @@ export interface components {
             instrument?: string | null;
             /** Actuator */
             actuator?: string | null;
+            /** Servo */
+            servo?: string | null;
             /** Noise Std Rad */
             noise_std_rad?: number | null;
         };
@@ -5696,6 +5720,39 @@ export interface operations {
                 design_id: number;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_loops: {
+        parameters: {
+            query: {
+                maneuver_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
             };

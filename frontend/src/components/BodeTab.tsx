@@ -10,7 +10,7 @@ import { useOfferedChannels } from "./useOfferedChannels";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 import { BODE_PLANES } from "../views";
 
-const PLANES = { bode: "Bode", nichols: "Nichols", nyquist: "Nyquist" };
+const PLANES = { bode: "Bode", nichols: "Nichols", nyquist: "Nyquist", loops: "Loops" };
 
 interface BlankedPoint {
   output: string;
@@ -35,7 +35,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
     average: view.average,
     rigid: view.rigid,
     windowed: view.windowed,
-    view: view.plane,
+    view: view.plane === "loops" ? undefined : view.plane,
   };
   const campaign = useInfiniteQuery(maneuversQuery({}, "id", 200));
   const others = (campaign.data?.pages ?? [])
@@ -126,7 +126,13 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
         />
       </Stack>
       <div className="panel" style={{ padding: 12 }}>
-        {outputs.length === 0 || inputs.length === 0 ? (
+        {view.plane === "loops" ? (
+          <Figure
+            kind="loops"
+            title="Each surface's loop, broken in front of its servo while the others stay closed"
+            params={{ maneuver_id: maneuver.id }}
+          />
+        ) : outputs.length === 0 || inputs.length === 0 ? (
           <Empty title="Nothing to draw">Tick an input and an output on the left.</Empty>
         ) : (
           <>

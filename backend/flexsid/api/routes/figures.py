@@ -240,3 +240,9 @@ def draw_design_spectrum(
     """Draw the lines of a designed excitation by the input that owns them."""
     value = excitation.designed(store.designs.get(design_id), level)
     return sent(figures.design_spectrum(value), form)
+
+
+@router.get("/loops", response_model=Figure)
+def draw_loops(store: TheStore, maneuver_id: _Id, form: Form = "json") -> Response:
+    """Draw each surface's loop as flown, with its margins."""
+    return sent(figures.loops(views.loops(store, maneuver_id)), form)

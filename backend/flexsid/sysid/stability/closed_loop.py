@@ -84,7 +84,7 @@ def loop_margins(
     """
     omega = np.geomspace(band[0], band[1], _FINE)
     loops = broken_loops(plant, controller, omega)
-    return tuple(_margins(name, omega, loops[:, k]) for k, name in enumerate(controller.outputs))
+    return tuple(margins_of(name, omega, loops[:, k]) for k, name in enumerate(controller.outputs))
 
 
 def broken_loops(
@@ -140,9 +140,10 @@ def _response(
     return system.C @ forced + system.D
 
 
-def _margins(
+def margins_of(
     name: str, omega: Float[np.ndarray, " n_omega"], L: Complex[np.ndarray, " n_omega"]
 ) -> Margins:
+    """Read the margins of a loop gain that is given finely over frequency."""
     gains, gains_at = _axis_crossings(omega, L)
     up = [(1.0 / g, w) for g, w in zip(gains, gains_at, strict=True) if g < 1.0]
     down = [1.0 / g for g in gains if g > 1.0]
