@@ -23,7 +23,7 @@ from flexsid.sysid.modes import StructuralModes
 from flexsid.workflow.keeping import largest_correlation
 from flexsid.workflow.models import build_model, define_outputs
 
-FTA = 503
+FTA = 506
 PEAK_DEG = 4.0
 _GEAR_STIFFNESS = 1500.0  # of nose and main gear together, tires included [N/m]
 _UNBALANCE = 4e-3  # mass times distance of a surface from its hinge [kg m]

@@ -253,4 +253,5 @@ def _message(flight: Flight, verdict: Verdict, peaks: tuple[PeakChange, ...]) ->
             f"The amplitude of {worst.name} changed in flight {flight.number} by "
             f"{worst.amplitude_change:+.0%}, its frequency did not; repeat the record."
         )
-    return f"Fuel explains the change of {worst.name}; {left} is left, which is within its error."
+    followed = ", ".join(peak.name for peak in peaks)
+    return f"Fuel explains what changed ({followed}); of {worst.name} {left} is left over."
