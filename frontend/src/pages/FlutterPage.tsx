@@ -14,6 +14,13 @@ import type { FlutterView } from "../views";
 
 const route = getRouteApi("/flutter");
 
+const FIGURES = [
+  ["v-omega-zeta", "Frequency and damping over airspeed"],
+  ["flutter-forecast", "Flutter speed against the speed flown"],
+  ["root-locus", "Root locus over airspeed"],
+  ["flutter-map", "Flutter speed over fuel and altitude"],
+] as const;
+
 /** What the identified models say of the next test point. */
 export function FlutterPage() {
   const view = route.useSearch();
@@ -52,30 +59,11 @@ export function FlutterPage() {
             <Loaded query={answer} rows={6}>
               {(data) => <Answer answer={data} />}
             </Loaded>
-            <div className="panel" style={{ padding: 12 }}>
-              <Figure
-                kind="v-omega-zeta"
-                title="Frequency and damping over airspeed"
-                params={question}
-              />
-            </div>
-            <div className="panel" style={{ padding: 12 }}>
-              <Figure
-                kind="flutter-forecast"
-                title="Flutter speed against the speed flown"
-                params={question}
-              />
-            </div>
-            <div className="panel" style={{ padding: 12 }}>
-              <Figure kind="root-locus" title="Root locus over airspeed" params={question} />
-            </div>
-            <div className="panel" style={{ padding: 12 }}>
-              <Figure
-                kind="flutter-map"
-                title="Flutter speed over fuel and altitude"
-                params={question}
-              />
-            </div>
+            {FIGURES.map(([kind, title]) => (
+              <div className="panel" style={{ padding: 12 }} key={kind}>
+                <Figure kind={kind} title={title} params={question} />
+              </div>
+            ))}
           </Stack>
         )}
       </div>
