@@ -69,6 +69,25 @@ def test_a_run_is_exported(flown_url: str, capsys, tmp_path: Path) -> None:
     assert float(rows[0]["std_error"]) > 0
 
 
+def test_a_design_is_written_in_the_form_of_its_ending(capsys, tmp_path: Path) -> None:
+    order = ["design", "--fta", "500", "--effort", "quick", "--output"]
+    assert main([*order, str(tmp_path / "fta.csv")]) == 0
+    assert "bfs        relative peak factor 1." in capsys.readouterr().out
+    with (tmp_path / "fta.csv").open() as file:
+        assert len(list(csv.DictReader(file))) == 2400
+    assert "expected one of .csv" in refused(capsys, 2, *order, "fta.xls")
+    assert "no row 7" in refused(capsys, 2, "design", "--fta", "7", "--output", "a.csv")
+
+
+def test_flutter_is_foretold_from_runs(flown_url: str, capsys) -> None:
+    asked = ["flutter", "1", "--next", "45", "--database", flown_url]
+    assert main(asked) == 0
+    assert capsys.readouterr().out.startswith("Next point at 45.0 m/s")
+    assert main([*asked, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["next_m_s"] == 45.0
+    assert "RUNS is 'x'" in refused(capsys, 2, "flutter", "x", "--database", flown_url)
+
+
 def test_files_are_imported(database_url: str, capsys, tmp_path: Path) -> None:
     mapping = tmp_path / "m.toml"
     mapping.write_text(

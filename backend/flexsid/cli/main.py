@@ -110,7 +110,40 @@ def _parser() -> argparse.ArgumentParser:
     export.add_argument(
         "--output", required=True, metavar="FILE", help=".json: everything; .csv: its parameters"
     )
+
+    design = add("design", _design, "design a multisine of Table 1 for least relative peak factor")
+    design.add_argument("--fta", type=int, required=True, metavar="N", help="number of its row")
+    design.add_argument("--duration", type=float, default=24.0, metavar="S")
+    design.add_argument("--rate", type=float, default=100.0, metavar="HZ")
+    design.add_argument("--first-harmonic", type=int, default=6, metavar="K")
+    design.add_argument(
+        "--peak-deg", type=float, default=2.0, metavar="DEG", help="of the body flap"
+    )
+    design.add_argument("--effort", choices=("quick", "thorough", "patient"), default="thorough")
+    design.add_argument("--seed", type=int, default=0)
+    design.add_argument(
+        "--output", required=True, metavar="FILE", help=".csv, .mat, .h, or .json: the recipe"
+    )
+
+    flutter = add("flutter", _flutter, "say where runs see the aircraft lose stability")
+    flutter.add_argument("runs", metavar="RUN,RUN", help="ids of runs that succeeded")
+    flutter.add_argument("--fuel", type=float, metavar="SHARE", help="default: the fastest point's")
+    flutter.add_argument("--altitude", type=float, metavar="M", help="standard atmosphere")
+    flutter.add_argument("--next", type=float, metavar="M/S", help="airspeed of the next point")
+    flutter.add_argument("--json", action="store_true", help="print the answer as JSON")
     return parser
+
+
+def _design(_settings: Settings, chosen: argparse.Namespace) -> int:
+    from flexsid.cli.foresight import design
+
+    return design(chosen)
+
+
+def _flutter(settings: Settings, chosen: argparse.Namespace) -> int:
+    from flexsid.cli.foresight import foretell
+
+    return foretell(settings, chosen)
 
 
 def _serve(settings: Settings, _chosen: argparse.Namespace) -> int:

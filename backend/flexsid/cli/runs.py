@@ -24,7 +24,7 @@ def read_request(chosen: argparse.Namespace) -> EstimationRun:
     """Read the arguments of ``flexsid run``."""
     band = None
     if chosen.band is not None:
-        limits = _list(chosen.band, float, "--band")
+        limits = numbers(chosen.band, float, "--band")
         if len(limits) != 2:
             raise BadInput(f"--band is {chosen.band!r}; expected two frequencies, e.g. 0.5,12")
         band = (limits[0], limits[1])
@@ -32,19 +32,19 @@ def read_request(chosen: argparse.Namespace) -> EstimationRun:
         maneuver_id=chosen.maneuver,
         method=Method(chosen.method),
         structure=Structure(
-            modes=tuple(_list(chosen.modes, int, "--modes")),
-            inputs=tuple(_list(chosen.inputs, str, "--inputs")),
-            outputs=tuple(_list(chosen.outputs, str, "--outputs")),
-            free=None if chosen.free is None else tuple(_list(chosen.free, str, "--free")),
+            modes=tuple(numbers(chosen.modes, int, "--modes")),
+            inputs=tuple(numbers(chosen.inputs, str, "--inputs")),
+            outputs=tuple(numbers(chosen.outputs, str, "--outputs")),
+            free=None if chosen.free is None else tuple(numbers(chosen.free, str, "--free")),
             fixed={},
             free_delays=chosen.free_delays,
-            also_free=tuple(_list(chosen.also_free, str, "--also-free")),
+            also_free=tuple(numbers(chosen.also_free, str, "--also-free")),
         ),
         settings=RunSettings(
             start=Start(chosen.start),
             band_hz=band,
             prior_spread=chosen.prior_spread,
-            together_with=tuple(_list(chosen.together_with, int, "--together-with")),
+            together_with=tuple(numbers(chosen.together_with, int, "--together-with")),
         ),
     )
 
@@ -90,7 +90,8 @@ def _table(run: EstimationRun) -> list[str]:
     return lines + [f"note: {warning}" for warning in fit.warnings]
 
 
-def _list(text: str, kind: Callable[[str], T], option: str) -> list[T]:
+def numbers(text: str, kind: Callable[[str], T], option: str) -> list[T]:
+    """Read what stands between commas."""
     try:
         return [kind(part.strip()) for part in text.split(",") if part.strip()]
     except ValueError as error:

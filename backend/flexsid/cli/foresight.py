@@ -1,0 +1,83 @@
+"""Before the next flight, from the command line: design an excitation, foretell flutter."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+import orjson
+
+from flexsid.cli.opening import opened
+from flexsid.cli.runs import numbers
+from flexsid.errors import BadInput
+from flexsid.records.excitation import ExcitationDesign
+from flexsid.settings import Settings
+from flexsid.sysid.excitation import designer
+from flexsid.workflow.excitation import MEDIA, export_design, wish_for
+from flexsid.workflow.flutter import Question, flutter
+
+_LEVELS = (0.5, 1.0, 2.0)  # of the medium amplitude
+
+
+def design(chosen: argparse.Namespace) -> int:
+    """Design a row of Table 1 and write its medium amplitude; the ending says the form."""
+    output = Path(chosen.output)
+    form = output.suffix.removeprefix(".")
+    if form not in MEDIA:
+        raise BadInput(
+            f"--output ends in '{output.suffix}'; expected one of "
+            f"{', '.join(f'.{ending}' for ending in MEDIA)}"
+        )
+    low, medium, high = (float(np.deg2rad(level * chosen.peak_deg)) for level in _LEVELS)
+    wish = wish_for(
+        chosen.fta,
+        chosen.duration,
+        chosen.rate,
+        chosen.first_harmonic,
+        (low, medium, high),
+        chosen.effort,
+        chosen.seed,
+    )
+    made = designer.design(wish, _show)
+    kept = ExcitationDesign(
+        name=f"FTA {chosen.fta}",
+        wish=wish,
+        phases={name: tuple(tones.phases.tolist()) for name, tones in made.tones.items()},
+        peak_factors=designer.peak_factors(made),
+        fta=chosen.fta,
+    )
+    output.write_bytes(export_design(kept, form, 1))
+    for name, factor in kept.peak_factors.items():
+        print(f"{name:<10} relative peak factor {factor:.4f}")
+    return 0
+
+
+def foretell(settings: Settings, chosen: argparse.Namespace) -> int:
+    """Print where runs see the aircraft lose stability."""
+    question = Question(
+        run_ids=tuple(numbers(chosen.runs, int, "RUNS")),
+        fuel=chosen.fuel,
+        altitude_m=chosen.altitude,
+        next_m_s=chosen.next,
+    )
+    with opened(settings) as store:
+        answer = flutter(store, question)
+    if chosen.json:
+        print(orjson.dumps(answer, option=orjson.OPT_INDENT_2).decode())
+        return 0
+    print(answer.next_point)
+    print(answer.sentence)
+    for structure in answer.structures:
+        held = f", {' '.join(map(str, structure.held_modes))} predicted"
+        print(
+            f"modes {' '.join(map(str, structure.modes))}{held if structure.held_modes else ''}: "
+            f"{structure.sentence}"
+        )
+    return 0
+
+
+def _show(name: str, best: float, fraction: float) -> None:
+    if sys.stderr.isatty():
+        print(f"\r{100 * fraction:3.0f}% {name} at {best:.4f}", end="", file=sys.stderr, flush=True)
