@@ -75,6 +75,9 @@ def test_the_next_point_is_answered_with_its_margin(store: Store, runs):
     assert "lies beyond flutter" in beyond.next_point
     assert [tracker.airspeed_m_s for tracker in answer.trackers] == [None] * 3
     assert "three" in answer.trackers[0].sentence
+    assert answer.equivalents == (), "two points are no line with an error"
+    assert answer.separation is not None
+    assert 1.0 < answer.separation < 4.0
 
 
 def test_everything_is_drawn(store: Store, runs):

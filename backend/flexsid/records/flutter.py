@@ -54,12 +54,33 @@ class Participation:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class EquivalentLine:
+    """A mode without air, from straight lines over dynamic pressure (Eq. 25).
+
+    ``table_hz`` is what the modal table says; the derivatives are C_Qi_eta_i and C_Qi_etadot_i.
+    """
+
+    mode: int
+    name: str
+    table_hz: float
+    frequency_hz: float
+    frequency_std_hz: float
+    damping: float
+    damping_std: float
+    stiffness_derivative: float
+    stiffness_derivative_std: float
+    damping_derivative: float
+    damping_derivative_std: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Flutter:
     """The answer to "next point at V: margin, and how sure".
 
     ``airspeed_std_m_s`` is statistical, ``spread_m_s`` the standard deviation between model
     structures; ``low_m_s`` to ``high_m_s`` holds the flutter speed with 95 % probability.
-    ``known_m_s`` is what the aircraft's table predicted before flight.
+    ``known_m_s`` is what the aircraft's table predicted before flight. ``separation`` is the
+    lowest elastic over the short-period frequency at the fastest point.
     """
 
     sentence: str
@@ -80,6 +101,8 @@ class Flutter:
     structures: tuple[StructureForecast, ...]
     runs: tuple[RunForecast, ...]
     trackers: tuple[TrackerForecast, ...]
+    equivalents: tuple[EquivalentLine, ...]
+    separation: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

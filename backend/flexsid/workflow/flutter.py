@@ -10,6 +10,7 @@ import numpy as np
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.flutter import (
+    EquivalentLine,
     Flutter,
     FlutterMap,
     FlutterRoots,
@@ -25,6 +26,7 @@ from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
 from flexsid.sysid.stability.bands import Uncertain, root_bands
+from flexsid.sysid.stability.equivalent import equivalent_modes, fit_in_vacuo, separation
 from flexsid.sysid.stability.flutter import follow_roots
 from flexsid.sysid.stability.prediction import (
     Identified,
@@ -139,6 +141,8 @@ def flutter(store: Store, question: Question) -> Flutter:
         ),
         runs=tuple(_single(store, answer, part) for part in answer.best[0]),
         trackers=_trackers(answer),
+        equivalents=_equivalents(store, answer),
+        separation=_separation(answer),
     )
 
 
@@ -388,6 +392,53 @@ def _trackers(answer: _Answered) -> tuple[TrackerForecast, ...]:
             speed, sentence = None, str(reason)
         result.append(TrackerForecast(name=name, airspeed_m_s=speed, sentence=sentence))
     return tuple(result)
+
+
+def _equivalents(store: Store, answer: _Answered) -> tuple[EquivalentLine, ...]:
+    """Straight lines over dynamic pressure, all runs brought to one loading first."""
+    parts, found, _ = answer.best
+    modes = answer.modes.table.at(answer.fuel).select(found.aircraft.modes.numbers)
+    free = {int(row) - 2 for row in found.uncertain.rows}
+    points = []
+    for part in parts:
+        own = _at_fuel(store, part, answer.fuel)
+        loaded = _loaded(answer.aircraft, answer.modes, [part], answer.fuel, answer.density)
+        there = replace(loaded, derivatives=own.aircraft.derivatives)
+        points.append(equivalent_modes(there, own.uncertain))
+    size = answer.aircraft.geometry
+    lines = []
+    for k, number in enumerate(modes.numbers):
+        if k not in free:
+            continue
+        try:
+            line = fit_in_vacuo(
+                [each[k] for each in points], size.area_m2, size.chord_m, float(modes.mass[k])
+            )
+        except FlexsidError:
+            continue  # too few points for a line
+        lines.append(
+            EquivalentLine(
+                mode=number,
+                name=_name(answer.modes, str(number)),
+                table_hz=float(modes.omega[k]) / (2.0 * np.pi),
+                frequency_hz=line.omega / (2.0 * np.pi),
+                frequency_std_hz=line.omega_std / (2.0 * np.pi),
+                damping=line.zeta,
+                damping_std=line.zeta_std,
+                stiffness_derivative=line.stiffness_derivative,
+                stiffness_derivative_std=line.stiffness_derivative_std,
+                damping_derivative=line.damping_derivative,
+                damping_derivative_std=line.damping_derivative_std,
+            )
+        )
+    return tuple(lines)
+
+
+def _separation(answer: _Answered) -> float | None:
+    fastest = max(answer.best[0], key=lambda part: part.maneuver.condition.airspeed_m_s)
+    short = fastest.poles.get("SP", 0j)
+    elastic = [abs(pole) for name, pole in fastest.poles.items() if name != "SP"]
+    return separation(elastic, abs(short)) if elastic and short.imag > 0.0 else None
 
 
 def _next_point(best: Prediction, following: float) -> str:

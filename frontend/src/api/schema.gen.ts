@@ -1569,6 +1569,36 @@ export interface components {
             lift_slope: number;
         };
         /**
+         * EquivalentLine
+         * @description A mode without air, from straight lines over dynamic pressure (Eq. 25).
+         *
+         *     ``table_hz`` is what the modal table says; the derivatives are C_Qi_eta_i and C_Qi_etadot_i.
+         */
+        EquivalentLine: {
+            /** Mode */
+            mode: number;
+            /** Name */
+            name: string;
+            /** Table Hz */
+            table_hz: number;
+            /** Frequency Hz */
+            frequency_hz: number;
+            /** Frequency Std Hz */
+            frequency_std_hz: number;
+            /** Damping */
+            damping: number;
+            /** Damping Std */
+            damping_std: number;
+            /** Stiffness Derivative */
+            stiffness_derivative: number;
+            /** Stiffness Derivative Std */
+            stiffness_derivative_std: number;
+            /** Damping Derivative */
+            damping_derivative: number;
+            /** Damping Derivative Std */
+            damping_derivative_std: number;
+        };
+        /**
          * EstimationRun
          * @description A request and, once done, its result.
          */
@@ -1871,7 +1901,8 @@ export interface components {
          *
          *     ``airspeed_std_m_s`` is statistical, ``spread_m_s`` the standard deviation between model
          *     structures; ``low_m_s`` to ``high_m_s`` holds the flutter speed with 95 % probability.
-         *     ``known_m_s`` is what the aircraft's table predicted before flight.
+         *     ``known_m_s`` is what the aircraft's table predicted before flight. ``separation`` is the
+         *     lowest elastic over the short-period frequency at the fastest point.
          */
         Flutter: {
             /** Sentence */
@@ -1910,6 +1941,10 @@ export interface components {
             runs: components["schemas"]["RunForecast"][];
             /** Trackers */
             trackers: components["schemas"]["TrackerForecast"][];
+            /** Equivalents */
+            equivalents: components["schemas"]["EquivalentLine"][];
+            /** Separation */
+            separation: number | null;
         };
         /**
          * FlutterTable

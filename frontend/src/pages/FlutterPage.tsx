@@ -162,6 +162,14 @@ function Answer({ answer }: { answer: Flutter }) {
       >
         <Structures answer={answer} />
       </Section>
+      {answer.equivalents.length > 0 && (
+        <Section
+          title="Modes without air"
+          note="Straight lines through equivalent modes over dynamic pressure, ±2σ"
+        >
+          <Equivalents answer={answer} />
+        </Section>
+      )}
       <Section
         title="Classical trackers"
         note="From the same runs, without a model of the structure"
@@ -200,6 +208,50 @@ function Structures({ answer }: { answer: Flutter }) {
         ))}
       </Table.Tbody>
     </Table>
+  );
+}
+
+const plusMinus = (value: number, std: number, decimals: number, scale = 1) =>
+  `${fixed(scale * value, decimals)} ± ${fixed(2 * scale * std, decimals)}`;
+
+function Equivalents({ answer }: { answer: Flutter }) {
+  return (
+    <>
+      <Table className="numbers" fz="sm" data-testid="equivalents">
+        <Table.Thead>
+          <Table.Tr>
+            <Table.Th>Mode</Table.Th>
+            <Table.Th ta="right">Modal table [Hz]</Table.Th>
+            <Table.Th ta="right">Frequency [Hz]</Table.Th>
+            <Table.Th ta="right">Damping [%]</Table.Th>
+            <Table.Th ta="right">CQη</Table.Th>
+            <Table.Th ta="right">CQη̇</Table.Th>
+          </Table.Tr>
+        </Table.Thead>
+        <Table.Tbody>
+          {answer.equivalents.map((line) => (
+            <Table.Tr key={line.mode}>
+              <Table.Td>{line.name}</Table.Td>
+              <Table.Td ta="right">{fixed(line.table_hz, 3)}</Table.Td>
+              <Table.Td ta="right">
+                {plusMinus(line.frequency_hz, line.frequency_std_hz, 3)}
+              </Table.Td>
+              <Table.Td ta="right">{plusMinus(line.damping, line.damping_std, 2, 100)}</Table.Td>
+              <Table.Td ta="right">
+                {plusMinus(line.stiffness_derivative, line.stiffness_derivative_std, 4)}
+              </Table.Td>
+              <Table.Td ta="right">
+                {plusMinus(line.damping_derivative, line.damping_derivative_std, 4)}
+              </Table.Td>
+            </Table.Tr>
+          ))}
+        </Table.Tbody>
+      </Table>
+      <Text size="sm" className="quiet" mt="xs">
+        Lowest elastic over short-period frequency at the fastest point:{" "}
+        {fixed(answer.separation, 2)}; five counts as decoupled.
+      </Text>
+    </>
   );
 }
 
