@@ -152,6 +152,7 @@ function Answer({ answer }: { answer: Flutter }) {
         role={safe ? "status" : "alert"}
         title={answer.next_point}
         data-testid="next-point"
+        styles={{ title: safe ? { color: "var(--mantine-color-text)" } : {} }}
       >
         {answer.sentence} At {percent(answer.fuel_fraction)} % fuel and an air density of{" "}
         {fixed(answer.density_kg_m3, 3)} kg/m³.
