@@ -93,8 +93,8 @@ def _invert(
     """Inverse of an information matrix of unit diagonal, and the directions it lacks."""
     factor, info = lapack.dpotrf(scaled, lower=False)
     if info == 0:
-        upper = np.triu(lapack.dpotri(factor, lower=False, overwrite_c=True)[0])
-        inverse = upper + upper.T
+        upper = lapack.dpotri(factor, lower=False, overwrite_c=True)[0]
+        inverse = upper + upper.T  # below the diagonal LAPACK leaves the zeros that it found
         np.fill_diagonal(inverse, np.diag(upper))
         if np.abs(scaled).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max() < _SAFE:
             return inverse, np.empty((scaled.shape[0], 0))
@@ -110,7 +110,7 @@ def _score_covariance(final: FinalLines) -> Float[np.ndarray, "n_theta n_theta"]
         return _shared(final, experiment.source, experiment.gain)
     density = _density(experiment, final.residuals)
     middle = density.between(final.weights)
-    return final.form.equations(final.sensitivity, final.residuals, middle)[0]
+    return final.form.matrix(final.sensitivity, middle)
 
 
 def _shared(

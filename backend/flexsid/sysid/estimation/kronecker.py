@@ -7,6 +7,8 @@ their interleaved parts, so nothing complex is ever multiplied out.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from jaxtyping import Complex, Float
 
@@ -23,7 +25,8 @@ class NormalForm:
         n_w += int(np.count_nonzero(model.pair_columns >= n_w))
         upper = np.triu_indices(n_r)
         self._upper = upper[0] * n_r + upper[1]
-        self._places = _places_of_pairs(model.pair_rows, model.pair_columns, n_r, n_w)
+        pairs = (tuple(model.pair_rows.tolist()), tuple(model.pair_columns.tolist()))
+        self._places = _places_of_pairs(*pairs, n_r, n_w)
         self._scales = np.outer(model.scale, model.scale)
         # Kept, because asking the system for that much memory anew takes as long as filling it.
         self._weighted = np.empty(model.sensors.shape, dtype=complex)
@@ -47,21 +50,32 @@ class NormalForm:
         weights
             Inverse noise covariance of each line.
         """
+        model, own = self.model, self.model.own_outputs
+        N = self.matrix(sensitivity, weights)
+        b = np.matmul(self._weighted.transpose(0, 2, 1), residuals[:, :, None])[:, :, 0]
+        pull = _real_products(np.ascontiguousarray(b.T), sensitivity.variables)
+        g = pull[model.pair_rows, model.pair_columns] * model.scale
+        if own.size:
+            weighted_residuals = weights.times(residuals[:, :, None])[:, :, 0]
+            E = sensitivity.own.conj()
+            g = np.append(g, np.real(np.einsum("ek,ke->e", E, weighted_residuals[:, own])))
+        return N, g if self._in_order else g[np.argsort(model.order)]
+
+    def matrix(
+        self, sensitivity: Sensitivity, weights: LineMatrix
+    ) -> Float[np.ndarray, "n_theta n_theta"]:
+        """Re sum J^H W J."""
         model = self.model
         G, w = sensitivity.forces, sensitivity.variables
         weighted = weights.times(G, out=self._weighted)
         np.conjugate(weighted, out=weighted)
-        left = weighted.transpose(0, 2, 1)
-        A = np.matmul(left, G).reshape(G.shape[0], -1)
-        b = np.matmul(left, residuals[:, :, None])[:, :, 0]
+        A = np.matmul(weighted.transpose(0, 2, 1), G).reshape(G.shape[0], -1)
         blocks = np.ascontiguousarray(A.T[self._upper])
         np.multiply(w[:, None, :], w.conj(), out=self._outer)
         sums = _real_products(blocks, self._outer.reshape(-1, w.shape[1]))
         p, own = model.pair_rows.size, model.own_outputs
         N = np.empty((p + own.size,) * 2)
         np.multiply(sums.ravel()[self._places], self._scales, out=N[:p, :p])
-        pull = _real_products(np.ascontiguousarray(b.T), w)
-        g = pull[model.pair_rows, model.pair_columns] * model.scale
         if own.size:
             E = sensitivity.own
             loads = np.empty((own.size, G.shape[2], w.shape[1]), dtype=complex)
@@ -71,9 +85,7 @@ class NormalForm:
             np.multiply(cross, model.scale, out=N[p:, :p])
             N[:p, p:] = N[p:, :p].T
             N[p:, p:] = _own_products(E, own, weights)
-            weighted_residuals = weights.times(residuals[:, :, None])[:, :, 0]
-            g = np.append(g, np.real(np.einsum("ek,ke->e", E.conj(), weighted_residuals[:, own])))
-        return self._ordered(N), g if self._in_order else g[np.argsort(model.order)]
+        return self._ordered(N)
 
     def output_gradients(
         self,
@@ -131,11 +143,15 @@ def _own_products(
     return total
 
 
-def _places_of_pairs(rows: np.ndarray, columns: np.ndarray, n_r: int, n_w: int) -> np.ndarray:
+@lru_cache(maxsize=32)  # a campaign fits one structure to many maneuvers
+def _places_of_pairs(
+    pair_rows: tuple[int, ...], pair_columns: tuple[int, ...], n_r: int, n_w: int
+) -> np.ndarray:
     """Where the sum of A_ii' conj(w_j) w_j' of every pair of parameters is kept.
 
     Only i <= i' is computed; the rest follows from A being Hermitian.
     """
+    rows, columns = np.array(pair_rows, dtype=int), np.array(pair_columns, dtype=int)
     number = np.zeros((n_r, n_r), dtype=int)
     number[np.triu_indices(n_r)] = np.arange(n_r * (n_r + 1) // 2)
     number = np.maximum(number, number.T) * n_w**2

@@ -82,8 +82,9 @@ def group_powers(
 ) -> Float[np.ndarray, "n_groups n_y"]:
     """Mean square of every output over the lines of each group."""
     if n_groups == 1:
-        parts = np.ascontiguousarray(values).view(float).reshape(*values.shape, 2)
-        return (np.einsum("kyc,kyc->y", parts, parts) / values.shape[0])[None]
+        parts = np.ascontiguousarray(values).view(float)
+        sums = np.full(len(parts), 1.0 / len(parts)) @ (parts * parts)
+        return sums.reshape(1, -1, 2).sum(axis=2)
     member = (group == np.arange(n_groups)[:, None]) / np.bincount(group, minlength=n_groups)[
         :, None
     ]
