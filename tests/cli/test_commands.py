@@ -15,6 +15,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from scipy.io import loadmat
 
 from flexsid.cli.main import main
 from flexsid.storage.store import Store
@@ -56,7 +57,7 @@ def test_a_run_can_be_printed_as_json_or_left_to_a_server(flown_url: str, capsys
 
 
 def test_a_run_is_exported(flown_url: str, capsys, tmp_path: Path) -> None:
-    for name in ("run.json", "run.csv"):
+    for name in ("run.json", "run.csv", "model.mat"):
         output = str(tmp_path / name)
         assert main(["export", "1", "--output", output, "--database", flown_url]) == 0
     whole = json.loads((tmp_path / "run.json").read_text())
@@ -67,6 +68,8 @@ def test_a_run_is_exported(flown_url: str, capsys, tmp_path: Path) -> None:
         rows = list(csv.DictReader(file))
     assert [row["name"] for row in rows] == names
     assert float(rows[0]["std_error"]) > 0
+    model = loadmat(tmp_path / "model.mat", simplify_cells=True)
+    assert model["A"].shape == (len(model["states"]),) * 2
 
 
 def test_a_design_is_written_in_the_form_of_its_ending(capsys, tmp_path: Path) -> None:

@@ -15,7 +15,9 @@ from flexsid.cli.serve import bring_along
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records.run import EstimationRun
 from flexsid.settings import Settings
+from flexsid.storage.store import Store
 from flexsid.workflow.export import export_run
+from flexsid.workflow.identified_export import export_model, matlab_model
 from flexsid.workflow.ingest import Imported, import_each, keep_upload, read_upload
 
 
@@ -55,23 +57,34 @@ def bring_in_each(
 
 
 def export(settings: Settings, run_id: int, output: str) -> int:
-    """Write a run to a file."""
+    """Write a run, its parameters or its model to a file; the ending says which."""
     file = Path(output)
-    if file.suffix not in (".json", ".csv"):
-        raise BadInput(f"{output} ends in {file.suffix!r}; expected .json or .csv")
+    if file.suffix not in _EXPORTS:
+        raise BadInput(f"{output} ends in {file.suffix!r}; expected one of {', '.join(_EXPORTS)}")
     with opened(settings) as store:
-        exported = export_run(store, run_id)
-    if file.suffix == ".json":
-        options = orjson.OPT_INDENT_2 | orjson.OPT_NON_STR_KEYS | orjson.OPT_UTC_Z
-        content = orjson.dumps(exported, option=options)
-    else:
-        content = _parameter_table(exported.run).encode()
+        content = _EXPORTS[file.suffix](store, run_id)
     try:
         file.write_bytes(content)
     except OSError as error:
         raise FlexsidError(f"{output} cannot be written: {error.strerror}") from error
     print(f"wrote run {run_id} to {output}", file=sys.stderr)
     return 0
+
+
+def _everything(store: Store, run_id: int) -> bytes:
+    options = orjson.OPT_INDENT_2 | orjson.OPT_NON_STR_KEYS | orjson.OPT_UTC_Z
+    return orjson.dumps(export_run(store, run_id), option=options)
+
+
+def _parameters(store: Store, run_id: int) -> bytes:
+    return _parameter_table(store.runs.get(run_id)).encode()
+
+
+def _model(store: Store, run_id: int) -> bytes:
+    return matlab_model(export_model(store, run_id))
+
+
+_EXPORTS = {".json": _everything, ".csv": _parameters, ".mat": _model}
 
 
 def _report(imported: Imported, n_channels: int) -> list[str]:

@@ -108,7 +108,10 @@ def _parser() -> argparse.ArgumentParser:
     export = add("export", _export, "write a run with everything it rests on")
     export.add_argument("run", type=int, metavar="RUN", help="id of the run")
     export.add_argument(
-        "--output", required=True, metavar="FILE", help=".json: everything; .csv: its parameters"
+        "--output",
+        required=True,
+        metavar="FILE",
+        help=".json: everything; .csv: parameters; .mat: the model",
     )
 
     design = add("design", _design, "design a multisine of Table 1 for least relative peak factor")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Response, status
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Query, Response, status
 
 from flexsid.api.answers import Run, RunList, run_answer
 from flexsid.api.context import TheContext, TheStore
@@ -12,6 +14,7 @@ from flexsid.records.run import Method, RunState
 from flexsid.storage import queue
 from flexsid.workflow import estimation
 from flexsid.workflow.export import RunExport, export_run
+from flexsid.workflow.identified_export import ModelExport, export_model, matlab_model
 
 router = APIRouter(prefix="/runs", tags=["runs"])
 
@@ -58,6 +61,23 @@ def get_run_export(store: TheStore, run_id: Identity) -> Json:
     """Return everything a run rests on and gave, with covariance and fitted lines."""
     name = {"Content-Disposition": f'attachment; filename="run-{run_id}.json"'}
     return Json(export_run(store, run_id), headers=name)
+
+
+@router.get("/{run_id}/model", response_model=ModelExport)
+def get_run_model(
+    store: TheStore,
+    run_id: Identity,
+    form: Annotated[
+        Literal["json", "mat"], Query(alias="format", description="`mat` for MATLAB.")
+    ] = "json",
+) -> Response:
+    """Return the identified model as matrices with names and units."""
+    model = export_model(store, run_id)
+    name = {"Content-Disposition": f'attachment; filename="model-{run_id}.{form}"'}
+    if form == "mat":
+        content = matlab_model(model)
+        return Response(content, media_type="application/octet-stream", headers=name)
+    return Json(model, headers=name)
 
 
 @router.delete("/{run_id}", status_code=status.HTTP_204_NO_CONTENT)

@@ -1,0 +1,6 @@
+"""A workbench from a notebook or script: HTTP in, tables, figures and models out."""
+
+from flexsid.client.connection import Refused, Unreachable
+from flexsid.client.workbench import RunFailed, Workbench
+
+__all__ = ["Refused", "RunFailed", "Unreachable", "Workbench"]

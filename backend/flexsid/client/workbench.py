@@ -1,0 +1,280 @@
+"""Workbench: everything that the page shows, for scripts and notebooks."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flexsid.client.connection import Connection, Unreachable
+from flexsid.client.progress import ProgressLine
+from flexsid.client.tables import matrix, read_csv, side_by_side, table
+from flexsid.errors import BadInput, FlexsidError
+
+if TYPE_CHECKING:
+    import control
+    import pandas
+    from plotly.graph_objects import Figure
+
+_ENDED = frozenset({"succeeded", "failed", "cancelled"})
+_STRUCTURE = frozenset({"inputs", "outputs", "free", "fixed", "free_delays", "also_free", "axis"})
+_REQUEST = frozenset(
+    {"modal_table_id", "damping_table_id", "prediction_id", "structure_id", "author"}
+)
+_PAGE = 1000  # most items of one answer
+_PATIENCE_S = 60.0  # a server that restarts is waited for
+
+
+class RunFailed(FlexsidError):
+    """A run that was waited for did not succeed."""
+
+    code = "run-failed"
+
+
+class Workbench:
+    """A running workbench.
+
+    Parameters
+    ----------
+    url
+        Address of the server.
+    timeout_s
+        Longest wait for one answer. [s]
+
+    Examples
+    --------
+    >>> from flexsid.client import Workbench
+    >>> workbench = Workbench("http://127.0.0.1:8000")  # doctest: +SKIP
+    >>> run = workbench.submit(1, "OE", modes=[7, 9])  # doctest: +SKIP
+    >>> workbench.wait(run)  # doctest: +SKIP
+    >>> workbench.parameters(run)  # doctest: +SKIP
+    """
+
+    def __init__(self, url: str = "http://127.0.0.1:8000", *, timeout_s: float = 60.0) -> None:
+        self._connection = Connection(url, timeout_s)
+
+    def __repr__(self) -> str:
+        return f"Workbench({self._connection.url!r})"
+
+    # --- plain answers ---
+
+    def get(self, path: str, **query: Any) -> Any:
+        """Answer of any route below ``/api/v1``; lists are written with commas.
+
+        Parameters
+        ----------
+        path
+            E.g. ``flutter``.
+        **query
+            As the interface names them, e.g. ``run_ids=[1, 2]``.
+
+        Raises
+        ------
+        Refused
+            If the workbench says no; the message says why.
+        Unreachable
+            If nobody answers.
+        """
+        return json.loads(self._connection.get(path, query))
+
+    def post(self, path: str, body: Any) -> Any:
+        """Send a body as JSON to any route below ``/api/v1``."""
+        return json.loads(self._connection.post(path, body))
+
+    def items(self, path: str, limit: int | None = None, **query: Any) -> list[dict[str, Any]]:
+        """All items of a list, page by page; at most ``limit`` of them."""
+        found: list[dict[str, Any]] = []
+        after: str | None = None
+        while limit is None or len(found) < limit:
+            answer = self.get(path, **query, limit=min(_PAGE, limit or _PAGE), after=after)
+            found += answer["items"]
+            after = answer.get("next")
+            if after is None:
+                break
+        return found[:limit]
+
+    # --- lists ---
+
+    def table(self, path: str, limit: int | None = None, **query: Any) -> pandas.DataFrame:
+        """A list as a table, one row per item by id; any list of the interface."""
+        return table(self.items(path, limit, **query))
+
+    def aircraft(self) -> pandas.DataFrame:
+        """All aircraft."""
+        return self.table("aircraft")
+
+    def flights(self, **query: Any) -> pandas.DataFrame:
+        """Flights, of one aircraft by ``aircraft_id``."""
+        return self.table("flights", **query)
+
+    def maneuvers(self, limit: int | None = None, **query: Any) -> pandas.DataFrame:
+        """Maneuvers with their condition and newest runs.
+
+        ``fta``, ``min_airspeed_ratio``, ``max_fuel``, ``search``, ``method``, ``state``,
+        ``sort`` and the like narrow and order the list as on the page.
+        """
+        return self.table("maneuvers", limit, **query)
+
+    def runs(self, limit: int | None = None, **query: Any) -> pandas.DataFrame:
+        """Runs, newest first; narrowed by ``maneuver_id``, ``method`` or ``state``."""
+        return self.table("runs", limit, **query)
+
+    def predictions(self, **query: Any) -> pandas.DataFrame:
+        """Predictions, of one aircraft by ``aircraft_id``."""
+        return self.table("predictions", **query)
+
+    def modal_tables(self, **query: Any) -> pandas.DataFrame:
+        """Modal tables; ``kind`` is FEM or GVT."""
+        return self.table("modal-tables", **query)
+
+    # --- runs ---
+
+    def submit(
+        self, maneuver_id: int, method: str, modes: Iterable[int] = (), **choices: Any
+    ) -> int:
+        """Ask for a run and return its id at once.
+
+        Parameters
+        ----------
+        maneuver_id
+            Of which maneuver.
+        method
+            OE, FRE or EE.
+        modes
+            Numbers of the structural modes in the model.
+        **choices
+            Of the structure (``inputs``, ``outputs``, ``free``, ``fixed``, ``free_delays``,
+            ``also_free``), of the settings (``start``, ``band_hz``, ``noise``, ``priors``,
+            ``prior_spread``, ``together_with`` ...) and of tables (``modal_table_id``,
+            ``prediction_id`` ...), as the interface names them.
+
+        Raises
+        ------
+        Refused
+            If it cannot be estimated, or a choice is unknown.
+        """
+        structure = {name: choices.pop(name) for name in _STRUCTURE & choices.keys()}
+        request = {name: choices.pop(name) for name in _REQUEST & choices.keys()}
+        body = {
+            "maneuver_id": maneuver_id,
+            "method": method,
+            "structure": {"modes": list(modes), **structure},
+            "settings": choices or None,
+            **request,
+        }
+        return self.post("runs", body)["id"]
+
+    def wait(
+        self, *run_ids: int, timeout_s: float | None = None, show_progress: bool = True
+    ) -> None:
+        """Wait until runs have ended, with a progress bar on a terminal or in a notebook.
+
+        Raises
+        ------
+        RunFailed
+            If one did not succeed, after all have ended; the message says why.
+        TimeoutError
+            If they have not ended in time.
+        """
+        line = ProgressLine(show_progress)
+        started = heard = time.monotonic()
+        pause = 0.05
+        runs: list[dict[str, Any]] = []
+        while not runs or not all(run["state"] in _ENDED for run in runs):
+            if timeout_s is not None and time.monotonic() - started > timeout_s:
+                raise TimeoutError(f"runs {_listed(run_ids)} have not ended in {timeout_s:g} s")
+            time.sleep(pause if runs else 0.0)
+            pause = min(1.2 * pause, 1.0)
+            try:
+                runs = [self.run(number) for number in run_ids]
+                heard = time.monotonic()
+            except Unreachable:
+                if time.monotonic() - heard > _PATIENCE_S:
+                    raise
+                time.sleep(1.0)
+                continue
+            if not runs:
+                return
+            line.show(runs)
+        line.end()
+        lost = [run for run in runs if run["state"] != "succeeded"]
+        if lost:
+            raise RunFailed("; ".join(map(_why, lost)))
+
+    def cancel(self, run_id: int) -> None:
+        """Stop a run that has not ended."""
+        self.post(f"jobs/{run_id}/cancel", None)
+
+    def run(self, run_id: int) -> dict[str, Any]:
+        """One run as the interface answers it: state, structure, settings, fit, poles."""
+        return self.get(f"runs/{run_id}")
+
+    def parameters(self, run_id: int) -> pandas.DataFrame:
+        """Estimates of a run by name, with standard error and start."""
+        return table(self.run(run_id)["parameters"], index="name")
+
+    def covariance(self, run_id: int) -> pandas.DataFrame:
+        """Covariance of a run's estimates, named on both sides."""
+        exported = self.get(f"runs/{run_id}/export")
+        result = exported["run"]["result"]
+        if result is None:
+            raise RunFailed(_why(exported["run"]))
+        return matrix(exported["covariance"], [part["name"] for part in result["parameters"]])
+
+    def comparison(
+        self, run_ids: Iterable[int], prediction_ids: Iterable[int] = ()
+    ) -> pandas.DataFrame:
+        """Derivatives side by side: a value and a standard error per source.
+
+        Columns are pairs (source, ``value`` or ``std_error``); the last one,
+        ``max_difference_sigma``, says how far the sources lie apart.
+        """
+        predictions = list(prediction_ids) or None
+        answer = self.get("comparisons", run_ids=run_ids, prediction_ids=predictions)
+        return side_by_side(answer)
+
+    # --- models and figures ---
+
+    def model(self, run_id: int) -> control.StateSpace:
+        """Identified model at the condition of its maneuver, for python-control.
+
+        Delays and scale factors of the outputs are not part of it; ``get("runs/1/model")``
+        answers them with the units.
+        """
+        import control  # takes seconds to load
+
+        found = self.get(f"runs/{run_id}/model")
+        return control.StateSpace(
+            *(found[name] for name in "ABCD"),
+            states=found["states"],
+            inputs=found["inputs"],
+            outputs=found["outputs"],
+        )
+
+    def save_model(self, run_id: int, file: str | Path) -> None:
+        """Write an identified model to a ``.mat`` or ``.json`` file."""
+        form = Path(file).suffix.removeprefix(".")
+        if form not in ("mat", "json"):
+            raise BadInput(f"{file} ends in '.{form}'; expected .mat or .json")
+        Path(file).write_bytes(self._connection.get(f"runs/{run_id}/model", {"format": form}))
+
+    def figure(self, kind: str, **query: Any) -> Figure:
+        """A figure as the page draws it, e.g. ``figure("bode", maneuver_id=1, output="q")``."""
+        from plotly.graph_objects import Figure  # takes a while to load
+
+        return Figure(self.get(f"figures/{kind}", **query))
+
+    def numbers(self, kind: str, **query: Any) -> pandas.DataFrame:
+        """Numbers of a figure: a row per point with curve, axes, x, y and error."""
+        return read_csv(self._connection.get(f"figures/{kind}", {**query, "format": "csv"}))
+
+
+def _listed(run_ids: Iterable[int]) -> str:
+    return ", ".join(map(str, run_ids))
+
+
+def _why(run: dict[str, Any]) -> str:
+    why = "" if run["error"] is None else f": {run['error']['message']}"
+    return f"run {run['id']} {run['state']}{why}"

@@ -1,0 +1,151 @@
+"""What a script or notebook gets from a running workbench."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+from typing import Any
+
+import control
+import numpy as np
+import pytest
+from plotly.graph_objects import Figure
+from scipy.io import loadmat
+
+from flexsid.client import Refused, RunFailed, Unreachable, Workbench
+from flexsid.client.progress import ProgressLine
+from flexsid.errors import BadInput, FlexsidError
+
+
+def test_lists_are_tables(workbench: Workbench) -> None:
+    maneuvers: Any = workbench.maneuvers()
+    assert maneuvers.index.name == "id"
+    assert maneuvers.loc[1, "label"] == "flown"
+    assert maneuvers.loc[1, "dynamic_pressure_pa"] > 0
+    assert str(maneuvers["created_at"].dtype).startswith("datetime64")
+    assert workbench.aircraft().loc[1, "name"] == "FLEX-28"
+    assert len(workbench.flights(aircraft_id=1)) == 1
+    assert len(workbench.predictions()) > 0
+    assert set(workbench.modal_tables()["kind"]) >= {"FEM"}
+    assert len(workbench.maneuvers(search="nothing is called so")) == 0
+
+
+def test_lists_come_page_by_page(workbench: Workbench, monkeypatch) -> None:
+    first = workbench.submit(1, "EE", [7])
+    second = workbench.submit(1, "EE", [9])
+    workbench.wait(first, second, timeout_s=60)
+    monkeypatch.setattr("flexsid.client.workbench._PAGE", 1)
+    assert {1, first, second} <= set(workbench.runs().index)
+    assert list(workbench.runs(limit=2, maneuver_id=1).index) == [second, first]
+
+
+def test_a_run_is_submitted_waited_for_and_read(workbench: Workbench) -> None:
+    run = workbench.submit(1, "EE", modes=[7, 9], band_hz=[0.5, 12.0], author="notebook")
+    workbench.wait(run, timeout_s=60)
+    answered = workbench.run(run)
+    assert (answered["state"], answered["author"]) == ("succeeded", "notebook")
+    assert answered["settings"]["band_hz"] == [0.5, 12.0]
+    parameters: Any = workbench.parameters(run)
+    assert parameters.loc["Cm_alpha", "std_error"] > 0
+    covariance: Any = workbench.covariance(run)
+    assert list(covariance.index) == list(parameters.index) == list(covariance.columns)
+    sigma = np.sqrt(covariance.loc["Cm_alpha", "Cm_alpha"])
+    assert sigma == pytest.approx(parameters.loc["Cm_alpha", "std_error"])
+
+
+def test_runs_and_predictions_stand_side_by_side(workbench: Workbench) -> None:
+    other = workbench.submit(1, "EE", [7])
+    workbench.wait(other, timeout_s=60)
+    table: Any = workbench.comparison([1, other], [1])
+    (estimate, *_) = table.columns.get_level_values(0)
+    parameters = workbench.parameters(1)
+    assert table.loc["Cm_alpha", (estimate, "value")] == parameters.loc["Cm_alpha", "value"]
+    apart = table["max_difference_sigma", ""]
+    assert apart["Cm_alpha"] >= 0
+    assert apart.isna()["Cm_eta9"]  # which one run alone estimates
+
+
+def test_models_are_those_of_python_control(workbench: Workbench, tmp_path) -> None:
+    model = workbench.model(1)
+    assert isinstance(model, control.StateSpace)
+    assert model.state_labels[:4] == ["alpha", "q", "theta", "eta7"]
+    exported = workbench.get("runs/1/model")
+    assert exported["units"]["alpha"] == "rad"
+    assert exported["units"]["q"] == "rad/s"
+    workbench.save_model(1, tmp_path / "model.mat")
+    read = loadmat(tmp_path / "model.mat", simplify_cells=True)
+    np.testing.assert_array_equal(read["A"], model.A)
+    np.testing.assert_array_equal(read["D"], model.D)
+    assert list(read["outputs"]) == list(model.output_labels)
+    assert read["delays_s"].shape == (len(model.output_labels),)
+    workbench.save_model(1, tmp_path / "model.json")
+    assert json.loads((tmp_path / "model.json").read_text())["A"] == exported["A"]
+    with pytest.raises(BadInput, match=r"expected \.mat or \.json"):
+        workbench.save_model(1, tmp_path / "model.xls")
+
+
+def test_the_model_has_the_poles_that_the_run_tells(workbench: Workbench) -> None:
+    told = [complex(pole["real"], pole["imag"]) for pole in workbench.run(1)["poles"]]
+    poles = workbench.model(1).poles()
+    for pole in told:
+        assert np.abs(poles - pole).min() < 1e-6 * max(1.0, abs(pole))
+
+
+def test_figures_are_plotly_figures_and_their_numbers_tables(workbench: Workbench) -> None:
+    figure = workbench.figure("fit", run_id=1)
+    assert isinstance(figure, Figure)
+    assert figure.to_dict()["data"]
+    numbers = workbench.numbers("time-history", maneuver_id=1, channels=["bfs", "wf1s"])
+    assert set(numbers.columns) >= {"curve", "x", "y"}
+    assert numbers["curve"].nunique() == 2
+
+
+def test_what_is_refused_says_why(workbench: Workbench) -> None:
+    with pytest.raises(Refused, match="no run 999") as refused:
+        workbench.run(999)
+    assert (refused.value.status, refused.value.code) == (404, "unknown-record")
+    with pytest.raises(Refused, match="mode 99"):
+        workbench.submit(1, "EE", modes=[99])
+    with pytest.raises(Refused, match="no_such_choice"):
+        workbench.submit(1, "EE", modes=[7], no_such_choice=1)
+
+
+def test_an_address_without_workbench_is_said_so(monkeypatch) -> None:
+    with pytest.raises(Unreachable, match="flexsid serve"):
+        Workbench("http://127.0.0.1:9", timeout_s=5).aircraft()
+
+
+def test_a_run_that_is_cancelled_raises_when_waited_for(workbench: Workbench) -> None:
+    run = workbench.submit(1, "OE", modes=[7, 9], max_iterations=1000)
+    workbench.cancel(run)
+    with pytest.raises(RunFailed, match=f"run {run} cancelled"):
+        workbench.wait(run, timeout_s=60)
+
+
+def test_tables_without_pandas_say_what_to_install(workbench: Workbench, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(FlexsidError, match=r"pip install flexsid\[client\]"):
+        workbench.aircraft()
+    assert workbench.items("aircraft")[0]["name"] == "FLEX-28"
+
+
+def test_progress_is_one_line_where_somebody_watches() -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    begun = {"id": 4, "state": "running", "progress": None, "finished_at": None}
+    half = {**begun, "progress": {"fraction": 0.5, "message": "iteration 3"}}
+    done = {**begun, "state": "succeeded", "finished_at": "2026-01-01T00:00:00Z"}
+    shown, silent = Terminal(), io.StringIO()
+    line = ProgressLine(True, shown)
+    for run in (begun, half, done):
+        line.show([run])
+    ProgressLine(True, silent).show([half])
+    ProgressLine(False, shown).show([half])
+    assert " 50% run 4 running iteration 3" in shown.getvalue()
+    assert shown.getvalue().count("\r") == 3
+    line.show([half, done])
+    assert " 75% 1 of 2 runs" in shown.getvalue()
+    assert silent.getvalue() == ""
