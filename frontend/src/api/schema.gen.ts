@@ -575,6 +575,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/runs/{run_id}/model": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Run Model
+         * @description Return the identified model as matrices with names and units.
+         */
+        get: operations["get_run_model"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/jobs": {
         parameters: {
             query?: never;
@@ -2520,6 +2540,59 @@ export interface components {
             items: components["schemas"]["ModalTable"][];
             /** Next */
             next?: string | null;
+        };
+        /**
+         * ModelExport
+         * @description The model of a run at the condition of its maneuver, in SI units and radians.
+         *
+         *     x' = A x + B u, y = C x + D u; a sensor reads ``scales`` times y, ``delays_s``
+         *     later. ``units`` names the unit of every state, input and output. Instruments
+         *     are not part of the model.
+         */
+        ModelExport: {
+            /** Run Id */
+            run_id: number;
+            /** Maneuver Id */
+            maneuver_id: number;
+            method: components["schemas"]["Method"];
+            /** Airspeed M S */
+            airspeed_m_s: number;
+            /** Dynamic Pressure Pa */
+            dynamic_pressure_pa: number;
+            /** Fuel Fraction */
+            fuel_fraction: number;
+            /** Modes */
+            modes: number[];
+            /** States */
+            states: string[];
+            /** Inputs */
+            inputs: string[];
+            /** Outputs */
+            outputs: string[];
+            /** Units */
+            units: {
+                [key: string]: string;
+            };
+            /** A */
+            A: number[][];
+            /** B */
+            B: number[][];
+            /** C */
+            C: number[][];
+            /** D */
+            D: number[][];
+            /** Delays S */
+            delays_s: number[];
+            /** Scales */
+            scales: number[];
+            /** Derivatives */
+            derivatives: {
+                [key: string]: number;
+            };
+            /** Versions */
+            versions: {
+                [key: string]: string;
+            } | null;
         };
         /**
          * ModelStructure
@@ -4610,6 +4683,41 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["RunExport"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_run_model: {
+        parameters: {
+            query?: {
+                /** @description `mat` for MATLAB. */
+                format?: "json" | "mat";
+            };
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                run_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ModelExport"];
                 };
             };
             /** @description Client Error */
