@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
-from scipy.optimize import linear_sum_assignment
 
 from flexsid.sysid.modes.shapes import StructuralModes
+from flexsid.sysid.modes.tracking import Tracking, track, untracked
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,60 +29,101 @@ class ModeTable:
     strain: Float[np.ndarray, "n_fuel n_modes n_gauges"]
 
     def at(self, fuel: float) -> StructuralModes:
-        """Interpolate linearly in fuel; beyond the table the end values hold."""
-        shape = interpolate(self.fuel, self.shape, fuel)
+        """Interpolate in fuel, once modes are aligned; beyond the table the end values hold."""
+        weights = fuel_weights(self.fuel, fuel)
+        shape = weighted(weights, self.shape)
         return StructuralModes(
             numbers=self.numbers,
-            omega=interpolate(self.fuel, self.omega, fuel),
+            omega=weighted(weights, self.omega),
+            # Damping is measured, at few fuel weights and with scatter: straight lines.
             zeta=interpolate(self.fuel, self.zeta, fuel),
             mass=interpolate(self.fuel, self.mass, fuel),
             points=self.points,
             translation=np.moveaxis(shape[..., :3], 0, -1),
             rotation=np.moveaxis(shape[..., 3:], 0, -1),
             gauges=self.gauges,
-            strain=interpolate(self.fuel, self.strain, fuel).T,
+            strain=weighted(weights, self.strain).T,
         )
 
 
-def align_modes(table: ModeTable) -> ModeTable:
-    """Track modes and their signs from one fuel weight to the next.
-
-    Modes may cross in frequency and a solver is free to flip any sign, so
-    neighbouring fuel weights are matched by the modal assurance criterion of
-    their translations before anything is interpolated. The first fuel weight
-    names the modes.
-
-    Notes
-    -----
-    Source: design notes on tables against fuel; the assignment is the optimal
-    one (Hungarian method) rather than the greedy maximum.
-    """
+def track_points(table: ModeTable) -> Tracking:
+    """Follow the modes of a table by what its sensor points tell of them."""
     n_fuel, n_modes = table.omega.shape
     if not table.points:
-        return table
-    arrays = {name: getattr(table, name).copy() for name in ("omega", "zeta", "mass", "shape")}
-    strain = table.strain.copy()
-    vectors = arrays["shape"][..., :3].reshape(n_fuel, n_modes, -1)
-    for row in range(1, n_fuel):
-        before = vectors[row - 1]
-        product = before @ vectors[row].T
-        norms = np.outer((before**2).sum(1), (vectors[row] ** 2).sum(1))
-        assurance = np.divide(product**2, norms, out=np.zeros_like(norms), where=norms > 0)
-        order = linear_sum_assignment(-assurance)[1]
-        sign = np.where(product[np.arange(n_modes), order] < 0, -1.0, 1.0)
-        for array in arrays.values():
-            array[row] = array[row, order]
-        arrays["shape"][row] *= sign[:, None, None]
-        strain[row] = strain[row, order] * sign[:, None]
-        vectors[row] = arrays["shape"][row, ..., :3].reshape(n_modes, -1)
-    return ModeTable(
-        fuel=table.fuel,
-        numbers=table.numbers,
-        points=table.points,
-        gauges=table.gauges,
-        strain=strain,
-        **arrays,
+        return untracked(n_fuel, n_modes)
+    return track(table.shape[..., :3].reshape(n_fuel, n_modes, -1), table.omega)
+
+
+def align_modes(table: ModeTable, tracking: Tracking | None = None) -> ModeTable:
+    """Bring modes and their signs into the order of the first fuel weight, which names them.
+
+    Parameters
+    ----------
+    table
+        In the order of its source, usually by frequency.
+    tracking
+        Found from more points than the table has; by default from its own.
+    """
+    tracking = track_points(table) if tracking is None else tracking
+    return replace(
+        table,
+        omega=tracking.sort(table.omega),
+        zeta=tracking.sort(table.zeta),
+        mass=tracking.sort(table.mass),
+        shape=tracking.align(table.shape),
+        strain=tracking.align(table.strain),
     )
+
+
+def fuel_weights(fuel: Float[np.ndarray, " n_fuel"], at: float) -> dict[int, float]:
+    """Rows of a table, and their weights, that make up its values at a fuel fraction.
+
+    A cubic in each interval whose slopes are those of the parabolas through three
+    neighbouring rows: at most four rows count, which lets large tables be read in part.
+    Two rows make a straight line; beyond the ends the end rows hold.
+
+    Parameters
+    ----------
+    fuel
+        Increasing.
+    at
+        Where to read. [1]
+    """
+    n = fuel.size
+    if n == 1 or at <= fuel[0]:
+        return {0: 1.0}
+    if at >= fuel[-1]:
+        return {n - 1: 1.0}
+    upper = int(np.searchsorted(fuel, at, side="right"))
+    low = upper - 1
+    step = float(fuel[upper] - fuel[low])
+    t = (at - float(fuel[low])) / step
+    weights = {low: (1 + 2 * t) * (1 - t) ** 2, upper: t * t * (3 - 2 * t)}
+    for row, factor in ((low, t * (1 - t) ** 2), (upper, t * t * (t - 1))):
+        for place, slope in _slope(fuel, row).items():
+            weights[place] = weights.get(place, 0.0) + step * factor * slope
+    return {row: float(weight) for row, weight in weights.items() if weight != 0.0}
+
+
+def weighted(
+    weights: dict[int, float], values: Float[np.ndarray, "n_fuel *shape"]
+) -> Float[np.ndarray, "*shape"]:
+    """Sum up the rows of a table as ``fuel_weights`` says."""
+    rows = list(weights)
+    return np.tensordot(np.array([weights[row] for row in rows]), values[rows], axes=1)
+
+
+def _slope(fuel: Float[np.ndarray, " n_fuel"], row: int) -> dict[int, float]:
+    """Weights of neighbouring rows in the slope of the parabola through three of them."""
+    first = int(np.clip(row - 1, 0, max(0, fuel.size - 3)))
+    places = range(first, min(first + 3, fuel.size))
+    slope: dict[int, float] = {}
+    for i in places:  # derivative of each Lagrange polynomial at the row
+        others = [j for j in places if j != i]
+        divisor = np.prod([fuel[i] - fuel[j] for j in others])
+        total = sum(np.prod([fuel[row] - fuel[j] for j in others if j != left]) for left in others)
+        slope[i] = float(total / divisor)
+    return slope
 
 
 def interpolate(

@@ -1,0 +1,104 @@
+"""How alike mode shapes are: MAC, COMAC, modal scale factors, mass orthogonality."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float, Inexact
+
+from flexsid.errors import BadInput
+
+
+def modal_assurance(
+    a: Inexact[np.ndarray, "n_a n_dof"], b: Inexact[np.ndarray, "n_b n_dof"]
+) -> Float[np.ndarray, "n_a n_b"]:
+    """Modal assurance criterion of every shape of one set with every shape of another.
+
+    Parameters
+    ----------
+    a, b
+        One shape per row, at the same degrees of freedom in the same order; real or
+        complex, in any scale.
+
+    Returns
+    -------
+    array
+        1 for the same shape, 0 for orthogonal shapes and for a shape that is zero.
+
+    Notes
+    -----
+    Source: Allemang and Brown (1982), |a^H b|^2 / (a^H a)(b^H b).
+    """
+    product = np.abs(np.conj(a) @ b.T) ** 2
+    norms = np.outer(_squared_norms(a), _squared_norms(b))
+    return np.divide(product, norms, out=np.zeros_like(norms), where=norms > 0)
+
+
+def coordinate_assurance(
+    a: Inexact[np.ndarray, "n_modes n_dof"], b: Inexact[np.ndarray, "n_modes n_dof"]
+) -> Float[np.ndarray, " n_dof"]:
+    """COMAC: how alike paired shapes are at each degree of freedom.
+
+    The pairs are scaled to one length first, so that neither the normalisation of
+    a source nor one large mode decides.
+
+    Notes
+    -----
+    Source: Lieven and Ewins (1988).
+    """
+    one, other = _normalised(a), _normalised(b)
+    product = np.sum(np.abs(one * other), axis=0) ** 2
+    norms = np.sum(np.abs(one) ** 2, axis=0) * np.sum(np.abs(other) ** 2, axis=0)
+    return np.divide(product, norms, out=np.zeros_like(norms), where=norms > 0)
+
+
+def scale_factors(
+    a: Inexact[np.ndarray, "n_modes n_dof"], b: Inexact[np.ndarray, "n_modes n_dof"]
+) -> Inexact[np.ndarray, " n_modes"]:
+    """Modal scale factors: what each shape of ``b`` is to be multiplied by to become ``a``.
+
+    A negative factor is a flipped sign; the complex one of a measured shape turns it
+    back to real.
+    """
+    norms = _squared_norms(b)
+    product = np.sum(np.conj(b) * a, axis=1)
+    return np.divide(product, norms, out=np.zeros_like(product), where=norms > 0)
+
+
+def mass_orthogonality(
+    shapes: Float[np.ndarray, "n_modes n_dof"], mass: Float[np.ndarray, "n_dof n_dof"]
+) -> Float[np.ndarray, "n_modes n_modes"]:
+    """Orthogonality of shapes over a mass matrix, 1 on the diagonal.
+
+    Parameters
+    ----------
+    shapes
+        One shape per row.
+    mass
+        Symmetric mass matrix at the same degrees of freedom, in any consistent unit.
+
+    Raises
+    ------
+    BadInput
+        If a shape has no positive generalised mass over this matrix.
+    """
+    product = shapes @ mass @ shapes.T
+    generalized = np.diag(product)
+    if (generalized <= 0).any():
+        place = int(np.flatnonzero(generalized <= 0)[0]) + 1
+        raise BadInput(
+            f"shape {place} has the generalised mass {generalized[place - 1]:g} over this mass "
+            "matrix; it must be positive definite, at the degrees of freedom of the shapes",
+            code="not-positive",
+            mode=place,
+        )
+    scale = np.sqrt(generalized)
+    return product / np.outer(scale, scale)
+
+
+def _squared_norms(shapes: Inexact[np.ndarray, "n n_dof"]) -> Float[np.ndarray, " n"]:
+    return np.sum(np.abs(shapes) ** 2, axis=1).astype(np.float64)
+
+
+def _normalised(shapes: Inexact[np.ndarray, "n n_dof"]) -> Inexact[np.ndarray, "n n_dof"]:
+    norms = np.sqrt(_squared_norms(shapes))
+    return shapes / np.where(norms > 0, norms, 1.0)[:, None]

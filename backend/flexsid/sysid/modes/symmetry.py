@@ -1,0 +1,78 @@
+"""Which modes are symmetric, told from their shapes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.spatial import cKDTree
+
+_MIRROR = np.array([1.0, -1.0, 1.0])
+_SURE = 0.6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Symmetry:
+    """How symmetric each mode is: +1 symmetric, -1 antisymmetric, near 0 neither.
+
+    ``paired`` is the share of nodes that have a counterpart on the other side.
+    """
+
+    degree: Float[np.ndarray, " n_modes"]
+    paired: float
+
+    def is_symmetric(self, mode: int) -> bool | None:
+        """Whether a mode is symmetric; None where the shape does not tell."""
+        degree = float(self.degree[mode])
+        return None if not abs(degree) >= _SURE else degree > 0
+
+
+def find_symmetry(
+    nodes: Float[np.ndarray, "n_nodes 3"],
+    translation: Float[np.ndarray, "n_modes n_nodes 3"],
+) -> Symmetry:
+    """Compare each shape with its own mirror image about the plane of symmetry.
+
+    Parameters
+    ----------
+    nodes
+        With y to the right or to the left; the plane is y = const, zero where that has
+        most counterparts. [m]
+    translation
+        Per unit eta. [m]
+
+    Returns
+    -------
+    Symmetry
+        With NaN where no node that moves has a counterpart (a half model).
+    """
+    pairs = _pairs(nodes)
+    shape = translation[:, pairs[:, 0]]
+    mirrored = translation[:, pairs[:, 1]] * _MIRROR
+    # Of two sides one may move alone: the mean of both makes that neither, not symmetric.
+    norms = 0.5 * np.sum(shape**2 + mirrored**2, axis=(1, 2))
+    product = np.sum(shape * mirrored, axis=(1, 2))
+    degree = np.divide(product, norms, out=np.full(norms.shape, np.nan), where=norms > 0)
+    return Symmetry(degree, pairs.shape[0] / max(1, nodes.shape[0]))
+
+
+def _pairs(nodes: Float[np.ndarray, "n_nodes 3"]) -> Int[np.ndarray, "n_pairs 2"]:
+    """Nodes and their counterparts; a node in the plane is its own."""
+    empty = np.empty((0, 2), dtype=np.intp)
+    if nodes.shape[0] == 0:
+        return empty
+    low, high = nodes[:, 1].min(), nodes[:, 1].max()
+    tolerance = 0.01 * float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    best = empty
+    for plane in (0.0, 0.5 * (low + high)):
+        image = nodes * _MIRROR + np.array([0.0, 2.0 * plane, 0.0])
+        found = cKDTree(nodes).query(image)
+        distance, place = np.asarray(found[0]), np.asarray(found[1])
+        near = np.flatnonzero(distance <= tolerance)
+        apart = np.abs(nodes[near, 1] - plane) > tolerance
+        if not apart.any():  # a half model mirrors nothing but its own root
+            continue
+        if near.size > best.shape[0]:
+            best = np.column_stack([near, place[near]]).astype(np.intp)
+    return best
