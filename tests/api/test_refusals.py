@@ -74,7 +74,7 @@ def test_a_bad_query(empty: TestClient, path: str, code: str) -> None:
         ({"maneuver_id": 2**63}, "invalid-request"),
         ({"maneuver_id": 1.5}, "invalid-request"),
         ({"unknown": 1}, "invalid-request"),
-        ({"structure": None}, "invalid-request"),
+        ({"structure": None}, "no-structure"),
         ({"structure": {"modes": [True]}}, "invalid-request"),
         ({"structure": {"modes": ["7"]}}, "invalid-request"),
         ({"structure": {"modes": [7], "fixed": {"Cm_q": "big"}}}, "invalid-request"),

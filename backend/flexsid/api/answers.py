@@ -13,7 +13,7 @@ from flexsid.records.ground_test import GroundTest
 from flexsid.records.maneuver import Channel, Maneuver
 from flexsid.records.mapping import StoredMapping
 from flexsid.records.modal_table import ModalTable
-from flexsid.records.model_structure import ModelStructure, Structure
+from flexsid.records.model_structure import ModelStructure, Structure, StructureVersion
 from flexsid.records.prediction import Prediction
 from flexsid.records.run import (
     EstimationRun,
@@ -144,6 +144,7 @@ class Run:
     damping_table_id: int | None
     prediction_id: int | None
     structure_id: int | None
+    structure_version: int | None
     parameters: list[RunParameter]
     fit: Fit | None
     poles: tuple[Pole, ...]
@@ -240,6 +241,30 @@ class ModelStructureList:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class StructureVersionList:
+    """Versions of a model structure, oldest first."""
+
+    items: list[StructureVersion]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StaleStructure:
+    """Why an edit was refused, with all that is needed to make it again.
+
+    ``base`` was edited into ``sent``, while ``current`` became the newest version.
+    """
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    code: str
+    base: StructureVersion
+    current: StructureVersion
+    sent: StructureVersion
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RunList:
     """A page of runs, newest first."""
 
@@ -287,6 +312,7 @@ def run_answer(run: EstimationRun) -> Run:
         damping_table_id=run.damping_table_id,
         prediction_id=run.prediction_id,
         structure_id=run.structure_id,
+        structure_version=run.structure_version,
         parameters=[]
         if result is None
         else [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from http import HTTPStatus
 from typing import Any
 
@@ -125,4 +125,5 @@ def _field(location: Sequence[str | int]) -> str:
 
 
 def _plain(value: object) -> Any:
-    return value if isinstance(value, str | int | float | bool | list | None) else str(value)
+    whole = is_dataclass(value) or isinstance(value, str | int | float | bool | list | dict | None)
+    return value if whole else str(value)

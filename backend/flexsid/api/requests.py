@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from flexsid.records.model_structure import Structure
+from flexsid.records.model_structure import FixedTo, HeldBy, Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage.repository import LARGEST_ID
 
@@ -19,10 +19,22 @@ ModeNumber = Annotated[int, Field(strict=True, ge=1, le=9999)]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Prior = tuple[Number, Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]]
 Frequency = Annotated[float, Field(strict=True, ge=0.0, le=1e4)]
+Delay = Annotated[float, Field(strict=True, ge=-1.0, le=1.0)]
+Version = Annotated[int, Field(strict=True, ge=1, le=2**31 - 1)]
 Name = Annotated[str, Field(min_length=1, max_length=64)]
 Names = Annotated[tuple[Name, ...], Field(max_length=500)]
 Title = Annotated[str, Field(min_length=1, max_length=200)]
 Text = Annotated[str, Field(max_length=10_000)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FixedToRequest:
+    """A source that a derivative is held at."""
+
+    source: HeldBy
+    id: Id
+
+    __pydantic_config__ = _STRICT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,6 +49,10 @@ class StructureRequest:
     free_delays: Annotated[bool, Field(strict=True)] = False
     also_free: Names = ()
     axis: Literal["longitudinal"] = "longitudinal"
+    absent: Names = ()
+    fixed_to: Annotated[dict[Name, FixedToRequest] | None, Field(max_length=500)] = None
+    delays: Annotated[dict[Name, Delay] | None, Field(max_length=500)] = None
+    instruments: Annotated[dict[Name, Name | None] | None, Field(max_length=500)] = None
 
     __pydantic_config__ = _STRICT
 
@@ -51,6 +67,13 @@ class StructureRequest:
             free_delays=self.free_delays,
             also_free=self.also_free,
             axis=self.axis,
+            absent=self.absent,
+            fixed_to={
+                name: FixedTo(source=held.source, id=held.id)
+                for name, held in (self.fixed_to or {}).items()
+            },
+            delays=self.delays or {},
+            instruments=self.instruments or {},
         )
 
 
@@ -88,33 +111,36 @@ class RunRequest:
     """Estimate a model of one maneuver by one method.
 
     What is left out is chosen: the aircraft's latest tables and the prediction
-    that covers most of the derivatives.
+    that covers most of the derivatives. The structure is given in full, or by
+    ``structure_id`` (in its newest version, else in ``structure_version``).
     """
 
     maneuver_id: Id
     method: Method
-    structure: StructureRequest
+    structure: StructureRequest | None = None
     settings: SettingsRequest | None = None
     modal_table_id: Id | None = None
     damping_table_id: Id | None = None
     prediction_id: Id | None = None
     structure_id: Id | None = None
+    structure_version: Version | None = None
     author: Annotated[str, Field(max_length=200)] = ""
 
     __pydantic_config__ = _STRICT
 
-    def record(self) -> EstimationRun:
-        """Return the run that is queued."""
+    def record(self, structure: Structure, version: int | None, analyst: str) -> EstimationRun:
+        """Return the run that is queued, with the structure that was found for it."""
         return EstimationRun(
             maneuver_id=self.maneuver_id,
             method=self.method,
-            structure=self.structure.record(),
+            structure=structure,
             settings=(self.settings or SettingsRequest()).record(),
             modal_table_id=self.modal_table_id,
             damping_table_id=self.damping_table_id,
             prediction_id=self.prediction_id,
             structure_id=self.structure_id,
-            author=self.author,
+            structure_version=version,
+            author=self.author or analyst,
         )
 
 
@@ -126,6 +152,21 @@ class ModelStructureRequest:
     name: Title
     structure: StructureRequest
     note: Text = ""
+
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StructureEditRequest:
+    """Keep a new version of a model structure.
+
+    ``version`` is the one that was edited; the header ``If-Match`` says the same.
+    """
+
+    name: Title
+    structure: StructureRequest
+    note: Text = ""
+    version: Version | None = None
 
     __pydantic_config__ = _STRICT
 

@@ -19,6 +19,7 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight
 from flexsid.records.maneuver import Channel, Maneuver
 from flexsid.storage.store import Store
+from flexsid.workflow.structures import add_structure
 
 Report = Callable[[float, str], None]
 """Takes the fraction that is done, and what was done last."""
@@ -160,7 +161,7 @@ def add_aircraft(store: Store) -> Aircraft:
         for prediction in predictions(truth, aircraft.id, store.arrays.put):
             store.predictions.add(prediction)
         for structure in model_structures(aircraft.id):
-            store.model_structures.add(structure)
+            add_structure(store, structure)
     return aircraft
 
 

@@ -2,17 +2,41 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
+from enum import StrEnum
+
+
+class HeldBy(StrEnum):
+    """Kind of source whose value a derivative is held at."""
+
+    PREDICTION = "prediction"
+    RUN = "run"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FixedTo:
+    """A source by kind and id; a prediction is read at the fuel of the maneuver."""
+
+    source: HeldBy
+    id: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Structure:
     """The content of a model structure; a run keeps its own copy.
 
-    Empty ``inputs`` or ``outputs`` stand for all that the maneuver has; ``free``
-    of None frees every derivative of the chosen modes and inputs; what is not
-    free is held at ``fixed``, else at the start source's value.
+    Empty ``inputs`` or ``outputs`` stand for all that the maneuver has. Each
+    derivative of the chosen modes and inputs is in one state:
+
+    - absent, where ``absent`` names it: the model does not have it, it is zero;
+    - fixed to a number (``fixed``), to a prediction or an earlier run
+      (``fixed_to``), or, where ``free`` leaves it out, to the start of the run;
+    - free otherwise; ``free`` of None frees all that is neither absent nor fixed.
+
+    ``delays`` [s] of outputs and inputs add to those of their instruments, and
+    ``instruments`` puts another of the aircraft's instruments (None: none at all)
+    behind a channel; a combination stands for its sensors.
     """
 
     modes: tuple[int, ...] = ()
@@ -23,15 +47,36 @@ class Structure:
     free_delays: bool = False
     also_free: tuple[str, ...] = ()
     axis: str = "longitudinal"
+    absent: tuple[str, ...] = ()
+    fixed_to: dict[str, FixedTo] = field(default_factory=dict[str, FixedTo])
+    delays: dict[str, float] = field(default_factory=dict[str, float])
+    instruments: dict[str, str | None] = field(default_factory=dict[str, str | None])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelStructure:
-    """A named structure that runs can share."""
+    """A named structure that runs can share, as its newest version has it."""
 
     aircraft_id: int
     name: str
     structure: Structure
     note: str = ""
+    author: str = ""
+    version: int = 1
+    created_at: datetime | None = None
+    changed_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StructureVersion:
+    """One version of a model structure; it is written once and never changed."""
+
+    structure_id: int
+    version: int
+    name: str
+    structure: Structure
+    note: str
+    author: str
     created_at: datetime | None = None
     id: int | None = None

@@ -173,6 +173,7 @@ class EstimationRun:
     damping_table_id: int | None = None
     prediction_id: int | None = None
     structure_id: int | None = None
+    structure_version: int | None = None
     state: RunState = RunState.QUEUED
     attempt: int = 0
     progress: Progress | None = None

@@ -12,7 +12,7 @@ from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.maneuver import Channel, Maneuver
 from flexsid.records.mapping import StoredMapping
 from flexsid.records.modal_table import ModalTable
-from flexsid.records.model_structure import ModelStructure
+from flexsid.records.model_structure import ModelStructure, StructureVersion
 from flexsid.records.prediction import Prediction
 from flexsid.records.run import EstimationRun
 from flexsid.storage import tables
@@ -47,6 +47,9 @@ class Store:
         self.predictions = Repository(database, tables.predictions, Prediction, "prediction")
         self.model_structures = Repository(
             database, tables.model_structures, ModelStructure, "model structure"
+        )
+        self.structure_versions = Repository(
+            database, tables.structure_versions, StructureVersion, "version of a model structure"
         )
         self.designs = Repository(database, tables.designs, ExcitationDesign, "excitation design")
         self.runs = Repository(database, tables.runs, EstimationRun, "run")

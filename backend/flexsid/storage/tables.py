@@ -212,7 +212,23 @@ model_structures = _table(
     _text("name"),
     _json("structure"),
     _text("note"),
+    sa.Column("author", sa.String, nullable=False, server_default=""),
+    sa.Column("version", sa.Integer, nullable=False, server_default="1"),
     sa.Column("created_at", UtcDateTime, nullable=False),
+    sa.Column("changed_at", UtcDateTime),
+)
+
+structure_versions = _table(
+    "structure_versions",
+    _identity(),
+    _refers_to("structure_id", "model_structures", index=False),
+    sa.Column("version", sa.Integer, nullable=False),
+    _text("name"),
+    _json("structure"),
+    _text("note"),
+    _text("author"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+    sa.UniqueConstraint("structure_id", "version"),
 )
 
 designs = _table(
@@ -238,6 +254,7 @@ runs = _table(
     _refers_to("damping_table_id", "modal_tables", required=False),
     _refers_to("prediction_id", "predictions", required=False),
     _refers_to("structure_id", "model_structures", required=False),
+    sa.Column("structure_version", sa.Integer),
     sa.Column("state", sa.String(16), nullable=False),
     sa.Column("attempt", sa.Integer, nullable=False),
     _json("progress", required=False),

@@ -56,6 +56,7 @@ from flexsid.workflow.starts import (
     priors_of,
     starting_tables,
 )
+from flexsid.workflow.structures import brought_to
 
 __all__ = ["compute", "keep", "prepare"]
 
@@ -69,7 +70,7 @@ def prepare(store: Store, run: EstimationRun) -> Task:
         If the structure does not fit the maneuver: unknown modes, inputs or
         outputs, a band without lines, a sensor without mode shape.
     """
-    settings, structure = run.settings, run.structure
+    settings = run.settings
     ids = tuple(dict.fromkeys((run.maneuver_id, *settings.together_with)))
     maneuvers = [store.maneuvers.get(number) for number in ids]
     first = maneuvers[0]
@@ -80,6 +81,7 @@ def prepare(store: Store, run: EstimationRun) -> Task:
                 f"maneuver {other.id} is of another aircraft than maneuver {first.id}",
                 code="wrong-aircraft",
             )
+    structure, aircraft = brought_to(store, run.structure, aircraft, first)
     modal, damping = find_modal_tables(
         store, first.aircraft_id, run.modal_table_id, run.damping_table_id
     )

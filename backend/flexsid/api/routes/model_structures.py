@@ -1,41 +1,122 @@
-"""Model structures that runs can share."""
+"""Model structures that runs can share, each edit a new version."""
 
 from __future__ import annotations
 
-from fastapi import APIRouter, status
+import re
+from typing import Annotated
 
-from flexsid.api.answers import ModelStructureList
+from fastapi import APIRouter, Header, Path, status
+
+from flexsid.api.analyst import TheAnalyst
+from flexsid.api.answers import ModelStructureList, StaleStructure, StructureVersionList
 from flexsid.api.context import TheStore
-from flexsid.api.requests import ModelStructureRequest
+from flexsid.api.requests import ModelStructureRequest, StructureEditRequest
 from flexsid.api.wire import Identity, Json, Reference
-from flexsid.records.model_structure import ModelStructure
+from flexsid.errors import BadInput
+from flexsid.records.model_structure import ModelStructure, StructureVersion
+from flexsid.workflow import structures
 
 router = APIRouter(prefix="/model-structures", tags=["model-structures"])
+
+Version = Annotated[int, Path(ge=1, le=2**31 - 1, description="Version of the record.")]
+IfMatch = Annotated[str | None, Header(description='Version that was edited, e.g. `"3"`.')]
 
 
 @router.get("", response_model=ModelStructureList)
 def list_model_structures(store: TheStore, aircraft_id: Reference = None) -> Json:
-    """List model structures, of one aircraft or of all."""
+    """List model structures in their newest version, of one aircraft or of all."""
     chosen = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
     return Json(ModelStructureList(items=store.model_structures.find(**chosen)))
 
 
 @router.get("/{structure_id}", response_model=ModelStructure)
 def get_model_structure(store: TheStore, structure_id: Identity) -> Json:
-    """Return one model structure."""
-    return Json(store.model_structures.get(structure_id))
+    """Return the newest version of one model structure; ``ETag`` names it."""
+    return _tagged(store.model_structures.get(structure_id))
+
+
+@router.get("/{structure_id}/versions", response_model=StructureVersionList)
+def list_structure_versions(store: TheStore, structure_id: Identity) -> Json:
+    """List every version of one model structure, oldest first."""
+    store.model_structures.get(structure_id)
+    found = store.structure_versions.find(structure_id=structure_id)
+    return Json(StructureVersionList(items=found))
+
+
+@router.get("/{structure_id}/versions/{version}", response_model=StructureVersion)
+def get_structure_version(store: TheStore, structure_id: Identity, version: Version) -> Json:
+    """Return one version of one model structure."""
+    return Json(structures.get_version(store, structure_id, version))
 
 
 @router.post("", response_model=ModelStructure, status_code=status.HTTP_201_CREATED)
-def add_model_structure(store: TheStore, wanted: ModelStructureRequest) -> Json:
+def add_model_structure(
+    store: TheStore, wanted: ModelStructureRequest, analyst: TheAnalyst
+) -> Json:
     """Keep a model structure under a name."""
-    kept = store.model_structures.add(
+    kept = structures.add_structure(
+        store,
         ModelStructure(
             aircraft_id=wanted.aircraft_id,
             name=wanted.name,
             structure=wanted.structure.record(),
             note=wanted.note,
-        )
+            author=analyst,
+        ),
     )
-    location = {"Location": f"/api/v1/model-structures/{kept.id}"}
-    return Json(kept, status.HTTP_201_CREATED, location)
+    return _tagged(kept, status.HTTP_201_CREATED)
+
+
+@router.put(
+    "/{structure_id}", response_model=ModelStructure, responses={409: {"model": StaleStructure}}
+)
+def edit_model_structure(
+    store: TheStore,
+    structure_id: Identity,
+    wanted: StructureEditRequest,
+    analyst: TheAnalyst,
+    if_match: IfMatch = None,
+) -> Json:
+    """Keep a new version; refused with both versions where another came first."""
+    edited = structures.edit_structure(
+        store,
+        structure_id,
+        edited_version(wanted.version, if_match),
+        name=wanted.name,
+        structure=wanted.structure.record(),
+        note=wanted.note,
+        author=analyst,
+    )
+    return _tagged(edited)
+
+
+def edited_version(in_body: int | None, if_match: str | None) -> int:
+    """Read which version was edited, from the body or the header ``If-Match``.
+
+    Raises
+    ------
+    BadInput
+        If neither says it, or both do and differ.
+    """
+    found = None
+    if if_match is not None:
+        match = re.fullmatch(r'(?:W/)?"?(\d{1,9})"?', if_match.strip())
+        if match is None:
+            raise BadInput(
+                f'If-Match is {if_match!r}; expected the version that was edited, e.g. "3"',
+                code="bad-version",
+            )
+        found = int(match[1])
+    versions = {version for version in (in_body, found) if version is not None}
+    if len(versions) != 1:
+        raise BadInput(
+            "say which version was edited, as version or as If-Match", code="bad-version"
+        )
+    return versions.pop()
+
+
+def _tagged(record: ModelStructure, code: int = status.HTTP_200_OK) -> Json:
+    headers = {"ETag": f'"{record.version}"'}
+    if code == status.HTTP_201_CREATED:
+        headers["Location"] = f"/api/v1/model-structures/{record.id}"
+    return Json(record, code, headers)

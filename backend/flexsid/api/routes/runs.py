@@ -6,13 +6,14 @@ from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Response, status
 
+from flexsid.api.analyst import TheAnalyst
 from flexsid.api.answers import Run, RunList, run_answer
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import RunRequest
 from flexsid.api.wire import After, Identity, Json, Limit, Reference
 from flexsid.records.run import Method, RunState
 from flexsid.storage import queue
-from flexsid.workflow import estimation
+from flexsid.workflow import estimation, structures
 from flexsid.workflow.export import RunExport, export_run
 from flexsid.workflow.identified_export import ModelExport, export_model, matlab_model
 
@@ -20,13 +21,17 @@ router = APIRouter(prefix="/runs", tags=["runs"])
 
 
 @router.post("", response_model=Run, status_code=status.HTTP_202_ACCEPTED)
-def request_run(context: TheContext, wanted: RunRequest) -> Json:
+def request_run(context: TheContext, wanted: RunRequest, analyst: TheAnalyst) -> Json:
     """Queue an estimation run; follow it at the answer's ``Location``.
 
     What cannot be estimated (an unknown mode, input or output) is refused at once.
     """
     store = context.store
-    run = wanted.record()
+    given = None if wanted.structure is None else wanted.structure.record()
+    structure, version = structures.structure_of_run(
+        store, given, wanted.structure_id, wanted.structure_version
+    )
+    run = wanted.record(structure, version, analyst)
     estimation.prepare(store, run)
     kept = store.runs.add(run)
     context.dispatcher.wake()

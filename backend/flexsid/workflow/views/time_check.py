@@ -14,6 +14,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.time_response import time_response
 from flexsid.units import si_unit
 from flexsid.workflow.identified import Identified, identified
+from flexsid.workflow.instruments import with_instruments
 from flexsid.workflow.models import define_outputs, input_correction, output_instrument
 from flexsid.workflow.transforms import load_channels, trim_removed
 
@@ -51,7 +52,7 @@ def time_check(
             code="unknown-output",
             output=unknown[0],
         )
-    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    aircraft = with_instruments(store.aircraft.get(maneuver.aircraft_id), run.structure)
     time_s, simulated = _simulate(store, maneuver, aircraft, found)
     traces = [
         _check(store, maneuver, aircraft, name, time_s, simulated[:, k])

@@ -1,0 +1,64 @@
+"""Who asks: the name that the local analyst has set, which nobody has verified."""
+
+from __future__ import annotations
+
+import unicodedata
+from typing import Annotated
+from urllib.parse import unquote
+
+from fastapi import Depends, Header
+
+from flexsid.errors import BadInput
+
+HEADER = "X-Flexsid-Analyst"
+_LONGEST = 100
+
+
+def read_name(sent: str) -> str:
+    """Return a name as it is kept: one spelling, no control characters, single blanks.
+
+    Raises
+    ------
+    BadInput
+        If it is no name.
+    """
+    try:
+        text = unquote(sent, errors="strict")
+    except UnicodeDecodeError as error:
+        raise BadInput(f"{HEADER} is not UTF-8, percent-encoded", code="bad-analyst") from error
+    name = " ".join(unicodedata.normalize("NFKC", text).split())
+    if len(name) > _LONGEST or any(unicodedata.category(letter)[0] == "C" for letter in name):
+        raise BadInput(
+            f"{HEADER} must be a name of at most {_LONGEST} letters without control characters",
+            code="bad-analyst",
+        )
+    return name
+
+
+async def _analyst(
+    name: Annotated[
+        str, Header(alias=HEADER, description="Name of the analyst, percent-encoded UTF-8.")
+    ] = "",
+) -> str:
+    return read_name(name)
+
+
+def required(name: str) -> str:
+    """Return the name, where what is done must carry one."""
+    if not name:
+        raise BadInput(
+            f"this is kept with a name: set yours in the workbench, or send it as {HEADER}",
+            code="no-analyst",
+        )
+    return name
+
+
+async def _named_analyst(name: Annotated[str, Depends(_analyst)]) -> str:
+    return required(name)
+
+
+TheAnalyst = Annotated[str, Depends(_analyst)]
+"""Name of who asks; empty where none is set."""
+
+NamedAnalyst = Annotated[str, Depends(_named_analyst)]
+"""Name of who asks; refused where none is set."""
