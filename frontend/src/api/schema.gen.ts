@@ -470,7 +470,7 @@ export interface paths {
         };
         /**
          * List Model Structures
-         * @description List model structures, of one aircraft or of all.
+         * @description List model structures in their newest version, of one aircraft or of all.
          */
         get: operations["list_model_structures"];
         put?: never;
@@ -494,9 +494,53 @@ export interface paths {
         };
         /**
          * Get Model Structure
-         * @description Return one model structure.
+         * @description Return the newest version of one model structure; ``ETag`` names it.
          */
         get: operations["get_model_structure"];
+        /**
+         * Edit Model Structure
+         * @description Keep a new version; refused with both versions where another came first.
+         */
+        put: operations["edit_model_structure"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/model-structures/{structure_id}/versions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Structure Versions
+         * @description List every version of one model structure, oldest first.
+         */
+        get: operations["list_structure_versions"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/model-structures/{structure_id}/versions/{version}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Structure Version
+         * @description Return one version of one model structure.
+         */
+        get: operations["get_structure_version"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1636,6 +1680,8 @@ export interface components {
             prediction_id?: number | null;
             /** Structure Id */
             structure_id?: number | null;
+            /** Structure Version */
+            structure_version?: number | null;
             /** @default queued */
             state: components["schemas"]["RunState"];
             /**
@@ -1844,6 +1890,24 @@ export interface components {
             arrays: {
                 [key: string]: string;
             };
+        };
+        /**
+         * FixedTo
+         * @description A source by kind and id; a prediction is read at the fuel of the maneuver.
+         */
+        FixedTo: {
+            source: components["schemas"]["HeldBy"];
+            /** Id */
+            id: number;
+        };
+        /**
+         * FixedToRequest
+         * @description A source that a derivative is held at.
+         */
+        FixedToRequest: {
+            source: components["schemas"]["HeldBy"];
+            /** Id */
+            id: number;
         };
         /**
          * Flight
@@ -2091,6 +2155,12 @@ export interface components {
             /** Migration */
             migration: string;
         };
+        /**
+         * HeldBy
+         * @description Kind of source whose value a derivative is held at.
+         * @enum {string}
+         */
+        HeldBy: "prediction" | "run";
         /**
          * InputCheck
          * @description One input: command and true deflection at their largest. [unit], [unit/s], [unit/s2]
@@ -2596,7 +2666,7 @@ export interface components {
         };
         /**
          * ModelStructure
-         * @description A named structure that runs can share.
+         * @description A named structure that runs can share, as its newest version has it.
          */
         ModelStructure: {
             /** Aircraft Id */
@@ -2609,8 +2679,20 @@ export interface components {
              * @default
              */
             note: string;
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /**
+             * Version
+             * @default 1
+             */
+            version: number;
             /** Created At */
             created_at?: string | null;
+            /** Changed At */
+            changed_at?: string | null;
             /** Id */
             id?: number | null;
         };
@@ -2909,6 +2991,8 @@ export interface components {
             prediction_id: number | null;
             /** Structure Id */
             structure_id: number | null;
+            /** Structure Version */
+            structure_version: number | null;
             /** Parameters */
             parameters: components["schemas"]["RunParameter"][];
             fit: components["schemas"]["Fit"] | null;
@@ -3031,13 +3115,14 @@ export interface components {
          * @description Estimate a model of one maneuver by one method.
          *
          *     What is left out is chosen: the aircraft's latest tables and the prediction
-         *     that covers most of the derivatives.
+         *     that covers most of the derivatives. The structure is given in full, or by
+         *     ``structure_id`` (in its newest version, else in ``structure_version``).
          */
         RunRequest: {
             /** Maneuver Id */
             maneuver_id: number;
             method: components["schemas"]["Method"];
-            structure: components["schemas"]["StructureRequest"];
+            structure?: components["schemas"]["StructureRequest"] | null;
             settings?: components["schemas"]["SettingsRequest"] | null;
             /** Modal Table Id */
             modal_table_id?: number | null;
@@ -3047,6 +3132,8 @@ export interface components {
             prediction_id?: number | null;
             /** Structure Id */
             structure_id?: number | null;
+            /** Structure Version */
+            structure_version?: number | null;
             /**
              * Author
              * @default
@@ -3253,6 +3340,27 @@ export interface components {
             std_error?: number | null;
         };
         /**
+         * StaleStructure
+         * @description Why an edit was refused, with all that is needed to make it again.
+         *
+         *     ``base`` was edited into ``sent``, while ``current`` became the newest version.
+         */
+        StaleStructure: {
+            /** Type */
+            type: string;
+            /** Title */
+            title: string;
+            /** Status */
+            status: number;
+            /** Detail */
+            detail: string;
+            /** Code */
+            code: string;
+            base: components["schemas"]["StructureVersion"];
+            current: components["schemas"]["StructureVersion"];
+            sent: components["schemas"]["StructureVersion"];
+        };
+        /**
          * Start
          * @description Where the iteration starts; ``best`` takes whichever candidate is likeliest.
          * @enum {string}
@@ -3281,9 +3389,17 @@ export interface components {
          * Structure
          * @description The content of a model structure; a run keeps its own copy.
          *
-         *     Empty ``inputs`` or ``outputs`` stand for all that the maneuver has; ``free``
-         *     of None frees every derivative of the chosen modes and inputs; what is not
-         *     free is held at ``fixed``, else at the start source's value.
+         *     Empty ``inputs`` or ``outputs`` stand for all that the maneuver has. Each
+         *     derivative of the chosen modes and inputs is in one state:
+         *
+         *     - absent, where ``absent`` names it: the model does not have it, it is zero;
+         *     - fixed to a number (``fixed``), to a prediction or an earlier run
+         *       (``fixed_to``), or, where ``free`` leaves it out, to the start of the run;
+         *     - free otherwise; ``free`` of None frees all that is neither absent nor fixed.
+         *
+         *     ``delays`` [s] of outputs and inputs add to those of their instruments, and
+         *     ``instruments`` puts another of the aircraft's instruments (None: none at all)
+         *     behind a channel; a combination stands for its sensors.
          */
         Structure: {
             /**
@@ -3322,6 +3438,41 @@ export interface components {
              * @default longitudinal
              */
             axis: string;
+            /**
+             * Absent
+             * @default []
+             */
+            absent: string[];
+            /** Fixed To */
+            fixed_to?: {
+                [key: string]: components["schemas"]["FixedTo"];
+            };
+            /** Delays */
+            delays?: {
+                [key: string]: number;
+            };
+            /** Instruments */
+            instruments?: {
+                [key: string]: string | null;
+            };
+        };
+        /**
+         * StructureEditRequest
+         * @description Keep a new version of a model structure.
+         *
+         *     ``version`` is the one that was edited; the header ``If-Match`` says the same.
+         */
+        StructureEditRequest: {
+            /** Name */
+            name: string;
+            structure: components["schemas"]["StructureRequest"];
+            /**
+             * Note
+             * @default
+             */
+            note: string;
+            /** Version */
+            version?: number | null;
         };
         /**
          * StructureForecast
@@ -3390,6 +3541,52 @@ export interface components {
              * @constant
              */
             axis: "longitudinal";
+            /**
+             * Absent
+             * @default []
+             */
+            absent: string[];
+            /** Fixed To */
+            fixed_to?: {
+                [key: string]: components["schemas"]["FixedToRequest"];
+            } | null;
+            /** Delays */
+            delays?: {
+                [key: string]: number;
+            } | null;
+            /** Instruments */
+            instruments?: {
+                [key: string]: string | null;
+            } | null;
+        };
+        /**
+         * StructureVersion
+         * @description One version of a model structure; it is written once and never changed.
+         */
+        StructureVersion: {
+            /** Structure Id */
+            structure_id: number;
+            /** Version */
+            version: number;
+            /** Name */
+            name: string;
+            structure: components["schemas"]["Structure"];
+            /** Note */
+            note: string;
+            /** Author */
+            author: string;
+            /** Created At */
+            created_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * StructureVersionList
+         * @description Versions of a model structure, oldest first.
+         */
+        StructureVersionList: {
+            /** Items */
+            items: components["schemas"]["StructureVersion"][];
         };
         /**
          * Surface
@@ -4470,7 +4667,10 @@ export interface operations {
     add_model_structure: {
         parameters: {
             query?: never;
-            header?: never;
+            header?: {
+                /** @description Name of the analyst, percent-encoded UTF-8. */
+                "X-Flexsid-Analyst"?: string;
+            };
             path?: never;
             cookie?: never;
         };
@@ -4532,6 +4732,122 @@ export interface operations {
             };
         };
     };
+    edit_model_structure: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Version that was edited, e.g. `"3"`. */
+                "if-match"?: string | null;
+                /** @description Name of the analyst, percent-encoded UTF-8. */
+                "X-Flexsid-Analyst"?: string;
+            };
+            path: {
+                /** @description Id of the record. */
+                structure_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StructureEditRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ModelStructure"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StaleStructure"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_structure_versions: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                structure_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StructureVersionList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_structure_version: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                structure_id: number;
+                /** @description Version of the record. */
+                version: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StructureVersion"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     list_runs: {
         parameters: {
             query?: {
@@ -4572,7 +4888,10 @@ export interface operations {
     request_run: {
         parameters: {
             query?: never;
-            header?: never;
+            header?: {
+                /** @description Name of the analyst, percent-encoded UTF-8. */
+                "X-Flexsid-Analyst"?: string;
+            };
             path?: never;
             cookie?: never;
         };

@@ -35,6 +35,10 @@ export function runRequest(
       free_delays: draft.freeDelays,
       also_free: draft.alsoFree,
       axis: "longitudinal",
+      absent: like?.structure.absent ?? [],
+      fixed_to: like?.structure.fixed_to ?? {},
+      delays: like?.structure.delays ?? {},
+      instruments: like?.structure.instruments ?? {},
     },
     settings: {
       start: draft.start,
