@@ -123,9 +123,11 @@ def test_a_run_is_accepted_followed_and_read(client: TestClient) -> None:
     assert item["runs"]["FRE"] == {"id": run["id"], "state": "succeeded"}
     assert item["n_runs"] == 2
     assert client.post(f"{API}/jobs/{run['id']}/cancel").status_code == 409
-    assert client.delete(f"{API}/maneuvers/1").json()["code"] == "in-use"
+    listed = client.get(f"{API}/runs?method=FRE").json()["items"][0]
+    assert (listed["modes"], listed["outcome"]) == ([7, 9], "converged")
+    assert listed["worst_r_squared"] == min(run["fit"]["r_squared"].values())
     assert client.delete(f"{API}/runs/{run['id']}").status_code == 204
-    assert client.get(f"{API}/runs/{run['id']}").status_code == 404
+    assert client.get(f"{API}/runs?method=FRE").json()["items"] == []
 
 
 def test_a_queued_run_is_cancelled_and_results_survive_a_restart(serve, flown_url: str) -> None:
@@ -160,7 +162,42 @@ def test_a_maneuver_comes_in_and_goes(client: TestClient, upload_files) -> None:
     assert client.get(answer.headers["Location"]).json() == kept
     assert client.post(f"{API}/maneuvers", files=upload_files).status_code == 409
     assert client.delete(answer.headers["Location"]).status_code == 204
-    assert client.get(answer.headers["Location"]).status_code == 404
+    assert [item["id"] for item in client.get(f"{API}/maneuvers").json()["items"]] == [1]
+    # What was deleted stands at its address still, and the same file brings no twin.
+    assert client.get(answer.headers["Location"]).json()["deleted_at"]
+    assert "restore it" in client.post(f"{API}/maneuvers", files=upload_files).json()["detail"]
+
+
+def test_what_many_undergo_is_taken_back(client: TestClient, upload_files) -> None:
+    client.post(f"{API}/maneuvers", files=upload_files)
+    change = f"{API}/maneuvers/changes"
+    assert client.post(change, json={"ids": [1, 2], "action": "delete"}).json() == {"ids": [1, 2]}
+    assert client.get(f"{API}/maneuvers/facets").json()["total"] == 0
+    assert client.get(f"{API}/runs").json()["items"] == []
+    assert client.get(f"{API}/maneuvers/facets?deleted=true").json()["total"] == 2
+    assert client.post(change, json={"ids": [1, 2], "action": "restore"}).json() == {"ids": [1, 2]}
+    assert client.get(f"{API}/runs").json()["items"][0]["maneuver_label"] == "flown"
+    tag = {"ids": [1], "action": "tag", "tag": "good SNR"}
+    assert client.post(f"{API}/runs/changes", json=tag).json() == {"ids": [1]}
+    assert client.post(f"{API}/runs/changes", json=tag).json() == {"ids": []}
+    facets = client.get(f"{API}/runs/facets").json()
+    assert facets["choices"]["tag"] == [{"value": "good SNR", "label": "good SNR", "count": 1}]
+    assert client.get(f"{API}/runs?tag=bad").json()["items"] == []
+    for wrong in ({"ids": [1, 99], "action": "delete"}, {"ids": [1], "action": "tag"}):
+        assert client.post(f"{API}/runs/changes", json=wrong).status_code in (404, 422)
+    for tag in ("", " x", "a,b"):
+        wrong = {"ids": [1], "action": "tag", "tag": tag}
+        assert client.post(f"{API}/runs/changes", json=wrong).status_code == 422
+
+
+def test_views_are_saved_and_shared(client: TestClient) -> None:
+    view = {"page": "campaign", "name": "fast ones", "search": "?min_ratio=1"}
+    kept = client.post(f"{API}/saved-views", json=view).json()
+    assert client.post(f"{API}/saved-views", json=view).status_code == 409
+    assert client.get(f"{API}/saved-views?page=campaign").json()["items"] == [kept]
+    assert client.get(f"{API}/saved-views?page=runs").json()["items"] == []
+    assert client.delete(f"{API}/saved-views/{kept['id']}").status_code == 204
+    assert client.get(f"{API}/saved-views").json()["items"] == []
 
 
 def test_lists_page(client: TestClient, upload_files) -> None:

@@ -24,7 +24,9 @@ from flexsid.records.run import (
     RunSettings,
     RunState,
 )
+from flexsid.records.saved_view import SavedView
 from flexsid.storage.maneuver_list import ManeuverItem
+from flexsid.storage.run_list import RunItem
 from flexsid.workflow.describing import FoundField, FoundFile, Proposal
 from flexsid.workflow.uploads import Upload
 
@@ -46,6 +48,7 @@ class ManeuverDetail(Maneuver):
     flight_number: int
     aircraft_name: str
     channels: list[Channel]
+    tags: list[str]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -158,6 +161,7 @@ class Run:
     created_at: datetime
     started_at: datetime | None
     finished_at: datetime | None
+    deleted_at: datetime | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -266,10 +270,24 @@ class StaleStructure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunList:
-    """A page of runs, newest first."""
+    """A page of the filtered list of runs."""
 
-    items: list[Run]
+    items: list[RunItem]
     next: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Changed:
+    """Which of many records an action changed."""
+
+    ids: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SavedViewList:
+    """Saved views of a page, or of all."""
+
+    items: list[SavedView]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -341,6 +359,7 @@ def run_answer(run: EstimationRun) -> Run:
         created_at=run.created_at,
         started_at=run.started_at,
         finished_at=run.finished_at,
+        deleted_at=run.deleted_at,
     )
 
 

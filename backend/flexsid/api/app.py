@@ -36,6 +36,7 @@ from flexsid.api.routes import (
     nomenclature,
     predictions,
     runs,
+    saved_views,
     uploads,
 )
 from flexsid.jobs.dispatcher import Dispatcher
@@ -116,6 +117,7 @@ def create_app(
         predictions,
         model_structures,
         runs,
+        saved_views,
         jobs,
         comparisons,
         designs,

@@ -9,6 +9,8 @@ from pydantic import ConfigDict, Field
 
 from flexsid.records.model_structure import FixedTo, HeldBy, Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, Start
+from flexsid.records.saved_view import SavedView
+from flexsid.storage.bulk import Action
 from flexsid.storage.repository import LARGEST_ID
 
 _STRICT: Any = ConfigDict(extra="forbid")
@@ -203,3 +205,34 @@ class PreviewRequest:
     channels: Names = ()
 
     __pydantic_config__ = _STRICT
+
+
+# A comma would end a tag where several are written into one address.
+Tag = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\s,](?:[^,]*[^\s,])?$")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChangeRequest:
+    """Do the same to many maneuvers or runs; ``tag`` goes with ``tag`` and ``untag``."""
+
+    ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=10_000)]
+    action: Action
+    tag: Tag | None = None
+
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SavedViewRequest:
+    """Keep what a page shows under a name."""
+
+    page: Literal["campaign", "runs", "compare", "flutter"]
+    name: Title
+    search: Annotated[str, Field(max_length=10_000)]
+    author: Annotated[str, Field(max_length=200)] = ""
+
+    __pydantic_config__ = _STRICT
+
+    def record(self) -> SavedView:
+        """Return what is kept."""
+        return SavedView(page=self.page, name=self.name, search=self.search, author=self.author)

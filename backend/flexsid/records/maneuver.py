@@ -89,4 +89,5 @@ class Maneuver:
     source_hash: str | None = None
     note: str = ""
     created_at: datetime | None = None
+    deleted_at: datetime | None = None
     id: int | None = None

@@ -184,4 +184,5 @@ class EstimationRun:
     created_at: datetime | None = None
     started_at: datetime | None = None
     finished_at: datetime | None = None
+    deleted_at: datetime | None = None
     id: int | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Any, TypedDict
+from typing import Any, TypedDict, cast
 
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
@@ -12,8 +12,10 @@ from sqlalchemy.engine import Connection
 from flexsid.errors import BadInput
 from flexsid.records.maneuver import GROUND
 from flexsid.records.run import Method, RunState
+from flexsid.storage.facets import Choice, Facets, count_choices, count_rows
 from flexsid.storage.paging import Page, read_cursor
-from flexsid.storage.tables import aircraft, flights, maneuvers, runs
+from flexsid.storage.tables import aircraft, flights, maneuver_tags, maneuvers, runs
+from flexsid.storage.tags import has_tag, tags_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,7 +46,9 @@ class ManeuverItem:
     max_input_correlation: float | None
     n_runs: int
     runs: dict[Method, LatestRun | None]
+    tags: tuple[str, ...]
     created_at: datetime
+    deleted_at: datetime | None
 
 
 class ManeuverFilters(TypedDict, total=False):
@@ -52,7 +56,8 @@ class ManeuverFilters(TypedDict, total=False):
 
     Records from the ground are not maneuvers of a flight and are listed only with
     ``ground``. ``method`` alone asks for maneuvers with a run of this method; ``state``
-    looks at the newest run, of that method or of any.
+    looks at the newest run, of that method or of any. ``deleted`` asks for what was
+    deleted instead.
     """
 
     aircraft_id: int | None
@@ -66,12 +71,31 @@ class ManeuverFilters(TypedDict, total=False):
     method: Method | None
     state: RunState | None
     ground: bool | None
+    tag: str | None
+    deleted: bool | None
 
 
-_latest = {method: runs.alias(f"latest_{method.value.lower()}") for method in Method}
+def _newest(method: Method, column: sa.Column[Any]) -> sa.ScalarSelect[Any]:
+    """Look one column of the newest run of a method up; the index alone answers."""
+    return (
+        sa.select(column)
+        .where(
+            runs.c.maneuver_id == maneuvers.c.id,
+            runs.c.method == method.value,
+            runs.c.deleted_at.is_(None),
+        )
+        .order_by(runs.c.id.desc())
+        .limit(1)
+        .correlate(maneuvers)
+        .scalar_subquery()
+    )
+
+
+_newest_id = {method: _newest(method, runs.c.id) for method in Method}
+_newest_state = {method: _newest(method, runs.c.state) for method in Method}
 _n_runs = (
     sa.select(sa.func.count())
-    .where(runs.c.maneuver_id == maneuvers.c.id)
+    .where(runs.c.maneuver_id == maneuvers.c.id, runs.c.deleted_at.is_(None))
     .scalar_subquery()
     .label("n_runs")
 )
@@ -92,11 +116,15 @@ _shown = (
     maneuvers.c.max_input_correlation,
     _n_runs,
     maneuvers.c.created_at,
+    maneuvers.c.deleted_at,
 )
-_latest_columns = tuple(
-    table.c[name].label(f"{method}_{name}")
-    for method, table in _latest.items()
-    for name in ("id", "state")
+_newest_columns = tuple(
+    found[method].label(f"{method}_{name}")
+    for method in Method
+    for name, found in (("id", _newest_id), ("state", _newest_state))
+)
+_joined = maneuvers.join(flights, flights.c.id == maneuvers.c.flight_id).join(
+    aircraft, aircraft.c.id == maneuvers.c.aircraft_id
 )
 _sortable: dict[str, sa.ColumnElement[Any]] = {
     **{
@@ -137,28 +165,47 @@ def select_maneuvers(
         ``next`` of the page before.
     """
     offset = 0 if after is None else read_cursor(after)
-    query = sa.select(*_shown, *_latest_columns).select_from(_joined())
+    query = sa.select(*_shown, *_newest_columns).select_from(_joined)
     query = query.where(*_conditions(filters)).order_by(*_order(sort)).offset(offset)
     if limit is not None:
         query = query.limit(limit + 1)  # one more tells whether there is a next page
     rows = connection.execute(query).mappings().all()
-    items = [_item(row) for row in (rows if limit is None else rows[:limit])]
+    shown = rows if limit is None else rows[:limit]
+    tags = tags_of(connection, maneuver_tags, [row["id"] for row in shown])
+    items = [_item(row, tags[row["id"]]) for row in shown]
     more = limit is not None and len(rows) > limit
     return Page(items=items, next=str(offset + len(items)) if more else None)
 
 
-def _joined() -> sa.FromClause:
-    joined: sa.FromClause = maneuvers.join(flights, flights.c.id == maneuvers.c.flight_id).join(
-        aircraft, aircraft.c.id == maneuvers.c.aircraft_id
+def maneuver_facets(connection: Connection, filters: ManeuverFilters) -> Facets:
+    """Count the list, and what each choice of a filter would leave of it."""
+
+    def others(name: str) -> list[sa.ColumnElement[bool]]:
+        return _conditions(cast("ManeuverFilters", {**filters, name: None}))
+
+    tagged = _joined.join(maneuver_tags, maneuver_tags.c.maneuver_id == maneuvers.c.id)
+    columns = (
+        ("aircraft_id", maneuvers.c.aircraft_id, aircraft.c.name),
+        ("flight_id", maneuvers.c.flight_id, flights.c.number),
+        ("fta", maneuvers.c.fta, None),
     )
-    for method, table in _latest.items():
-        newest = (
-            sa.select(sa.func.max(runs.c.id))
-            .where(runs.c.maneuver_id == maneuvers.c.id, runs.c.method == method.value)
-            .scalar_subquery()
-        )
-        joined = joined.outerjoin(table, table.c.id == newest)
-    return joined
+    choices = {
+        name: count_choices(connection, _joined, others(name), value, label)
+        for name, value, label in columns
+    }
+    choices["tag"] = count_choices(connection, tagged, others("tag"), maneuver_tags.c.tag)
+    # A maneuver counts for every method and every state of its newest runs.
+    for name, values in (("method", list(Method)), ("state", list(RunState))):
+        choices[name] = [
+            Choice(value=value, label=value, count=count)
+            for value in values
+            if (count := _count(connection, cast("ManeuverFilters", {**filters, name: value})))
+        ]
+    return Facets(total=_count(connection, filters), choices=choices)
+
+
+def _count(connection: Connection, filters: ManeuverFilters) -> int:
+    return count_rows(connection, _joined, _conditions(filters))
 
 
 def _conditions(filters: ManeuverFilters) -> list[sa.ColumnElement[bool]]:
@@ -170,6 +217,7 @@ def _conditions(filters: ManeuverFilters) -> list[sa.ColumnElement[bool]]:
         ("max_airspeed_ratio", lambda value: maneuvers.c.airspeed_ratio <= value),
         ("min_fuel", lambda value: maneuvers.c.fuel_fraction >= value),
         ("max_fuel", lambda value: maneuvers.c.fuel_fraction <= value),
+        ("tag", lambda value: has_tag(maneuver_tags, maneuvers.c.id, value)),
         ("search", _mentions),
     )
     conditions = [
@@ -177,13 +225,17 @@ def _conditions(filters: ManeuverFilters) -> list[sa.ColumnElement[bool]]:
     ]
     on_ground = maneuvers.c.axis == GROUND
     conditions.append(on_ground if filters.get("ground") else ~on_ground)
+    deleted = maneuvers.c.deleted_at.is_not(None)
+    conditions.append(deleted if filters.get("deleted") else ~deleted)
+    return conditions + _of_runs(filters)
+
+
+def _of_runs(filters: ManeuverFilters) -> list[sa.ColumnElement[bool]]:
     method, state = filters.get("method"), filters.get("state")
-    tables = list(_latest.values()) if method is None else [_latest[method]]
+    states = list(_newest_state.values()) if method is None else [_newest_state[method]]
     if state is not None:
-        conditions.append(sa.or_(*(table.c.state == state.value for table in tables)))
-    elif method is not None:
-        conditions.append(_latest[method].c.id.is_not(None))
-    return conditions
+        return [sa.or_(*(found == state.value for found in states))]
+    return [] if method is None else [_newest_id[method].is_not(None)]
 
 
 def _mentions(text: str) -> sa.ColumnElement[bool]:
@@ -211,13 +263,14 @@ def _order(sort: str) -> list[sa.ColumnElement[Any]]:
     ]
 
 
-def _item(row: sa.RowMapping) -> ManeuverItem:
+def _item(row: sa.RowMapping, tags: list[str]) -> ManeuverItem:
     return ManeuverItem(
         **{column.name: row[column.name] for column in _shown},
         runs={
             method: None
             if row[f"{method}_id"] is None
             else LatestRun(id=row[f"{method}_id"], state=RunState(row[f"{method}_state"]))
-            for method in _latest
+            for method in Method
         },
+        tags=tuple(tags),
     )

@@ -15,12 +15,21 @@ from flexsid.records.modal_table import ModalTable
 from flexsid.records.model_structure import ModelStructure, StructureVersion
 from flexsid.records.prediction import Prediction
 from flexsid.records.run import EstimationRun
+from flexsid.records.saved_view import SavedView
 from flexsid.storage import tables
 from flexsid.storage.arrays import Arrays
 from flexsid.storage.database import Database
-from flexsid.storage.maneuver_list import ManeuverFilters, ManeuverItem, select_maneuvers
+from flexsid.storage.facets import Facets
+from flexsid.storage.maneuver_list import (
+    ManeuverFilters,
+    ManeuverItem,
+    maneuver_facets,
+    select_maneuvers,
+)
 from flexsid.storage.paging import Page
 from flexsid.storage.repository import Repository
+from flexsid.storage.run_list import RunFilters, RunItem, run_facets, select_runs
+from flexsid.storage.tags import tags_of
 
 
 class Store:
@@ -53,6 +62,7 @@ class Store:
         )
         self.designs = Repository(database, tables.designs, ExcitationDesign, "excitation design")
         self.runs = Repository(database, tables.runs, EstimationRun, "run")
+        self.saved_views = Repository(database, tables.saved_views, SavedView, "saved view")
 
     @classmethod
     def open(cls, url: str) -> Store:
@@ -80,6 +90,33 @@ class Store:
         """Return one page of the filtered list of maneuvers (all with ``limit=None``)."""
         with self.database.reading() as connection:
             return select_maneuvers(connection, filters, sort, limit, after)
+
+    def maneuver_facets(self, **filters: Unpack[ManeuverFilters]) -> Facets:
+        """Count the list of maneuvers, and what each choice of a filter would leave of it."""
+        with self.database.reading() as connection:
+            return maneuver_facets(connection, filters)
+
+    def tags_of_maneuver(self, maneuver_id: int) -> list[str]:
+        """Return the tags of one maneuver."""
+        with self.database.reading() as connection:
+            return tags_of(connection, tables.maneuver_tags, [maneuver_id])[maneuver_id]
+
+    def run_page(
+        self,
+        *,
+        sort: str = "-id",
+        limit: int = 100,
+        after: str | None = None,
+        **filters: Unpack[RunFilters],
+    ) -> Page[RunItem]:
+        """Return one page of the filtered list of runs."""
+        with self.database.reading() as connection:
+            return select_runs(connection, filters, sort, limit, after)
+
+    def run_facets(self, **filters: Unpack[RunFilters]) -> Facets:
+        """Count the list of runs, and what each choice of a filter would leave of it."""
+        with self.database.reading() as connection:
+            return run_facets(connection, filters)
 
 
 def _condition_columns(maneuver: Maneuver) -> dict[str, Any]:

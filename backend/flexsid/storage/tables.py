@@ -125,6 +125,7 @@ maneuvers = _table(
     _text("source_hash", required=False),
     _text("note"),
     sa.Column("created_at", UtcDateTime, nullable=False),
+    sa.Column("deleted_at", UtcDateTime),
     # Copied out of ``condition``, so that the list can filter and sort by them.
     _number("airspeed_m_s"),
     _number("dynamic_pressure_pa"),
@@ -265,7 +266,43 @@ runs = _table(
     sa.Column("created_at", UtcDateTime, nullable=False),
     sa.Column("started_at", UtcDateTime),
     sa.Column("finished_at", UtcDateTime),
+    sa.Column("deleted_at", UtcDateTime),
     # The newest run of each method per maneuver, and the oldest queued run, are index look-ups.
-    sa.Index(None, "maneuver_id", "method", "id"),
+    # What lists filter and sort by stands in the index too: a row weighs tens of kilobytes.
+    sa.Index(
+        "ix_runs_list",
+        *("maneuver_id", "method", "id", "state", "deleted_at", "author"),
+        *("created_at", "finished_at"),
+    ),
     sa.Index(None, "state", "id"),
+)
+
+maneuver_tags = sa.Table(
+    "maneuver_tags",
+    metadata,
+    sa.Column(
+        "maneuver_id",
+        sa.Integer,
+        sa.ForeignKey("maneuvers.id", ondelete="CASCADE"),
+        primary_key=True,
+    ),
+    sa.Column("tag", sa.String, primary_key=True, index=True),
+)
+
+run_tags = sa.Table(
+    "run_tags",
+    metadata,
+    sa.Column("run_id", sa.Integer, sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True),
+    sa.Column("tag", sa.String, primary_key=True, index=True),
+)
+
+saved_views = _table(
+    "saved_views",
+    _identity(),
+    _text("page"),
+    _text("name"),
+    _text("search"),
+    _text("author"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+    sa.UniqueConstraint("page", "name"),
 )

@@ -97,7 +97,7 @@ def ground_spectra(store: Store, flight_id: int) -> GroundSpectra:
 
 def _pair(store: Store, flight: Flight) -> tuple[Maneuver, Maneuver] | None:
     """First and last record on the ground, if maneuvers lie between them."""
-    records = store.maneuvers.find(flight_id=flight.id)
+    records = store.maneuvers.find(flight_id=flight.id, deleted_at=None)
     on_ground = sorted((m for m in records if m.axis == GROUND), key=lambda m: m.start_s)
     flown = [m.start_s for m in records if m.axis != GROUND]
     if len(on_ground) < 2:

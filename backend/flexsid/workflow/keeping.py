@@ -108,8 +108,10 @@ def keep_maneuver(
     assert flight.id is not None
     for known in store.maneuvers.find(aircraft_id=aircraft.id, source_hash=raw.source_hash):
         if known.label == raw.label:
+            now = "" if known.deleted_at is None else ", and deleted since; restore it"
             raise Conflict(
-                f"Maneuver '{raw.label}' was imported from this file before (maneuver {known.id}).",
+                f"Maneuver '{raw.label}' was imported from this file before "
+                f"(maneuver {known.id}{now}).",
                 code="already-imported",
                 maneuver_id=known.id,
             )

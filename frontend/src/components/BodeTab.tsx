@@ -59,10 +59,10 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
           clearable
           data-testid="bode-run"
           data={(runs.data ?? [])
-            .filter((run) => run.method !== "EE" || run.poles.length > 0)
+            .filter((run) => run.has_model)
             .map((run) => ({
               value: String(run.id),
-              label: `${run.method} run ${run.id}, modes ${run.structure.modes.join(" ")}`,
+              label: `${run.method} run ${run.id}, modes ${run.modes.join(" ")}`,
             }))}
           value={(view.models ?? []).map(String)}
           onChange={(ids) => {

@@ -1,8 +1,8 @@
-import type { Run } from "../api/types";
+import type { RunItem } from "../api/types";
 import { ButtonLink } from "./ButtonLink";
 
 interface Props {
-  runs: Run[];
+  runs: Pick<RunItem, "id" | "prediction_id">[];
   label: string;
 }
 

@@ -22,6 +22,8 @@ const maneuver = (id: number, more: Partial<ManeuverItem> = {}): ManeuverItem =>
   max_input_correlation: 0.042,
   n_runs: 1,
   runs: { OE: { id: 8, state: "failed" }, FRE: null, EE: null },
+  tags: [],
+  deleted_at: null,
   created_at: "2026-03-04T10:00:00Z",
   ...more,
 });

@@ -2,7 +2,7 @@ import { Checkbox, Group } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { runsQuery } from "../api/queries";
-import type { Run } from "../api/types";
+import type { RunItem } from "../api/types";
 import { dateTime, elapsed } from "../lib/format";
 import { latestPerMethod } from "../lib/runs";
 import { CompareLink } from "./CompareLink";
@@ -12,7 +12,7 @@ import { Loaded } from "./Loaded";
 import { StateBadge } from "./RunBadge";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 
-const columns: Column<Run>[] = [
+const columns: Column<RunItem>[] = [
   {
     key: "id",
     header: "Run",
@@ -23,18 +23,18 @@ const columns: Column<Run>[] = [
     ),
   },
   { key: "state", header: "State", render: (run) => <StateBadge state={run.state} /> },
-  { key: "modes", header: "Modes", render: (run) => run.structure.modes.join(", ") || "rigid" },
-  { key: "start", header: "Start", render: (run) => run.settings.start.replaceAll("-", " ") },
+  { key: "modes", header: "Modes", render: (run) => run.modes.join(", ") || "rigid" },
+  { key: "start", header: "Start", render: (run) => run.start.replaceAll("-", " ") },
   {
     key: "outcome",
     header: "Outcome",
-    render: (run) => run.fit?.outcome ?? run.error?.code ?? "",
+    render: (run) => run.outcome ?? run.error_code ?? "",
   },
   {
     key: "iterations",
     header: "Iterations",
     numeric: true,
-    render: (run) => (run.fit ? (run.fit.iterations.at(-1)?.iteration ?? 0) : ""),
+    render: (run) => run.n_iterations ?? "",
   },
   {
     key: "took",
@@ -49,7 +49,7 @@ const columns: Column<Run>[] = [
 export function ManeuverRuns({ maneuver, view, onChange }: ManeuverTabProps) {
   const runs = useQuery(runsQuery({ maneuver_id: maneuver.id }));
   const selected = view.selected ?? [];
-  const tick: Column<Run> = {
+  const tick: Column<RunItem> = {
     key: "select",
     header: <span className="quiet">Compare</span>,
     render: (run) => (

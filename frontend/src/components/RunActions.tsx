@@ -54,7 +54,7 @@ export function RunActions({ run }: { run: Run }) {
       )}
       {done && (
         <CompareLink
-          runs={[run, ...methods]}
+          runs={[{ id: run.id, prediction_id: run.prediction_id }, ...methods]}
           label={methods.length > 0 ? "Compare methods" : "Compare"}
         />
       )}

@@ -107,7 +107,7 @@ function RunsOf({ maneuver, picked, onToggle }: RunsProps) {
   return runs.data?.map((run) => (
     <Checkbox
       key={run.id}
-      label={`${run.method} run ${run.id}, modes ${run.structure.modes.join(" ") || "none"}`}
+      label={`${run.method} run ${run.id}, modes ${run.modes.join(" ") || "none"}`}
       checked={picked.includes(run.id)}
       data-testid={`source-run-${run.id}`}
       onChange={(event) => {

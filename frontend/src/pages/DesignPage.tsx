@@ -262,7 +262,7 @@ function Expected({ design, level, view, onChange }: PartProps) {
         w={420}
         data={(runs.data ?? []).map((run) => ({
           value: String(run.id),
-          label: `OE run ${run.id}, modes ${run.structure.modes.join(" ")}, maneuver ${run.maneuver_id}`,
+          label: `OE run ${run.id}, modes ${run.modes.join(" ")}, ${run.maneuver_label}`,
         }))}
         value={view.run === undefined ? null : String(view.run)}
         onChange={(id) => {

@@ -1,7 +1,7 @@
 import { Alert, MultiSelect, NumberInput, Stack, Table, Text } from "@mantine/core";
-import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
+import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { flutterQuery, maneuversQuery, runsQuery } from "../api/queries";
+import { flutterQuery, runsQuery } from "../api/queries";
 import type { Flutter } from "../api/types";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
@@ -79,10 +79,6 @@ interface ChoicesProps {
 
 function Choices({ view, answer, onChange }: ChoicesProps) {
   const runs = useQuery(runsQuery({ state: "succeeded" }));
-  const campaign = useInfiniteQuery(maneuversQuery({}, "id", 200));
-  const flown = new Map(
-    (campaign.data?.pages ?? []).flatMap((page) => page.items).map((item) => [item.id, item]),
-  );
   const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
   return (
     <Stack gap="md">
@@ -95,12 +91,11 @@ function Choices({ view, answer, onChange }: ChoicesProps) {
         maxDropdownHeight={320}
         data-testid="flutter-runs"
         data={(runs.data ?? []).map((run) => {
-          const maneuver = flown.get(run.maneuver_id);
-          const ratio = maneuver?.airspeed_ratio;
+          const ratio = run.airspeed_ratio;
           const at = ratio == null ? "" : `, ${fixed(ratio, 2)} V/Vf`;
           return {
             value: String(run.id),
-            label: `${run.method} ${String(run.id)}: ${run.structure.modes.join(" ")}, ${maneuver?.label ?? ""}${at}`,
+            label: `${run.method} ${String(run.id)}: ${run.modes.join(" ")}, ${run.maneuver_label}${at}`,
           };
         })}
         value={(view.runs ?? []).map(String)}

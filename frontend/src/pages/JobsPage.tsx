@@ -3,7 +3,7 @@ import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useCancelJob } from "../api/commands";
 import { jobsQuery, maneuversQuery, runsQuery } from "../api/queries";
-import { isOver, STATES, type Job, type Run } from "../api/types";
+import { isOver, STATES, type Job } from "../api/types";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { Loaded } from "../components/Loaded";
@@ -21,7 +21,7 @@ export function JobsPage() {
   const jobs = useQuery(jobsQuery(view.state));
   const runs = useQuery(runsQuery({}));
   const cancel = useCancelJob();
-  const runOf = new Map<number, Run>((runs.data ?? []).map((run) => [run.id, run]));
+  const runOf = new Map((runs.data ?? []).map((run) => [run.id, run]));
 
   const maneuvers = useInfiniteQuery(maneuversQuery({}, "id", 1000));
   const labels = new Map(

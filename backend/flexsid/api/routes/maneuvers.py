@@ -8,13 +8,16 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, File, Form, Query, Response, UploadFile, status
 
-from flexsid.api.answers import ManeuverDetail, ManeuverList, extend
+from flexsid.api.answers import Changed, ManeuverDetail, ManeuverList, extend
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.received import receive
+from flexsid.api.requests import ChangeRequest
 from flexsid.api.wire import After, Identity, Json, Limit
-from flexsid.errors import BadInput, Conflict
+from flexsid.errors import BadInput
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import Method, RunState
+from flexsid.storage import bulk
+from flexsid.storage.facets import Facets
 from flexsid.storage.maneuver_list import SORT_FIELDS, ManeuverFilters
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
@@ -51,6 +54,8 @@ async def read_filters(
     ground: Annotated[
         bool, Query(description="Mini-GVT records on the runway instead of flown maneuvers.")
     ] = False,
+    tag: Annotated[str | None, Query(max_length=64, description="Only tagged so.")] = None,
+    deleted: Annotated[bool, Query(description="What was deleted instead.")] = False,
 ) -> ManeuverFilters:
     """Read what the list of maneuvers, and figures of it, are narrowed to."""
     return {
@@ -65,6 +70,8 @@ async def read_filters(
         "method": method,
         "state": state,
         "ground": ground,
+        "tag": tag,
+        "deleted": deleted,
     }
 
 
@@ -84,6 +91,21 @@ def list_maneuvers(
 ) -> Json:
     """List maneuvers with their condition and the newest run of each method."""
     return Json(store.maneuver_page(sort=sort, limit=limit, after=after, **filters))
+
+
+@router.get("/facets", response_model=Facets)
+def list_maneuver_facets(store: TheStore, filters: Filters) -> Json:
+    """Count the list, and what each choice of a filter would leave of it."""
+    return Json(store.maneuver_facets(**filters))
+
+
+@router.post("/changes", response_model=Changed)
+def change_maneuvers(store: TheStore, wanted: ChangeRequest) -> Json:
+    """Delete, restore, tag or untag many maneuvers; all of them, or none.
+
+    The answer names those that were changed: the opposite action on these is the way back.
+    """
+    return Json(Changed(ids=bulk.change_maneuvers(store, wanted.ids, wanted.action, wanted.tag)))
 
 
 @router.get("/{maneuver_id}", response_model=ManeuverDetail)
@@ -120,22 +142,18 @@ def upload_maneuver(
 
 @router.delete("/{maneuver_id}", status_code=status.HTTP_204_NO_CONTENT)
 def delete_maneuver(store: TheStore, maneuver_id: Identity) -> Response:
-    """Forget a maneuver that has no runs."""
-    with store.transaction():
-        runs = store.runs.find(maneuver_id=maneuver_id)
-        if runs:
-            raise Conflict(
-                f"maneuver {maneuver_id} has {len(runs)} runs; delete those first", code="in-use"
-            )
-        store.maneuvers.delete(maneuver_id)
+    """Delete a maneuver with its runs; it leaves the lists and can be restored."""
+    bulk.change_maneuvers(store, [maneuver_id], bulk.Action.DELETE)
     return Response(status_code=status.HTTP_204_NO_CONTENT)
 
 
 def _detail(store: Store, maneuver: Maneuver) -> ManeuverDetail:
+    assert maneuver.id is not None
     more: dict[str, Any] = {
         "flight_number": store.flights.get(maneuver.flight_id).number,
         "aircraft_name": store.aircraft.get(maneuver.aircraft_id).name,
         "channels": store.channels.find(maneuver_id=maneuver.id),
+        "tags": store.tags_of_maneuver(maneuver.id),
     }
     return extend(ManeuverDetail, maneuver, **more)
 

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query, Response, status
+from fastapi import APIRouter, Depends, Query, Response, status
 
 from flexsid.api.analyst import TheAnalyst
-from flexsid.api.answers import Run, RunList, run_answer
+from flexsid.api.answers import Changed, Run, RunList, run_answer
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.requests import RunRequest
+from flexsid.api.requests import ChangeRequest, RunRequest
 from flexsid.api.wire import After, Identity, Json, Limit, Reference
 from flexsid.records.run import Method, RunState
-from flexsid.storage import queue
+from flexsid.storage import bulk
+from flexsid.storage.facets import Facets
+from flexsid.storage.run_list import RUN_SORT_FIELDS, RunFilters
 from flexsid.workflow import estimation, structures
 from flexsid.workflow.export import RunExport, export_run
 from flexsid.workflow.identified_export import ModelExport, export_model, matlab_model
 
 router = APIRouter(prefix="/runs", tags=["runs"])
+
+_Finite = Annotated[float | None, Query(allow_inf_nan=False)]
 
 
 @router.post("", response_model=Run, status_code=status.HTTP_202_ACCEPTED)
@@ -39,20 +43,72 @@ def request_run(context: TheContext, wanted: RunRequest, analyst: TheAnalyst) ->
     return Json(run_answer(kept), status.HTTP_202_ACCEPTED, location)
 
 
+async def read_filters(
+    aircraft_id: Reference = None,
+    flight_id: Reference = None,
+    maneuver_id: Reference = None,
+    fta: Annotated[int | None, Query(ge=0, le=10**9)] = None,
+    min_airspeed_ratio: _Finite = None,
+    max_airspeed_ratio: _Finite = None,
+    min_fuel: _Finite = None,
+    max_fuel: _Finite = None,
+    method: Method | None = None,
+    state: RunState | None = None,
+    tag: Annotated[str | None, Query(max_length=64, description="Only tagged so.")] = None,
+    search: Annotated[
+        str | None, Query(max_length=200, description="Part of maneuver or author, or an id.")
+    ] = None,
+    deleted: Annotated[bool, Query(description="What was deleted instead.")] = False,
+) -> RunFilters:
+    """Read what the list of runs is narrowed to."""
+    return {
+        "aircraft_id": aircraft_id,
+        "flight_id": flight_id,
+        "maneuver_id": maneuver_id,
+        "fta": fta,
+        "min_airspeed_ratio": min_airspeed_ratio,
+        "max_airspeed_ratio": max_airspeed_ratio,
+        "min_fuel": min_fuel,
+        "max_fuel": max_fuel,
+        "method": method,
+        "state": state,
+        "tag": tag,
+        "search": search,
+        "deleted": deleted,
+    }
+
+
+Filters = Annotated[RunFilters, Depends(read_filters)]
+
+
 @router.get("", response_model=RunList)
 def list_runs(
     store: TheStore,
-    maneuver_id: Reference = None,
-    method: Method | None = None,
-    state: RunState | None = None,
+    filters: Filters,
+    sort: Annotated[
+        str,
+        Query(description=f"`-` for falling order, then one of {', '.join(RUN_SORT_FIELDS)}."),
+    ] = "-id",
     limit: Limit = 100,
     after: After = None,
 ) -> Json:
-    """List runs, newest first."""
-    page = queue.page(
-        store, maneuver_id=maneuver_id, method=method, state=state, limit=limit, after=after
-    )
-    return Json(RunList(items=[run_answer(run) for run in page.items], next=page.next))
+    """List runs with their key figures; `GET /runs/{run_id}` has the rest of each."""
+    return Json(store.run_page(sort=sort, limit=limit, after=after, **filters))
+
+
+@router.get("/facets", response_model=Facets)
+def list_run_facets(store: TheStore, filters: Filters) -> Json:
+    """Count the list, and what each choice of a filter would leave of it."""
+    return Json(store.run_facets(**filters))
+
+
+@router.post("/changes", response_model=Changed)
+def change_runs(store: TheStore, wanted: ChangeRequest) -> Json:
+    """Delete, restore, tag or untag many runs; all of them, or none.
+
+    The answer names those that were changed: the opposite action on these is the way back.
+    """
+    return Json(Changed(ids=bulk.change_runs(store, wanted.ids, wanted.action, wanted.tag)))
 
 
 @router.get("/{run_id}", response_model=Run)
@@ -87,6 +143,6 @@ def get_run_model(
 
 @router.delete("/{run_id}", status_code=status.HTTP_204_NO_CONTENT)
 def delete_run(store: TheStore, run_id: Identity) -> Response:
-    """Forget a run that has ended."""
-    queue.delete(store, run_id)
+    """Delete a run that has ended; it leaves the lists and can be restored."""
+    bulk.change_runs(store, [run_id], bulk.Action.DELETE)
     return Response(status_code=status.HTTP_204_NO_CONTENT)

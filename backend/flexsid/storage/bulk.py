@@ -1,0 +1,103 @@
+"""What an analyst does to many maneuvers or runs at once, and how it is taken back.
+
+Nothing is destroyed: what is deleted leaves the lists and can be restored.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from enum import StrEnum
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection
+
+from flexsid.errors import BadInput, Conflict, UnknownRecord
+from flexsid.records.run import RunState
+from flexsid.storage.store import Store
+from flexsid.storage.tables import maneuver_tags, maneuvers, run_tags, runs
+from flexsid.storage.tags import put_tag, take_tag
+
+_ACTIVE = (RunState.QUEUED.value, RunState.RUNNING.value)
+
+
+class Action(StrEnum):
+    """What can be done to many; each is undone by its neighbour, on what it changed."""
+
+    DELETE = "delete"
+    RESTORE = "restore"
+    TAG = "tag"
+    UNTAG = "untag"
+
+
+def change_maneuvers(
+    store: Store, ids: Sequence[int], action: Action, tag: str | None = None
+) -> tuple[int, ...]:
+    """Delete, restore, tag or untag maneuvers; a deleted one takes its runs from the lists.
+
+    Returns
+    -------
+    tuple of int
+        Ids that were changed; the others were so already.
+
+    Raises
+    ------
+    UnknownRecord
+        If one of them does not exist; nothing is changed then.
+    Conflict
+        If one that is to be deleted has a run that has not ended.
+    """
+    active = sa.select(runs.c.maneuver_id).where(
+        runs.c.maneuver_id.in_(ids), runs.c.state.in_(_ACTIVE), runs.c.deleted_at.is_(None)
+    )
+    return _change(store, maneuvers, maneuver_tags, ids, action, tag, "maneuver", active)
+
+
+def change_runs(
+    store: Store, ids: Sequence[int], action: Action, tag: str | None = None
+) -> tuple[int, ...]:
+    """Delete, restore, tag or untag runs; see ``change_maneuvers``."""
+    active = sa.select(runs.c.id).where(runs.c.id.in_(ids), runs.c.state.in_(_ACTIVE))
+    return _change(store, runs, run_tags, ids, action, tag, "run", active)
+
+
+def _change(
+    store: Store,
+    table: sa.Table,
+    tags: sa.Table,
+    ids: Sequence[int],
+    action: Action,
+    tag: str | None,
+    noun: str,
+    active: sa.Select[tuple[int]],
+) -> tuple[int, ...]:
+    wanted = list(dict.fromkeys(ids))
+    with store.database.transaction() as connection:
+        known = set(connection.scalars(sa.select(table.c.id).where(table.c.id.in_(wanted))))
+        for identity in wanted:
+            if identity not in known:
+                raise UnknownRecord(f"there is no {noun} {identity}")
+        if action in (Action.TAG, Action.UNTAG):
+            if tag is None:
+                raise BadInput(f"{action.value} needs a tag; give one", code="no-tag")
+            act = put_tag if action is Action.TAG else take_tag
+            return tuple(act(connection, tags, wanted, tag))
+        if action is Action.DELETE:
+            still = connection.scalar(active.limit(1))
+            if still is not None:
+                what = f"run {still} is" if noun == "run" else f"maneuver {still} has a run that is"
+                raise Conflict(
+                    f"{what} queued or running; cancel it first", code="run-active", id=still
+                )
+        return _hide(connection, table, wanted, hide=action is Action.DELETE)
+
+
+def _hide(
+    connection: Connection, table: sa.Table, ids: list[int], *, hide: bool
+) -> tuple[int, ...]:
+    hidden = table.c.deleted_at.is_not(None)
+    query = sa.select(table.c.id).where(table.c.id.in_(ids), ~hidden if hide else hidden)
+    changed = tuple(connection.scalars(query.order_by(table.c.id)))
+    moment = datetime.now(UTC) if hide else None
+    connection.execute(sa.update(table).where(table.c.id.in_(changed)).values(deleted_at=moment))
+    return changed
