@@ -185,6 +185,48 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/maneuvers/facets": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Maneuver Facets
+         * @description Count the list, and what each choice of a filter would leave of it.
+         */
+        get: operations["list_maneuver_facets"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/maneuvers/changes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Change Maneuvers
+         * @description Delete, restore, tag or untag many maneuvers; all of them, or none.
+         *
+         *     The answer names those that were changed: the opposite action on these is the way back.
+         */
+        post: operations["change_maneuvers"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/maneuvers/{maneuver_id}": {
         parameters: {
             query?: never;
@@ -201,7 +243,7 @@ export interface paths {
         post?: never;
         /**
          * Delete Maneuver
-         * @description Forget a maneuver that has no runs.
+         * @description Delete a maneuver with its runs; it leaves the lists and can be restored.
          */
         delete: operations["delete_maneuver"];
         options?: never;
@@ -558,7 +600,7 @@ export interface paths {
         };
         /**
          * List Runs
-         * @description List runs, newest first.
+         * @description List runs with their key figures; `GET /runs/{run_id}` has the rest of each.
          */
         get: operations["list_runs"];
         put?: never;
@@ -569,6 +611,48 @@ export interface paths {
          *     What cannot be estimated (an unknown mode, input or output) is refused at once.
          */
         post: operations["request_run"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/runs/facets": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Run Facets
+         * @description Count the list, and what each choice of a filter would leave of it.
+         */
+        get: operations["list_run_facets"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/runs/changes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Change Runs
+         * @description Delete, restore, tag or untag many runs; all of them, or none.
+         *
+         *     The answer names those that were changed: the opposite action on these is the way back.
+         */
+        post: operations["change_runs"];
         delete?: never;
         options?: never;
         head?: never;
@@ -591,7 +675,7 @@ export interface paths {
         post?: never;
         /**
          * Delete Run
-         * @description Forget a run that has ended.
+         * @description Delete a run that has ended; it leaves the lists and can be restored.
          */
         delete: operations["delete_run"];
         options?: never;
@@ -634,6 +718,50 @@ export interface paths {
         put?: never;
         post?: never;
         delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/saved-views": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Saved Views
+         * @description List saved views, of one page or of all.
+         */
+        get: operations["list_saved_views"];
+        put?: never;
+        /**
+         * Add Saved View
+         * @description Keep what a page shows under a name; one of the same name is not replaced.
+         */
+        post: operations["add_saved_view"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/saved-views/{view_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Delete Saved View
+         * @description Forget a saved view.
+         */
+        delete: operations["delete_saved_view"];
         options?: never;
         head?: never;
         patch?: never;
@@ -1294,6 +1422,12 @@ export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
         /**
+         * Action
+         * @description What can be done to many; each is undone by its neighbour, on what it changed.
+         * @enum {string}
+         */
+        Action: "delete" | "restore" | "tag" | "untag";
+        /**
          * Aircraft
          * @description Everything about one airframe that does not change from maneuver to maneuver.
          */
@@ -1412,6 +1546,25 @@ export interface components {
             inputs: string[];
         };
         /**
+         * ChangeRequest
+         * @description Do the same to many maneuvers or runs; ``tag`` goes with ``tag`` and ``untag``.
+         */
+        ChangeRequest: {
+            /** Ids */
+            ids: number[];
+            action: components["schemas"]["Action"];
+            /** Tag */
+            tag?: string | null;
+        };
+        /**
+         * Changed
+         * @description Which of many records an action changed.
+         */
+        Changed: {
+            /** Ids */
+            ids: number[];
+        };
+        /**
          * Channel
          * @description One recorded channel at its native rate, unit and precision.
          */
@@ -1458,6 +1611,18 @@ export interface components {
             /** Questions */
             questions: components["schemas"]["Doubt"][];
             problem: components["schemas"]["flexsid__workflow__describing__Problem"] | null;
+        };
+        /**
+         * Choice
+         * @description One choice of a filter, and the lines that it would leave beside the other filters.
+         */
+        Choice: {
+            /** Value */
+            value: string;
+            /** Label */
+            label: string;
+            /** Count */
+            count: number;
         };
         /**
          * Combination
@@ -1710,6 +1875,8 @@ export interface components {
             started_at?: string | null;
             /** Finished At */
             finished_at?: string | null;
+            /** Deleted At */
+            deleted_at?: string | null;
             /** Id */
             id?: number | null;
         };
@@ -1806,6 +1973,18 @@ export interface components {
             fitted_real: number[][];
             /** Fitted Imag */
             fitted_imag: number[][];
+        };
+        /**
+         * Facets
+         * @description Lines that all filters together leave, and the choices of each filter by its name.
+         */
+        Facets: {
+            /** Total */
+            total: number;
+            /** Choices */
+            choices: {
+                [key: string]: components["schemas"]["Choice"][];
+            };
         };
         /**
          * FieldError
@@ -2329,6 +2508,8 @@ export interface components {
             note: string;
             /** Created At */
             created_at?: string | null;
+            /** Deleted At */
+            deleted_at?: string | null;
             /** Id */
             id?: number | null;
         };
@@ -2371,6 +2552,8 @@ export interface components {
             note: string;
             /** Created At */
             created_at?: string | null;
+            /** Deleted At */
+            deleted_at?: string | null;
             /** Id */
             id?: number | null;
             /** Flight Number */
@@ -2379,6 +2562,8 @@ export interface components {
             aircraft_name: string;
             /** Channels */
             channels: components["schemas"]["Channel"][];
+            /** Tags */
+            tags: string[];
         };
         /**
          * ManeuverItem
@@ -2419,11 +2604,15 @@ export interface components {
             runs: {
                 [key: string]: components["schemas"]["LatestRun"] | null;
             };
+            /** Tags */
+            tags: string[];
             /**
              * Created At
              * Format: date-time
              */
             created_at: string;
+            /** Deleted At */
+            deleted_at: string | null;
         };
         /**
          * ManeuverList
@@ -3023,6 +3212,8 @@ export interface components {
             started_at: string | null;
             /** Finished At */
             finished_at: string | null;
+            /** Deleted At */
+            deleted_at: string | null;
         };
         /**
          * RunBlock
@@ -3078,12 +3269,80 @@ export interface components {
             airspeed_std_m_s: number | null;
         };
         /**
+         * RunItem
+         * @description One line of the list of runs.
+         *
+         *     ``worst_r_squared`` is that of the output fitted worst; ``has_model`` tells that the
+         *     estimates make a whole model, which has poles.
+         */
+        RunItem: {
+            /** Id */
+            id: number;
+            /** Maneuver Id */
+            maneuver_id: number;
+            /** Maneuver Label */
+            maneuver_label: string;
+            /** Flight Id */
+            flight_id: number;
+            /** Flight Number */
+            flight_number: number;
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Aircraft Name */
+            aircraft_name: string;
+            /** Fta */
+            fta: number | null;
+            /** Airspeed Ratio */
+            airspeed_ratio: number | null;
+            /** Dynamic Pressure Pa */
+            dynamic_pressure_pa: number;
+            /** Fuel Fraction */
+            fuel_fraction: number;
+            method: components["schemas"]["Method"];
+            state: components["schemas"]["RunState"];
+            /** Modes */
+            modes: number[];
+            /** Start */
+            start: string;
+            /** Prediction Id */
+            prediction_id: number | null;
+            /** Structure Id */
+            structure_id: number | null;
+            /** Outcome */
+            outcome: string | null;
+            /** N Iterations */
+            n_iterations: number | null;
+            /** N Warnings */
+            n_warnings: number | null;
+            /** Worst R Squared */
+            worst_r_squared: number | null;
+            /** Has Model */
+            has_model: boolean;
+            /** Error Code */
+            error_code: string | null;
+            /** Author */
+            author: string;
+            /** Tags */
+            tags: string[];
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /** Started At */
+            started_at: string | null;
+            /** Finished At */
+            finished_at: string | null;
+            /** Deleted At */
+            deleted_at: string | null;
+        };
+        /**
          * RunList
-         * @description A page of runs, newest first.
+         * @description A page of the filtered list of runs.
          */
         RunList: {
             /** Items */
-            items: components["schemas"]["Run"][];
+            items: components["schemas"]["RunItem"][];
             /** Next */
             next?: string | null;
         };
@@ -3218,6 +3477,55 @@ export interface components {
          * @enum {string}
          */
         RunState: "queued" | "running" | "succeeded" | "failed" | "cancelled";
+        /**
+         * SavedView
+         * @description ``search`` is the part of the page's address that says what is shown.
+         */
+        SavedView: {
+            /** Page */
+            page: string;
+            /** Name */
+            name: string;
+            /** Search */
+            search: string;
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /** Created At */
+            created_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * SavedViewList
+         * @description Saved views of a page, or of all.
+         */
+        SavedViewList: {
+            /** Items */
+            items: components["schemas"]["SavedView"][];
+        };
+        /**
+         * SavedViewRequest
+         * @description Keep what a page shows under a name.
+         */
+        SavedViewRequest: {
+            /**
+             * Page
+             * @enum {string}
+             */
+            page: "campaign" | "runs" | "compare" | "flutter";
+            /** Name */
+            name: string;
+            /** Search */
+            search: string;
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+        };
         /**
          * SecondOrder
          * @description Sensor with unit static gain: wn^2 / (s^2 + 2 zeta wn s + wn^2).
@@ -4022,6 +4330,10 @@ export interface operations {
                 state?: components["schemas"]["RunState"] | null;
                 /** @description Mini-GVT records on the runway instead of flown maneuvers. */
                 ground?: boolean;
+                /** @description Only tagged so. */
+                tag?: string | null;
+                /** @description What was deleted instead. */
+                deleted?: boolean;
             };
             header?: never;
             path?: never;
@@ -4069,6 +4381,91 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ManeuverDetail"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_maneuver_facets: {
+        parameters: {
+            query?: {
+                aircraft_id?: number | null;
+                flight_id?: number | null;
+                /** @description Number of the flight-test aid. */
+                fta?: number | null;
+                /** @description Least V/V_f. */
+                min_airspeed_ratio?: number | null;
+                /** @description Largest V/V_f. */
+                max_airspeed_ratio?: number | null;
+                min_fuel?: number | null;
+                max_fuel?: number | null;
+                /** @description Part of label, note, file or aircraft. */
+                search?: string | null;
+                /** @description Only maneuvers with a run of this method. */
+                method?: components["schemas"]["Method"] | null;
+                /** @description State of the newest run, of `method` or of any. */
+                state?: components["schemas"]["RunState"] | null;
+                /** @description Mini-GVT records on the runway instead of flown maneuvers. */
+                ground?: boolean;
+                /** @description Only tagged so. */
+                tag?: string | null;
+                /** @description What was deleted instead. */
+                deleted?: boolean;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Facets"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    change_maneuvers: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ChangeRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Changed"];
                 };
             };
             /** @description Client Error */
@@ -4851,13 +5248,28 @@ export interface operations {
     list_runs: {
         parameters: {
             query?: {
-                maneuver_id?: number | null;
-                method?: components["schemas"]["Method"] | null;
-                state?: components["schemas"]["RunState"] | null;
+                /** @description `-` for falling order, then one of airspeed_ratio, author, created_at, dynamic_pressure_pa, finished_at, flight_number, fta, fuel_fraction, id, maneuver_label, method, state. */
+                sort?: string;
                 /** @description Most items to answer. */
                 limit?: number;
                 /** @description `next` of the page before. */
                 after?: string | null;
+                aircraft_id?: number | null;
+                flight_id?: number | null;
+                maneuver_id?: number | null;
+                fta?: number | null;
+                min_airspeed_ratio?: number | null;
+                max_airspeed_ratio?: number | null;
+                min_fuel?: number | null;
+                max_fuel?: number | null;
+                method?: components["schemas"]["Method"] | null;
+                state?: components["schemas"]["RunState"] | null;
+                /** @description Only tagged so. */
+                tag?: string | null;
+                /** @description Part of maneuver or author, or an id. */
+                search?: string | null;
+                /** @description What was deleted instead. */
+                deleted?: boolean;
             };
             header?: never;
             path?: never;
@@ -4908,6 +5320,85 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Run"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_run_facets: {
+        parameters: {
+            query?: {
+                aircraft_id?: number | null;
+                flight_id?: number | null;
+                maneuver_id?: number | null;
+                fta?: number | null;
+                min_airspeed_ratio?: number | null;
+                max_airspeed_ratio?: number | null;
+                min_fuel?: number | null;
+                max_fuel?: number | null;
+                method?: components["schemas"]["Method"] | null;
+                state?: components["schemas"]["RunState"] | null;
+                /** @description Only tagged so. */
+                tag?: string | null;
+                /** @description Part of maneuver or author, or an id. */
+                search?: string | null;
+                /** @description What was deleted instead. */
+                deleted?: boolean;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Facets"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    change_runs: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ChangeRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Changed"];
                 };
             };
             /** @description Client Error */
@@ -5038,6 +5529,100 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["ModelExport"];
                 };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_saved_views: {
+        parameters: {
+            query?: {
+                page?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SavedViewList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    add_saved_view: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SavedViewRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SavedView"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    delete_saved_view: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                view_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description Client Error */
             "4XX": {
@@ -5514,6 +6099,10 @@ export interface operations {
                 state?: components["schemas"]["RunState"] | null;
                 /** @description Mini-GVT records on the runway instead of flown maneuvers. */
                 ground?: boolean;
+                /** @description Only tagged so. */
+                tag?: string | null;
+                /** @description What was deleted instead. */
+                deleted?: boolean;
             };
             header?: never;
             path?: never;
