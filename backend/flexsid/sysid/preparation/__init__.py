@@ -1,0 +1,1 @@
+"""Preparation: what recordings need before anything is estimated from them."""

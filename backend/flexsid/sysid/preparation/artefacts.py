@@ -1,0 +1,209 @@
+"""Spikes, dropouts and saturation in the samples of one channel, and their repair."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy import interpolate, ndimage
+
+from flexsid.errors import BadInput
+
+_SPIKE = 9.0  # robust standard deviations
+_WIDEST_SPIKE = 3  # samples
+_LOCAL = 201  # samples that tell how busy a channel is
+_STILL = 10  # equal samples in a row that are a dropout where they seldom are
+_LONGEST_REPAIR_S = 0.1
+_SUPPORT = 8  # samples on either side that a repair goes through
+
+
+class Artefact(StrEnum):
+    """What is wrong with a stretch of samples."""
+
+    SPIKE = "spike"
+    DROPOUT = "dropout"
+    SATURATION = "saturation"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stretch:
+    """Samples ``first`` up to, not including, ``stop``."""
+
+    kind: Artefact
+    first: int
+    stop: int
+
+
+def find_artefacts(samples: Float[np.ndarray, " n_samples"]) -> tuple[Stretch, ...]:
+    """Find what no sensor of a moving aircraft records.
+
+    Parameters
+    ----------
+    samples
+        As recorded, in the native unit: a rounding would hide equal samples.
+
+    Notes
+    -----
+    A spike departs from the cubic through its neighbours, or from the running median,
+    by far more than samples around it do. A dropout repeats one value while samples
+    elsewhere change. Saturation stays at the largest or smallest value of the record
+    more often than at any value next to it.
+    """
+    x = np.asarray(samples, dtype=float)
+    if x.size < 3 * _STILL or np.ptp(x) == 0.0:
+        return ()
+    first, stop = _equal_runs(x)
+    saturated = _saturated(x, first, stop)
+    held = _held(x, first, stop) & ~saturated
+    taken = _inside(x.size, first[held | saturated], stop[held | saturated])
+    spikes = _spikes(x) & ~ndimage.binary_dilation(taken, iterations=2)
+    found = [
+        *(_stretches(Artefact.SATURATION, first[saturated], stop[saturated])),
+        *(_stretches(Artefact.DROPOUT, first[held], stop[held])),
+        *(_stretches(Artefact.SPIKE, *_runs_of(spikes))),
+    ]
+    return tuple(sorted(found, key=lambda stretch: stretch.first))
+
+
+def repair(
+    samples: Float[np.ndarray, " n_samples"],
+    stretches: Sequence[tuple[int, int]],
+    rate_hz: float,
+) -> Float[np.ndarray, " n_samples"]:
+    """Put a cubic spline through the neighbours in place of samples.
+
+    Parameters
+    ----------
+    samples
+        Of one channel.
+    stretches
+        First sample, and the sample after the last, of each stretch to replace.
+    rate_hz
+        Samples per second. [Hz]
+
+    Raises
+    ------
+    BadInput
+        If a stretch lies outside the record, or is so long that its samples would be
+        invented.
+    """
+    x = np.asarray(samples, dtype=float)
+    bad = np.zeros(x.size, dtype=bool)
+    for first, stop in stretches:
+        if not 0 <= first < stop <= x.size:
+            raise BadInput(
+                f"samples {first} to {stop} do not lie in a channel of {x.size}",
+                code="bad-stretch",
+            )
+        if (stop - first) / rate_hz > _LONGEST_REPAIR_S:
+            raise BadInput(
+                f"samples {first} to {stop} last {(stop - first) / rate_hz:.3g} s; more than "
+                f"{_LONGEST_REPAIR_S:g} s cannot be repaired without inventing motion: leave the "
+                "channel out",
+                code="too-long-to-repair",
+            )
+        bad[first:stop] = True
+    result = x.copy()
+    for first, stop in zip(*_runs_of(bad), strict=True):
+        around = np.r_[max(0, first - _SUPPORT) : first, stop : min(x.size, stop + _SUPPORT)]
+        around = around[~bad[around]]
+        if around.size < 2:
+            raise BadInput("nothing is left around a stretch to repair it by", code="bad-stretch")
+        degree = min(3, around.size - 1)
+        curve = interpolate.make_interp_spline(around, x[around], k=degree)
+        result[first:stop] = curve(np.arange(first, stop))
+    return result
+
+
+def _spikes(x: Float[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
+    """Samples that stand out, the largest of each group of neighbours."""
+    return _single(x) | _wide(x)
+
+
+def _single(x: Float[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
+    away = np.zeros_like(x)
+    away[2:-2] = x[2:-2] - (4.0 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6.0
+    size = np.abs(away)
+    largest = size >= ndimage.maximum_filter1d(size, 5)
+    there, back = np.diff(x, prepend=x[0]), np.diff(x, append=x[-1])
+    returns = (there * back < 0) & (np.minimum(np.abs(there), np.abs(back)) > 0.4 * size)
+    # A spike throws its neighbours' cubics off by two thirds; a step, only the one before it.
+    sign = np.sign(away)
+    returns &= np.maximum(np.roll(away, 1) * sign, np.roll(away, -1) * sign) < -0.45 * size
+    return largest & returns & (size > _SPIKE * _busy(away))
+
+
+def _wide(x: Float[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
+    """A few samples off together: far from the running median, with a jump on both sides."""
+    away = x - ndimage.median_filter(x, 2 * _WIDEST_SPIKE + 1, mode="nearest")
+    steps = np.abs(np.diff(x, prepend=x[0]))
+    usual = _SPIKE * _busy(steps)
+    jump = steps > usual
+    off = np.abs(away) > 0.5 * usual
+    keep = np.zeros(x.size, dtype=bool)
+    for first, stop in zip(*_runs_of(off), strict=True):
+        if stop - first <= _WIDEST_SPIKE and jump[first] and stop < x.size and jump[stop]:
+            keep[first:stop] = True
+    return keep
+
+
+def _busy(values: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
+    """Robust standard deviation around every sample, nowhere less than of the record."""
+    size = np.abs(values)
+    step = max(1, values.size // 2000)
+    local = ndimage.median_filter(size[::step], max(3, _LOCAL // step), mode="reflect")
+    spread = np.interp(np.arange(values.size), np.arange(0, values.size, step), local)
+    least = max(float(np.median(size)), 1e-3 * float(np.std(values)))
+    return 1.4826 * np.maximum(spread, least)
+
+
+def _equal_runs(x: Float[np.ndarray, " n"]) -> tuple[np.ndarray, np.ndarray]:
+    edges = np.flatnonzero(np.diff(x)) + 1
+    return np.r_[0, edges], np.r_[edges, x.size]
+
+
+def _saturated(x: Float[np.ndarray, " n"], first: np.ndarray, stop: np.ndarray) -> np.ndarray:
+    """Which runs of equal samples stand at the end of a sensor's range."""
+    values, length = x[first], stop - first
+    found = np.zeros(first.size, dtype=bool)
+    for end, order in ((values.max(), -1), (values.min(), 1)):
+        at_end = values == end
+        levels = np.unique(values)[::order][1:4]
+        beside = max((int(length[values == level].sum()) for level in levels), default=0)
+        total = int(length[at_end].sum())
+        # a record at rest for most of its length rests there, it is not saturated
+        if length[at_end].max() >= 3 and 4 <= total < x.size // 2 and total > 3 * beside:
+            found |= at_end & (length >= 2)
+    return found
+
+
+def _held(x: Float[np.ndarray, " n"], first: np.ndarray, stop: np.ndarray) -> np.ndarray:
+    """Which runs of equal samples are far longer than runs usually are here.
+
+    Rest at either end of a record is trim.
+    """
+    length = np.where((first > 0) & (stop < x.size), stop - first, 0)
+    usual = float(np.percentile(length, 95))
+    long = length >= max(_STILL, 5.0 * usual)
+    return long if length[long].sum() <= x.size // 2 else np.zeros_like(long)
+
+
+def _inside(
+    n: int, first: Int[np.ndarray, " n_runs"], stop: Int[np.ndarray, " n_runs"]
+) -> Bool[np.ndarray, " n"]:
+    mask = np.zeros(n, dtype=bool)
+    for a, b in zip(first, stop, strict=True):
+        mask[a:b] = True
+    return mask
+
+
+def _runs_of(mask: Bool[np.ndarray, " n"]) -> tuple[np.ndarray, np.ndarray]:
+    edges = np.diff(np.r_[False, mask, False].astype(np.int8))
+    return np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+
+
+def _stretches(kind: Artefact, first: np.ndarray, stop: np.ndarray) -> list[Stretch]:
+    return [Stretch(kind=kind, first=int(a), stop=int(b)) for a, b in zip(first, stop, strict=True)]

@@ -1,0 +1,252 @@
+"""Time skews and scale factors that the redundancy of the sensors tells.
+
+Whatever the motion is, all sensors see the same one through known rows P(s): gyro and
+attitude by kinematics, accelerometers and strain gauges by the mode shapes. What no
+motion explains is therefore a fault of single channels, among them a delay
+exp(-j omega tau) and a scale factor. Both follow by variable projection.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexsid.errors import NotIdentifiable
+from flexsid.sysid.estimation.reconstruction import reconstruct_motion
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.signals import FrequencyData
+
+_ROUNDS = 4  # of new weights
+_STEPS = 40
+_SMALL = 1e-3  # of a standard error: steps below change nothing
+_LARGEST_STEP_RAD = 0.3  # at the highest line: beyond that a delay may slip by a whole turn
+_NEIGHBOURS = 8  # lines whose residuals a missing mode makes alike
+_ENOUGH_LINES = 160
+
+
+@dataclass(frozen=True, slots=True)
+class Faults:
+    """Delay of every output beyond its instrument's [s], and scale factors [1].
+
+    ``delay_s`` counts from the reference output, whose own is zero: a delay common to all
+    turns the motion and cannot be seen. ``scale`` is recorded over true, exactly one with no
+    standard error where it was taken as known.
+    """
+
+    names: tuple[str, ...]
+    reference: str
+    delay_s: Float[np.ndarray, " n_y"]
+    delay_std: Float[np.ndarray, " n_y"]
+    scale: Float[np.ndarray, " n_y"]
+    scale_std: Float[np.ndarray, " n_y"]
+    band_hz: tuple[float, float]
+
+
+def find_faults(
+    model: AeroelasticModel,
+    outputs: FrequencyData,
+    instruments: Complex[np.ndarray, "n_omega n_y"],
+    reference: str | None = None,
+    scaled: Sequence[str] = (),
+) -> Faults:
+    """Find delays and scale factors on which all sensors agree about the motion.
+
+    Parameters
+    ----------
+    model
+        Gives the sensor rows; with more modes the band may reach higher.
+    outputs
+        Spectra as recorded, at lines that are well above the noise. [output unit * s]
+    instruments
+        Recorded over true response, of the delays that are known. [1]
+    reference
+        Output that the others are timed against; the first by default.
+    scaled
+        Outputs whose scale factors are free; the others carry the scale.
+
+    Raises
+    ------
+    NotIdentifiable
+        If there are no more sensors than motions, or the sensors left cannot tell a delay
+        or a scale factor.
+
+    Notes
+    -----
+    Standard errors are the larger of two: what white residuals give, and what residuals
+    give that neighbouring lines share, as those of a mode left out are.
+    Source: methods of separable least squares (Kaufman, BIT 15, 1975).
+    """
+    names = model.outputs
+    if len(names) <= 2 + len(model.modes.numbers):
+        raise NotIdentifiable(
+            f"{len(names)} outputs see {2 + len(model.modes.numbers)} motions; skews need more "
+            "sensors than motions",
+            code="no-redundancy",
+        )
+    some = slice(None, None, max(1, outputs.omega.size // _ENOUGH_LINES))
+    omega = outputs.omega[some]
+    z = outputs.pick(names).values[some]
+    fixed = names.index(names[0] if reference is None else reference)
+    free = _Free(
+        np.array([k for k in range(len(names)) if k != fixed]),
+        np.array([names.index(name) for name in scaled], dtype=int),
+    )
+    problem = _Problem(omega, z, instruments[some][:, :, None] * model.sensors.response(omega))
+    level = np.sqrt(np.mean(np.abs(z) ** 2, axis=0))
+    if not level.all():
+        silent = names[int(np.argmin(level))]
+        raise NotIdentifiable(
+            f"'{silent}' never moves; leave it out", code="silent-channel", channel=silent
+        )
+    sigma = 0.05 * level
+    value = np.zeros(free.count)
+    for _ in range(_ROUNDS):
+        value = _converge(problem, free, value, sigma)
+        delay, gain = free.spread(value, len(names))
+        seen = instruments[some] * np.exp(-1j * omega[:, None] * delay + gain)
+        update = reconstruct_motion(model, FrequencyData(omega, z, names), seen).noise
+        if np.max(np.abs(np.log(update / sigma))) < 0.05:
+            break
+        sigma = update
+    value = _converge(problem, free, value, sigma)
+    std = np.sqrt(np.diag(_covariance(problem, free, value, sigma, names)))
+    delay, gain = free.spread(value, len(names))
+    delay_std, gain_std = free.spread(std, len(names))
+    return Faults(
+        names=names,
+        reference=names[fixed],
+        delay_s=delay,
+        delay_std=delay_std,
+        scale=np.exp(gain),
+        scale_std=np.exp(gain) * gain_std,
+        band_hz=(float(omega[0] / 2.0 / np.pi), float(omega[-1] / 2.0 / np.pi)),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Free:
+    """Which channels' delays, then which channels' log gains, are sought."""
+
+    delays: np.ndarray
+    gains: np.ndarray
+
+    @property
+    def count(self) -> int:
+        return self.delays.size + self.gains.size
+
+    @property
+    def channels(self) -> np.ndarray:
+        return np.concatenate([self.delays, self.gains])
+
+    def spread(self, value: np.ndarray, n_y: int) -> tuple[np.ndarray, np.ndarray]:
+        delay, gain = np.zeros(n_y), np.zeros(n_y)
+        delay[self.delays] = value[: self.delays.size]
+        gain[self.gains] = value[self.delays.size :]
+        return delay, gain
+
+
+@dataclass(frozen=True, slots=True)
+class _Problem:
+    """Lines, recorded spectra and sensor rows with their instruments."""
+
+    omega: Float[np.ndarray, " n_omega"]
+    z: Complex[np.ndarray, "n_omega n_y"]
+    rows: Complex[np.ndarray, "n_omega n_y n_r"]
+
+    def project(
+        self, free: _Free, value: np.ndarray, sigma: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Residual (n_omega, n_y), its slopes (n_omega, n_free) and the basis of all motions."""
+        delay, gain = free.spread(value, sigma.size)
+        turned = self.rows * np.exp(-1j * self.omega[:, None] * delay + gain)[:, :, None]
+        weighted = turned / sigma[:, None]
+        size = np.linalg.norm(weighted, axis=1)
+        q, _ = np.linalg.qr(weighted / np.where(size > 0, size, 1.0)[:, None, :])
+        z = self.z / sigma
+        seen = np.matmul(q, np.matmul(q.conj().transpose(0, 2, 1), z[:, :, None]))[:, :, 0]
+        factor = np.ones((self.omega.size, free.count), dtype=complex)
+        factor[:, : free.delays.size] = -1j * self.omega[:, None]
+        return z - seen, factor * seen[:, free.channels], q
+
+
+def _normal(
+    free: _Free, slope: np.ndarray, q: np.ndarray, residual: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Normal matrix and gradient of half the squares, motions projected out (Kaufman)."""
+    n = slope.shape[1]
+    inside = (q[:, free.channels].conj() * slope[:, :, None]).transpose(0, 2, 1).reshape(-1, n)
+    same = free.channels[:, None] == free.channels
+    normal = np.real(slope.conj().T @ slope) * same - np.real(inside.conj().T @ inside)
+    return normal, -np.sum(np.real(slope.conj() * residual[:, free.channels]), axis=0)
+
+
+def _converge(
+    problem: _Problem, free: _Free, start: np.ndarray, sigma: np.ndarray
+) -> Float[np.ndarray, " n_free"]:
+    """Levenberg-Marquardt in delays and log gains alone."""
+    value, damping = start, 1e-3
+    largest = np.full(free.count, _LARGEST_STEP_RAD)
+    largest[: free.delays.size] /= problem.omega[-1]
+    residual, slope, q = problem.project(free, value, sigma)
+    cost = float(np.sum(np.abs(residual) ** 2))
+    normal, gradient = _normal(free, slope, q, residual)
+    for _ in range(_STEPS):
+        diagonal = np.diag(normal) + 1e-12 * np.trace(normal)
+        step = np.linalg.solve(normal + damping * np.diag(diagonal), -gradient)
+        # One by one, so that a channel of little information does not hold up the others.
+        step = np.clip(step, -largest, largest)
+        trial = problem.project(free, value + step, sigma)
+        lower = float(np.sum(np.abs(trial[0]) ** 2))
+        if lower < cost:
+            value, cost = value + step, lower
+            normal, gradient = _normal(free, *trial[1:], trial[0])
+            damping = max(damping / 10.0, 1e-12)
+            if np.max(np.abs(step) * np.sqrt(np.maximum(diagonal, 0.0))) < _SMALL:
+                break
+        else:
+            damping *= 10.0
+            if damping > 1e6:
+                break
+    return value
+
+
+def _covariance(
+    problem: _Problem,
+    free: _Free,
+    value: np.ndarray,
+    sigma: np.ndarray,
+    names: tuple[str, ...],
+) -> Float[np.ndarray, "n_free n_free"]:
+    residual, slope, q = problem.project(free, value, sigma)
+    normal, _ = _normal(free, slope, q, residual)
+    scale = np.sqrt(np.maximum(np.diag(normal), 0.0))
+    if not scale.all() or np.linalg.cond(normal / np.outer(scale, scale)) > 1e12:
+        weak = names[free.channels[int(np.argmin(scale))]]
+        raise NotIdentifiable(
+            f"the other sensors do not tell the delay or scale factor of '{weak}'",
+            code="no-redundancy",
+            channel=weak,
+        )
+    inverse = np.linalg.inv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
+    # The whitened residuals have unit variance per line by the choice of sigma.
+    plain = 0.5 * inverse
+    score = np.real(slope.conj() * residual[:, free.channels])
+    meat = score.T @ score
+    for lag in range(1, min(_NEIGHBOURS, score.shape[0] - 1) + 1):
+        shared = (1.0 - lag / (_NEIGHBOURS + 1.0)) * (score[lag:].T @ score[:-lag])
+        meat += shared + shared.T
+    coloured = inverse @ meat @ inverse
+    ratio = np.sqrt(np.maximum(1.0, np.diag(coloured) / np.diag(plain)))
+    return plain * np.outer(ratio, ratio)
+
+
+def widened(faults: Faults, others: Sequence[Faults]) -> Faults:
+    """Standard errors that also hold what other choices of modes would have given."""
+    delay_std, scale_std = faults.delay_std**2, faults.scale_std**2
+    if others:
+        delay_std = delay_std + np.max([(o.delay_s - faults.delay_s) ** 2 for o in others], axis=0)
+        scale_std = scale_std + np.max([(o.scale - faults.scale) ** 2 for o in others], axis=0)
+    return replace(faults, delay_std=np.sqrt(delay_std), scale_std=np.sqrt(scale_std))

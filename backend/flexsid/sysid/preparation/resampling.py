@@ -1,0 +1,118 @@
+"""Bring channels to one clock, with what instruments and delays did to their phase undone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+import numpy as np
+from jaxtyping import Complex, Float
+from scipy import fft
+
+from flexsid.errors import BadInput
+
+_MOST_AMPLIFIED = 3.0  # beyond, undoing a filter would bring up its noise
+_TAPER = 0.2  # of the band: the edge of the pass band is no step
+_ENDS_S = 0.1
+_FINEST = 10_000  # largest denominator of a ratio of rates
+
+Response = Callable[[Float[np.ndarray, " n_omega"]], Complex[np.ndarray, " n_omega"]]
+
+
+def resample(
+    samples: Float[np.ndarray, " n_samples"],
+    rate_hz: float,
+    start_s: float,
+    wanted_hz: float,
+    wanted_start_s: float,
+    count: int,
+    response: Response | None = None,
+    band_hz: float | None = None,
+) -> Float[np.ndarray, " count"]:
+    """Give samples of a channel at the times of another clock.
+
+    Parameters
+    ----------
+    samples
+        Of one channel. [channel unit]
+    rate_hz, start_s
+        Its clock. [Hz], [s]
+    wanted_hz, wanted_start_s, count
+        The clock of the answer; it may be slower or faster.
+    response
+        Recorded over true quantity at angular frequencies, delays included; undone where
+        that amplifies by no more than three.
+    band_hz
+        What lies above is filtered out without phase; by default what the slower of the
+        two clocks holds. [Hz]
+
+    Raises
+    ------
+    BadInput
+        If the rates have no simple ratio, or the channel is too short.
+
+    Notes
+    -----
+    A delay becomes a phase, exp(j omega tau) at every frequency: no sample is shifted.
+    The straight line between the ends of the record is set aside before the transform,
+    so that a record that does not end where it began does not ring, and is delayed apart.
+    """
+    x = np.asarray(samples, dtype=float)
+    if x.size < 4:
+        raise BadInput(f"{x.size} samples cannot be resampled", code="too-short")
+    ratio = Fraction(wanted_hz / rate_hz).limit_denominator(_FINEST)
+    if ratio == 0 or abs(float(ratio) * rate_hz - wanted_hz) * count > 0.1 * wanted_hz:
+        raise BadInput(
+            f"{rate_hz:g} Hz cannot be brought to {wanted_hz:g} Hz exactly; choose a rate of "
+            "simple ratio",
+            code="bad-rate",
+        )
+    n_end = max(1, min(x.size // 4, round(_ENDS_S * rate_hz)))
+    time = np.arange(x.size) / rate_hz
+    low, high = x[:n_end].mean(), x[-n_end:].mean()
+    span = time[-1] - time[n_end - 1]
+    slope = (high - low) / span if span > 0 else 0.0
+    middle = 0.5 * time[n_end - 1]
+    x = x - (low + slope * (time - middle))
+    length = fft.next_fast_len(-(-2 * x.size // ratio.denominator)) * ratio.denominator
+    spectrum = fft.rfft(x, length)
+    omega = 2.0 * np.pi * rate_hz * np.arange(spectrum.size) / length
+    top = 0.5 * min(rate_hz, wanted_hz) if band_hz is None else band_hz
+    gain, delay_s = _undo(omega, response)
+    gain *= _pass_band(omega / (2.0 * np.pi), top)
+    later = wanted_start_s - start_s
+    spectrum *= gain * np.exp(1j * omega * later)
+    out_length = length * ratio.numerator // ratio.denominator
+    out = np.zeros(out_length // 2 + 1, dtype=complex)
+    keep = min(out.size, spectrum.size)
+    out[:keep] = spectrum[:keep]
+    if keep == out.size and out_length % 2 == 0 and out_length < length:
+        out[-1] = np.real(out[-1])
+    y = fft.irfft(out, out_length) * (out_length / length)
+    wanted = later + np.arange(count) / wanted_hz
+    inside = y[np.arange(count) % out_length]
+    return inside + low + slope * (wanted + delay_s - middle)
+
+
+def _undo(
+    omega: Float[np.ndarray, " n_omega"], response: Response | None
+) -> tuple[Complex[np.ndarray, " n_omega"], float]:
+    """One over the response while that is bounded, phase alone beyond; and its delay at rest."""
+    if response is None:
+        return np.ones(omega.size, dtype=complex), 0.0
+    seen = response(np.maximum(omega, 1e-6))
+    size = np.abs(seen)
+    gain = seen.conj() / np.maximum(size, 1.0 / _MOST_AMPLIFIED) / np.maximum(size, 1e-12)
+    first = 2.0 * np.pi * 0.01
+    delay_s = -float(np.angle(response(np.array([first]))[0])) / first
+    gain[0] = 1.0
+    return gain, delay_s
+
+
+def _pass_band(
+    frequency_hz: Float[np.ndarray, " n_omega"], top_hz: float
+) -> Float[np.ndarray, " n_omega"]:
+    """One up to the taper, zero from the top on, a cosine in between."""
+    start = (1.0 - _TAPER) * top_hz
+    place = np.clip((frequency_hz - start) / (top_hz - start), 0.0, 1.0)
+    return 0.5 * (1.0 + np.cos(np.pi * place))
