@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 
 import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.excitation import ExcitationDesign
-from flexsid.records.run import Method
 from flexsid.records.views import DesignedExcitation
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.expectation import expect
-from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.excitation import designer, export
 from flexsid.sysid.excitation.catalogue import CATALOGUE
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks, check_design
 from flexsid.sysid.excitation.designer import InputWish, Wish
 from flexsid.sysid.excitation.multisine import Multisine
-from flexsid.workflow.identified import identified
 
 MEDIA = {
     "csv": "text/csv",
@@ -29,15 +25,6 @@ MEDIA = {
 }
 
 _SCALES = (1.0, 0.95, 0.90, 0.85, 0.80)  # Sec. V.C, from body flap to outermost wing flap
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ExpectedError:
-    """A derivative of a model and its predicted standard error under a design."""
-
-    name: str
-    value: float
-    std_error: float
 
 
 def wish_for(
@@ -140,46 +127,6 @@ def export_design(design: ExcitationDesign, form: str, level: int = 0) -> bytes:
     if form == "json":
         return export.to_recipe(design.wish, made).encode()
     raise BadInput(f"there is no export as {form!r}; take one of {', '.join(export.FORMATS)}")
-
-
-def expected_errors(
-    store: Store, design: ExcitationDesign, run_id: int, level: int = 0
-) -> tuple[ExpectedError, ...]:
-    """Predict the standard errors of a run's derivatives, had this design been flown.
-
-    Model and condition are the run's; the noise is what its fit left over, as
-    large at the design's lines as it was at the run's. Amplitudes are in radians.
-    Surfaces are taken to move as commanded, for one period: actuators and feedback,
-    which make deflections smaller, are left out, so that the errors flatter.
-    """
-    run = store.runs.get(run_id)
-    if run.method is not Method.OE:
-        raise BadInput(
-            f"run {run_id} is {run.method.value}; the noise of every output is known from OE only",
-            code="not-output-error",
-        )
-    found = identified(store, run)
-    assert run.result is not None
-    block = run.result.blocks[0]
-    arrays = store.arrays.get_many(list(block.arrays.values()))
-    left = arrays[block.arrays["measured"]] - arrays[block.arrays["fitted"]]
-    density = np.mean(np.abs(left) ** 2, axis=0) / store.maneuvers.get(run.maneuver_id).duration_s
-    order = [block.outputs.index(name) for name in found.model.outputs]
-    derivatives = {parameter.name for parameter in run.result.parameters}
-    named = [name for name in found.derivatives.named() if name in derivatives]
-    parameters = select_parameters(found.derivatives, named, found.model.outputs)
-    rate = design.wish.rate_hz
-    told = expect(
-        found.model,
-        parameters,
-        multisine_of(design, level),
-        np.sqrt(density[order] * rate),
-        rate,
-    )
-    return tuple(
-        ExpectedError(name=name, value=float(value), std_error=float(std_error))
-        for name, value, std_error in zip(told.names, told.theta, told.std_errors(), strict=True)
-    )
 
 
 def catalogue() -> list[dict[str, object]]:

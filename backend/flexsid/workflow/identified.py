@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import Conflict
-from flexsid.records.run import EstimationRun
+from flexsid.records.run import EstimationRun, RunResult
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel, StateSpace
 from flexsid.sysid.model.derivatives import DerivativeTable
@@ -41,23 +41,41 @@ def identified(store: Store, run: EstimationRun, maneuver_id: int | None = None)
     Conflict
         If the run has no result.
     """
-    if run.result is None:
-        raise Conflict(
-            f"run {run.id} is {run.state.value} and has no model; choose a run that succeeded",
-            code="run-without-result",
-            run_id=run.id,
-        )
+    result_of(run)
     alone = replace(run.settings, together_with=())
     there = run.maneuver_id if maneuver_id is None else maneuver_id
-    model = prepare(store, replace(run, maneuver_id=there, settings=alone)).model
-    values = run.structure.fixed | run.result.held
-    values |= {parameter.name: parameter.value for parameter in run.result.parameters}
+    task = prepare(store, replace(run, maneuver_id=there, settings=alone))
+    return identified_with(task.model, run)
+
+
+def identified_with(model: AeroelasticModel, run: EstimationRun) -> Identified:
+    """The estimate of a run that succeeded, with the model that its task prepared."""
+    result = result_of(run)
+    values = run.structure.fixed | result.held
+    values |= {parameter.name: parameter.value for parameter in result.parameters}
     return Identified(
         model=model,
         derivatives=DerivativeTable.from_names(model.modes.numbers, model.inputs, values),
         delays=np.array([values.get(f"delay_{name}", 0.0) for name in model.outputs]),
         scales=np.array([values.get(f"scale_{name}", 1.0) for name in model.outputs]),
     )
+
+
+def result_of(run: EstimationRun) -> RunResult:
+    """The result of a run.
+
+    Raises
+    ------
+    Conflict
+        If it has none.
+    """
+    if run.result is None:
+        raise Conflict(
+            f"run {run.id} is {run.state.value} and has no model; choose a run that succeeded",
+            code="run-without-result",
+            run_id=run.id,
+        )
+    return run.result
 
 
 def identified_model(store: Store, run: EstimationRun) -> StateSpace:

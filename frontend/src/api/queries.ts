@@ -226,15 +226,13 @@ export const designChecksQuery = (id: number, level: number, actuator: Actuator)
 export const expectedErrorsQuery = (id: number, level: number, runId: number | undefined) =>
   queryOptions({
     queryKey: ["designs", id, "expected", level, runId],
-    queryFn: async ({ signal }) =>
-      (
-        await body(
-          api.GET("/api/v1/designs/{design_id}/expected-errors", {
-            params: { path: { design_id: id }, query: { run_id: runId ?? 0, level } },
-            signal,
-          }),
-        )
-      ).items,
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/designs/{design_id}/expected-errors", {
+          params: { path: { design_id: id }, query: { run_id: runId ?? 0, level } },
+          signal,
+        }),
+      ),
     enabled: runId !== undefined,
   });
 

@@ -252,7 +252,7 @@ function Expected({ design, level, view, onChange }: PartProps) {
   return (
     <Section
       title="What it would tell"
-      note="For the model, condition and noise of a run; feedback and actuators left out, so that errors flatter"
+      note="For the model, condition and noise of a run; what its model misses grows with the amplitude"
     >
       <Select
         label="Output-error run"
@@ -275,14 +275,21 @@ function Expected({ design, level, view, onChange }: PartProps) {
         </Empty>
       ) : (
         <Loaded query={expected} rows={10}>
-          {(rows) => (
-            <DataTable
-              label="Expected standard errors"
-              testId="expected-errors"
-              columns={EXPECTED_COLUMNS}
-              rows={rows}
-              rowKey={(row) => row.name}
-            />
+          {(told) => (
+            <>
+              <p className="quiet">
+                Surfaces follow {told.surfaces}.
+                {told.lines_outside > 0 &&
+                  ` ${told.lines_outside} lines lie outside those of the run: what is known at its ends is taken to hold there.`}
+              </p>
+              <DataTable
+                label="Expected standard errors"
+                testId="expected-errors"
+                columns={EXPECTED_COLUMNS}
+                rows={told.items}
+                rowKey={(row) => row.name}
+              />
+            </>
           )}
         </Loaded>
       )}

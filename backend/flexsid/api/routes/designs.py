@@ -16,7 +16,7 @@ from flexsid.records.excitation import ExcitationDesign
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks
 from flexsid.sysid.excitation.designer import InputWish, Wish
-from flexsid.workflow import excitation
+from flexsid.workflow import excitation, foresight
 
 router = APIRouter(prefix="/designs", tags=["designs"])
 
@@ -124,14 +124,6 @@ class CatalogueList:
     next: str | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ExpectedErrors:
-    """Predicted standard errors of the derivatives of a run's model."""
-
-    items: list[excitation.ExpectedError]
-    next: str | None = None
-
-
 @router.get("", response_model=DesignList)
 def list_designs(store: TheStore) -> Json:
     """List excitation designs."""
@@ -192,7 +184,7 @@ def check_design(
     return Json(excitation.checks_of(store.designs.get(design_id), actuator, level))
 
 
-@router.get("/{design_id}/expected-errors", response_model=ExpectedErrors)
+@router.get("/{design_id}/expected-errors", response_model=foresight.ExpectedErrors)
 def expect_errors(
     store: TheStore,
     design_id: Identity,
@@ -200,8 +192,7 @@ def expect_errors(
     level: Level = 0,
 ) -> Json:
     """Predict the standard errors of a run's derivatives, had this design been flown."""
-    errors = excitation.expected_errors(store, store.designs.get(design_id), run_id, level)
-    return Json(ExpectedErrors(items=list(errors)))
+    return Json(foresight.expected_errors(store, store.designs.get(design_id), run_id, level))
 
 
 _FILE = {media: {"schema": {"type": "string"}} for media in excitation.MEDIA.values()}

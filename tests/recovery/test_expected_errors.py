@@ -1,0 +1,64 @@
+"""A user relies on: the errors told before a flight are those that flying it gives."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flights import fly
+from flexsid.records.excitation import ExcitationDesign
+from flexsid.records.flight import Flight
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage import queue
+from flexsid.storage.store import Store
+from flexsid.workflow.estimation import compute, keep, prepare
+from flexsid.workflow.excitation import create_design, wish_for
+from flexsid.workflow.foresight import expected_errors
+
+BEFORE = 2.0  # degrees of the body flap in the maneuver that is known
+PLANNED = [(506, 4.0, (7, 9)), (506, 1.0, (7, 9)), (503, 2.0, (7,))]  # aid, degrees, modes
+
+
+def estimated(
+    store: Store, flight: int, ratio: float, plan: tuple[int, float, tuple[int, ...]], seed: int
+) -> EstimationRun:
+    """Eight modes fly, fewer are fitted."""
+    fta, peak_deg, modes = plan
+    flown = fly(airspeed_ratio=ratio, fta=fta, peak_deg=peak_deg, seed=seed)
+    maneuver = add_maneuver(store, flown, flight)
+    request = EstimationRun(
+        maneuver_id=maneuver.id or 0,
+        method=Method.OE,
+        structure=Structure(modes=modes, fixed={}),
+        settings=RunSettings(),
+    )
+    run = store.runs.add(request)
+    claimed = queue.claim(store, run.id)
+    assert claimed is not None
+    computed = compute(prepare(store, run), lambda progress: None)
+    return keep(store, run.id or 0, claimed.attempt, computed)
+
+
+def planned(store: Store, fta: int, peak_deg: float) -> ExcitationDesign:
+    peak = float(np.deg2rad(peak_deg))
+    wish = wish_for(fta, 24.0, 100.0, 6, (peak, 2 * peak, 4 * peak), "quick")
+    return create_design(store, f"FTA {fta}", wish, fta)
+
+
+@pytest.mark.parametrize("ratio", [0.56, 0.95])
+def test_expected_errors_are_those_of_the_flight(store: Store, ratio: float):
+    """Feedback, actuators, noise of inputs and modes left out are all in what is flown."""
+    aircraft = add_aircraft(store)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=9)).id or 0
+    for fta, peak_deg, modes in PLANNED:
+        before = estimated(store, flight, ratio, (fta, BEFORE, modes), seed=1)
+        told = expected_errors(store, planned(store, fta, peak_deg), before.id or 0)
+        after = estimated(store, flight, ratio, (fta, peak_deg, modes), seed=2)
+        assert after.result is not None
+        found = {row.name: row.std_error for row in after.result.parameters}
+        ratios = [row.std_error / (found[row.name] or np.nan) for row in told.items]
+        assert 0.8 < np.median(ratios) < 1.25
+        assert told.lines_outside == 0
+        assert "as recorded" in told.surfaces
