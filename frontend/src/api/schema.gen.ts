@@ -1946,11 +1946,18 @@ export interface components {
         };
         /**
          * ExpectedErrors
-         * @description Predicted standard errors of the derivatives of a run's model.
+         * @description What a design would tell, and what the prediction rests on.
+         *
+         *     ``surfaces`` says how the surfaces were taken to follow their commands, and
+         *     ``lines_outside`` how many lines lie outside the run's, where all is held constant.
          */
         ExpectedErrors: {
             /** Items */
             items: components["schemas"]["ExpectedError"][];
+            /** Surfaces */
+            surfaces: string;
+            /** Lines Outside */
+            lines_outside: number;
             /** Next */
             next?: string | null;
         };
