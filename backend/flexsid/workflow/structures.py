@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from datetime import UTC, datetime
 
-import sqlalchemy as sa
-
 from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Maneuver
@@ -28,6 +26,12 @@ class StaleEdit(Conflict):
     """Somebody else has changed the record since it was read."""
 
     code = "stale-edit"
+
+
+class UnknownVersion(Conflict):
+    """An edit names a version that does not exist."""
+
+    code = "unknown-version"
 
 
 def add_structure(store: Store, wanted: ModelStructure) -> ModelStructure:
@@ -75,7 +79,7 @@ def edit_structure(
             version=version + 1,
             changed_at=datetime.now(UTC),
         )
-        if not _advance(store, edited):
+        if not store.model_structures.advance(edited):
             raise _stale(store, current, version, edited)
         store.structure_versions.add(_version_of(edited))
     return edited
@@ -258,15 +262,6 @@ def _version_of(record: ModelStructure) -> StructureVersion:
     )
 
 
-def _advance(store: Store, edited: ModelStructure) -> bool:
-    """Write the newest version over the one before it, and over no other."""
-    table = store.model_structures.table
-    row = store.model_structures.encode(edited)
-    before = sa.and_(table.c.id == row.pop("id"), table.c.version == edited.version - 1)
-    with store.database.transaction() as connection:
-        return connection.execute(sa.update(table).where(before).values(row)).rowcount == 1
-
-
 def _stale(store: Store, current: ModelStructure, version: int, sent: ModelStructure) -> Conflict:
     assert current.id is not None
     base = store.structure_versions.find(structure_id=current.id, version=version)
@@ -279,9 +274,3 @@ def _stale(store: Store, current: ModelStructure, version: int, sent: ModelStruc
         base=base[0],
         sent=_version_of(replace(sent, version=version)),
     )
-
-
-class UnknownVersion(Conflict):
-    """An edit names a version that does not exist."""
-
-    code = "unknown-version"

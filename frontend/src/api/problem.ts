@@ -9,6 +9,8 @@ export class ApiProblem extends Error {
     readonly status: number,
     /** Further members of the problem, such as the row and column of a bad file. */
     readonly context: Record<string, string | number> = {},
+    /** The whole problem, for pages that offer a way out of it. */
+    readonly body: unknown = null,
   ) {
     super(detail || title);
   }
@@ -32,7 +34,7 @@ export function problemFrom(body: unknown, status: number): ApiProblem {
     if (STANDARD.has(key)) continue;
     if (typeof value === "string" || typeof value === "number") context[key] = value;
   }
-  return new ApiProblem(text("title"), text("detail"), text("code"), status, context);
+  return new ApiProblem(text("title"), text("detail"), text("code"), status, context, body);
 }
 
 export function unreachable(): ApiProblem {

@@ -1,18 +1,22 @@
 import { Button, Group, Select, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
-import type { ReactNode } from "react";
+import { useState, type ReactNode } from "react";
 import { modalTableQuery } from "../api/queries";
 import type { Maneuver, ModalTable, Prediction } from "../api/types";
 import { excitedInputs } from "../lib/channels";
-import { draftFault, freeDerivatives, holdAllBut, type RunDraft } from "../lib/runDraft";
+import { derivativeNames } from "../lib/derivatives";
+import { draftFault, statesOf, withStates, type RunDraft } from "../lib/runDraft";
+import type { States } from "../lib/structure";
 import { integer } from "../lib/urlState";
 import { AdvancedChoices } from "./AdvancedChoices";
-import { DerivativeGrid } from "./DerivativeGrid";
+import { useUndo } from "../lib/useUndo";
+import { DerivativeChoice } from "./DerivativeChoice";
 import { Loaded } from "./Loaded";
 import { MethodPicker } from "./MethodPicker";
 import { ModeChecklist } from "./ModeChecklist";
 import { RunData } from "./RunData";
 import { Section } from "./Section";
+import { StructureGrid } from "./StructureGrid";
 
 interface Props {
   maneuver: Maneuver;
@@ -40,6 +44,13 @@ export function RunForm({ maneuver, tables, predictions, draft, onChange, ...pro
   });
   const inputs = draft.inputs.length > 0 ? draft.inputs : excitedInputs(maneuver);
   const fault = draftFault(draft);
+  const [current, setCurrent] = useState<string>();
+  const all = derivativeNames(draft.modes, inputs);
+  const states = statesOf(draft, inputs);
+  const { set: setWhole, undo, redo } = useUndo(draft, onChange);
+  const setStates = (next: States) => {
+    setWhole(withStates(draft, inputs, next));
+  };
   const tablesOf = (kind: ModalTable["kind"]) =>
     tables
       .filter((one) => one.kind === kind)
@@ -112,17 +123,29 @@ export function RunForm({ maneuver, tables, predictions, draft, onChange, ...pro
           />
         </div>
         <Section
-          title="Free derivatives"
-          note="What is not free is held at its starting value. Arrow keys move, Space toggles, a name toggles its row or column."
+          title="Derivatives"
+          note="Free ones are estimated, absent ones are zero, fixed ones are held."
         >
-          <DerivativeGrid
+          <StructureGrid
             modes={draft.modes}
             inputs={inputs}
-            free={freeDerivatives(draft, inputs)}
-            onChange={(free) => {
-              onChange(holdAllBut(draft, inputs, free));
-            }}
+            states={states}
+            onChange={setStates}
+            onUndo={undo}
+            onRedo={redo}
+            current={current}
+            onCurrent={setCurrent}
           />
+          {current !== undefined && all.includes(current) && (
+            <DerivativeChoice
+              name={current}
+              all={all}
+              states={states}
+              onChange={setStates}
+              predictions={predictions}
+              runs={[]}
+            />
+          )}
         </Section>
         <AdvancedChoices draft={draft} outputs={props.outputs} onChange={set} />
         {props.footer}

@@ -1,15 +1,31 @@
 /** From a draft to a request, and from an earlier run back to a draft. */
-import type { Maneuver, ModalTable, Prediction, Run, RunRequest } from "../api/types";
+import type {
+  Maneuver,
+  ModalTable,
+  Prediction,
+  Run,
+  RunRequest,
+  StructureVersion as Origin,
+} from "../api/types";
 import { excitedInputs } from "../lib/channels";
 import { derivativeNames } from "../lib/derivatives";
 import {
   bandOf,
   EMPTY_DRAFT,
-  freeDerivatives,
-  holdAllBut,
   STARTS,
+  structureOf,
+  withStructure,
   type RunDraft,
 } from "../lib/runDraft";
+import { stateOf, type Structure } from "../lib/structure";
+
+interface Circumstances {
+  like?: Run;
+  /** Kept structure that the draft began with; named by the run where nothing was changed. */
+  origin?: Origin;
+  together?: number[];
+  carried?: number[];
+}
 
 /** The draft as the API takes it; what the form does not show is kept from the earlier run. */
 export function runRequest(
@@ -17,29 +33,27 @@ export function runRequest(
   method: RunRequest["method"],
   maneuver: number,
   excited: string[],
-  { like, together, carried = [] }: { like?: Run; together?: number[]; carried?: number[] },
+  { like, origin, together, carried = [] }: Circumstances,
 ): RunRequest {
   const band = bandOf(draft);
   const inputs = draft.inputs.length > 0 ? draft.inputs : excited;
-  const free = freeDerivatives(draft, inputs);
+  const structure = structureOf(draft, excited);
+  const named = isUnchanged(draft, excited, origin) && carried.length === 0;
+  const { free } = structure;
   return {
     author: "",
     maneuver_id: maneuver,
     method,
-    structure: {
-      modes: [...draft.modes, ...carried],
-      inputs: draft.inputs,
-      outputs: draft.outputs,
-      free: free ?? (carried.length > 0 ? derivativeNames(draft.modes, inputs) : null),
-      fixed: like?.structure.fixed ?? {},
-      free_delays: draft.freeDelays,
-      also_free: draft.alsoFree,
-      axis: "longitudinal",
-      absent: like?.structure.absent ?? [],
-      fixed_to: like?.structure.fixed_to ?? {},
-      delays: like?.structure.delays ?? {},
-      instruments: like?.structure.instruments ?? {},
-    },
+    ...(named
+      ? { structure_id: origin?.structure_id, structure_version: origin?.version }
+      : {
+          structure: {
+            ...structure,
+            axis: "longitudinal" as const,
+            modes: [...draft.modes, ...carried],
+            free: carried.length > 0 ? (free ?? freeNames(structure, inputs)) : free,
+          },
+        }),
     settings: {
       start: draft.start,
       band_hz: "band" in band ? band.band : null,
@@ -66,12 +80,15 @@ interface Beginning {
   tables: ModalTable[];
   predictions: Prediction[];
   like?: Run;
+  origin?: Origin;
   methods?: RunDraft["methods"];
 }
 
 /** The choices of an earlier run, or defaults that suit the maneuver. */
-export function firstDraft({ maneuver, tables, predictions, like, methods }: Beginning): RunDraft {
+export function firstDraft(beginning: Beginning): RunDraft {
+  const { maneuver, tables, predictions, like, origin, methods } = beginning;
   const modal = tables.find((one) => one.kind === "FEM");
+  const excited = excitedInputs(maneuver);
   const sources = {
     modalTable: modal?.id ?? null,
     dampingTable: tables.find((one) => one.kind === "GVT")?.id ?? null,
@@ -79,25 +96,20 @@ export function firstDraft({ maneuver, tables, predictions, like, methods }: Beg
   };
   if (like === undefined) {
     const symmetric = modal?.numbers.filter((_, place) => modal.symmetric[place]) ?? [];
-    return {
+    const draft: RunDraft = {
       ...EMPTY_DRAFT,
       ...sources,
       modes: symmetric.slice(0, 2),
       ...(methods && methods.length > 0 ? { methods } : {}),
     };
+    return origin === undefined ? draft : withStructure(draft, excited, origin.structure);
   }
   const { structure, settings } = like;
   const draft: RunDraft = {
+    ...EMPTY_DRAFT,
     methods: [like.method],
-    modes: structure.modes,
-    inputs: structure.inputs,
-    outputs: structure.outputs,
-    held: [],
     start: STARTS.find((one) => one === settings.start) ?? "best",
     band: [String(settings.band_hz?.[0] ?? ""), String(settings.band_hz?.[1] ?? "")],
-    freeDelays: structure.free_delays,
-    carryModes: false, // the run before names them among its modes
-    alsoFree: structure.also_free,
     noise: settings.noise === "full" ? "full" : "diagonal",
     priorSpread: settings.prior_spread,
     maxIterations: settings.max_iterations,
@@ -105,6 +117,20 @@ export function firstDraft({ maneuver, tables, predictions, like, methods }: Beg
     dampingTable: like.damping_table_id,
     prediction: like.prediction_id ?? sources.prediction,
   };
-  const inputs = draft.inputs.length > 0 ? draft.inputs : excitedInputs(maneuver);
-  return holdAllBut(draft, inputs, structure.free ?? null);
+  return withStructure(draft, excited, structure);
+}
+
+/** Whether the draft still says what the kept structure says that it began with. */
+export function isUnchanged(draft: RunDraft, excited: string[], origin?: Origin): boolean {
+  if (origin === undefined) return false;
+  const same = (structure: Structure) =>
+    JSON.stringify(structureOf(draft, excited)) ===
+    JSON.stringify(structureOf(withStructure(draft, excited, structure), excited));
+  return same(origin.structure) && !draft.carryModes;
+}
+
+function freeNames(structure: Structure, inputs: readonly string[]): string[] {
+  return derivativeNames(structure.modes, inputs).filter(
+    (name) => stateOf(structure, name) === "free",
+  );
 }

@@ -1,12 +1,21 @@
 import { describe, expect, it } from "vitest";
 import { derivativeNames } from "./derivatives";
-import { bandOf, draftFault, EMPTY_DRAFT, freeDerivatives, holdAllBut } from "./runDraft";
+import {
+  bandOf,
+  draftFault,
+  EMPTY_DRAFT,
+  statesOf,
+  structureOf,
+  withStates,
+  withStructure,
+} from "./runDraft";
+import { EMPTY_STATES } from "./structure";
 
 const draft = { ...EMPTY_DRAFT, modes: [7] };
 
 describe("a new run", () => {
   it("frees every derivative unless told otherwise", () => {
-    expect(freeDerivatives(draft, ["bfs"])).toBeNull();
+    expect(statesOf(draft, ["bfs"])).toEqual(EMPTY_STATES);
   });
 
   it("names derivatives as the API does", () => {
@@ -30,11 +39,30 @@ describe("a new run", () => {
   });
 
   it("frees the derivatives of a mode added later", () => {
-    const held = holdAllBut(draft, ["bfs"], ["Cm_alpha", "Cm_q"]);
-    const free = freeDerivatives({ ...held, modes: [7, 9] }, ["bfs"]);
+    const held = withStates(draft, ["bfs"], { ...EMPTY_STATES, free: ["Cm_alpha", "Cm_q"] });
+    const { free } = statesOf({ ...held, modes: [7, 9] }, ["bfs"]);
     expect(free).toContain("CQ9_eta9");
     expect(free).toContain("Cm_alpha");
     expect(free).not.toContain("CZ_alpha");
+  });
+
+  it("takes a structure over and gives it back", () => {
+    const structure = {
+      ...EMPTY_STATES,
+      free: ["Cm_alpha"],
+      absent: ["CZ_q"],
+      fixed: { Cm_q: -2 },
+      fixed_to: { CZ_alpha: { source: "prediction" as const, id: 1 } },
+      modes: [7],
+      inputs: [],
+      outputs: ["q"],
+      free_delays: false,
+      also_free: ["delay_q"],
+      axis: "longitudinal",
+      delays: { q: 0.01 },
+      instruments: { q: null },
+    };
+    expect(structureOf(withStructure(draft, ["bfs"], structure), ["bfs"])).toEqual(structure);
   });
 
   it("takes a band with both limits, in order", () => {

@@ -1,5 +1,6 @@
 /** What an analyst has chosen for a new run, before it is sent. */
 import { derivativeNames } from "./derivatives";
+import { heldAt, stateOf, type FixedTo, type States, type Structure } from "./structure";
 
 export const STARTS = [
   "best",
@@ -21,6 +22,13 @@ export interface RunDraft {
    * mode or input added later comes with all its derivatives free.
    */
   held: string[];
+  absent: string[];
+  /** Held at a number, or at a prediction or earlier run. */
+  fixed: Record<string, number>;
+  fixedTo: Record<string, FixedTo>;
+  /** Delays [s] and instruments of channels, where other than the aircraft's. */
+  delays: Record<string, number>;
+  instruments: Record<string, string | null>;
   start: Start;
   /** Limits in Hz as they are typed; empty: the whole excited band. */
   band: [string, string];
@@ -44,6 +52,11 @@ export const EMPTY_DRAFT: RunDraft = {
   inputs: [],
   outputs: [],
   held: [],
+  absent: [],
+  fixed: {},
+  fixedTo: {},
+  delays: {},
+  instruments: {},
   start: "best",
   band: ["", ""],
   freeDelays: false,
@@ -57,11 +70,69 @@ export const EMPTY_DRAFT: RunDraft = {
   prediction: null,
 };
 
-/** Free derivatives of the chosen modes and inputs; null when all of them are. */
-export function freeDerivatives(draft: RunDraft, inputs: readonly string[]): string[] | null {
+/** What each derivative of the chosen modes and inputs is. */
+export function statesOf(draft: RunDraft, inputs: readonly string[]): States {
   const all = derivativeNames(draft.modes, inputs);
-  const free = all.filter((name) => !draft.held.includes(name));
-  return free.length === all.length ? null : free;
+  const known = <T>(record: Record<string, T>) =>
+    Object.fromEntries(Object.entries(record).filter(([name]) => all.includes(name)));
+  const states = {
+    absent: draft.absent.filter((name) => all.includes(name)),
+    fixed: known(draft.fixed),
+    fixed_to: known(draft.fixedTo),
+  };
+  const rest = all.filter((name) => stateOf({ ...states, free: null }, name) === "free");
+  const free = rest.filter((name) => !draft.held.includes(name));
+  return { ...states, free: free.length === rest.length ? null : free };
+}
+
+/** The draft with other states of its derivatives. */
+export function withStates(draft: RunDraft, inputs: readonly string[], states: States): RunDraft {
+  const all = derivativeNames(draft.modes, inputs);
+  return {
+    ...draft,
+    absent: states.absent,
+    fixed: states.fixed,
+    fixedTo: states.fixed_to,
+    held: all.filter(
+      (name) => stateOf(states, name) === "fixed" && heldAt(states, name).source === "start",
+    ),
+  };
+}
+
+/** The draft with a whole structure in place of its own. */
+export function withStructure(
+  draft: RunDraft,
+  excited: readonly string[],
+  structure: Structure,
+): RunDraft {
+  const changed: RunDraft = {
+    ...draft,
+    modes: structure.modes,
+    inputs: structure.inputs,
+    outputs: structure.outputs,
+    freeDelays: structure.free_delays,
+    alsoFree: structure.also_free,
+    delays: structure.delays,
+    instruments: structure.instruments,
+    carryModes: false, // the structure names them among its modes
+  };
+  return withStates(changed, structure.inputs.length > 0 ? structure.inputs : excited, structure);
+}
+
+/** The structure that a draft describes. */
+export function structureOf(draft: RunDraft, excited: readonly string[]): Structure {
+  const states = statesOf(draft, draft.inputs.length > 0 ? draft.inputs : excited);
+  return {
+    ...states,
+    modes: draft.modes,
+    inputs: draft.inputs,
+    outputs: draft.outputs,
+    free_delays: draft.freeDelays,
+    also_free: draft.alsoFree,
+    axis: "longitudinal",
+    delays: draft.delays,
+    instruments: draft.instruments,
+  };
 }
 
 /** Modes that a prediction knows and a draft does not estimate. */
@@ -74,16 +145,6 @@ export function carriedModes(
   return symmetric.filter(
     (mode) => !draft.modes.includes(mode) && predicted.includes(`CQ${String(mode)}_alpha`),
   );
-}
-
-export function holdAllBut(
-  draft: RunDraft,
-  inputs: readonly string[],
-  free: readonly string[] | null,
-): RunDraft {
-  if (free === null) return { ...draft, held: [] };
-  const all = derivativeNames(draft.modes, inputs);
-  return { ...draft, held: all.filter((name) => !free.includes(name)) };
 }
 
 /** The band in Hz, null for the whole band, or the reason why it cannot be used. */
