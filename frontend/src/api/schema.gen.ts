@@ -591,6 +591,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/model-structures/{structure_id}/runs": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Structure Runs
+         * @description List the newest runs of any version of one model structure.
+         */
+        get: operations["list_structure_runs"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/runs": {
         parameters: {
             query?: never;
@@ -5239,6 +5259,41 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["StructureVersion"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_structure_runs: {
+        parameters: {
+            query?: {
+                /** @description Most items to answer. */
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                structure_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RunList"];
                 };
             };
             /** @description Client Error */
