@@ -112,6 +112,9 @@ export const designView = view((search) => ({
   rate: number(search.rate),
   /** Output-error run whose derivatives the design would be flown for. */
   run: integer(search.run),
+  /** Limits of the allocation: largest deflection [deg] and load factor [g]. */
+  allowed: number(search.allowed),
+  load: number(search.load),
 }));
 export type DesignView = ReturnType<typeof designView>;
 

@@ -80,14 +80,18 @@ def test_what_cannot_be_is_refused(
     assert words in answer.json()["detail"]
 
 
-def test_expected_errors_shrink_where_amplitudes_double(client: TestClient):
+def output_error_run(client: TestClient) -> int:
     order = {"maneuver_id": 1, "method": "OE", "structure": {"modes": [7]}}
     job = client.post("/api/v1/runs", json=order).headers["location"]
     deadline = time.monotonic() + 60.0
     while client.get(job).json()["state"] in ("queued", "running"):
         assert time.monotonic() < deadline
         time.sleep(0.1)
-    run = client.get(job).json()["run_id"]
+    return client.get(job).json()["run_id"]
+
+
+def test_expected_errors_shrink_where_amplitudes_double(client: TestClient):
+    run = output_error_run(client)
     design = client.post(URL, json=FTA_503).headers["location"]
     low, medium = (
         client.get(f"{design}/expected-errors?run_id={run}&level={level}").json()["items"]
@@ -100,3 +104,30 @@ def test_expected_errors_shrink_where_amplitudes_double(client: TestClient):
     ee = client.get(f"{design}/expected-errors?run_id=1")
     assert ee.status_code == 422
     assert ee.json()["code"] == "not-output-error"
+
+
+def test_amplitudes_are_allotted_within_limits_and_kept(client: TestClient):
+    run = output_error_run(client)
+    made = client.post(URL, json=FTA_503)
+    where = made.headers["location"]
+    limits = "deflection=0.012&load_factor=0.1"
+    told = client.get(f"{where}/allocation?run_id={run}&{limits}").json()
+    counted = [row for row in told["errors"] if row["counts"]]
+    assert counted
+    worst = {way: max(row[way] for row in counted) for way in ("flat", "minimax", "d_optimal")}
+    assert worst["minimax"] <= 1.02 * worst["d_optimal"]
+    for row in told["limited"]:
+        assert row["limit"] == (0.1 if row["name"] == "load factor" else 0.012)
+        assert max(row["minimax"], row["d_optimal"]) <= 1.01 * row["limit"]
+
+    kept = client.post(
+        f"{where}/rescaled", json={"name": "told", "gains": told["gains"]["minimax"]}
+    )
+    assert kept.status_code == 201, kept.text
+    again = client.get(f"{kept.headers['location']}/expected-errors?run_id={run}").json()["items"]
+    by_name = {row["name"]: row["std_error"] / abs(row["value"]) for row in again}
+    for row in counted:
+        assert by_name[row["name"]] == pytest.approx(row["minimax"], rel=1e-6)
+    assert kept.json()["phases"] == made.json()["phases"]
+    wrong = client.post(f"{where}/rescaled", json={"name": "x", "gains": {"rudder": 2.0}})
+    assert wrong.json()["code"] == "unknown-input"

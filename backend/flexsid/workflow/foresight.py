@@ -23,6 +23,7 @@ from flexsid.sysid.estimation.as_flown import (
 )
 from flexsid.sysid.estimation.expectation import Expectation, expect
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
+from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.workflow.computation import ManeuverData, Task
 from flexsid.workflow.estimation import prepare
@@ -73,9 +74,11 @@ class Circumstances:
 
     def expect(self, design: ExcitationDesign, level: int) -> Expectation:
         """What one of the design's amplitudes would tell."""
-        return expect(
-            self.model, self.parameters, multisine_of(design, level), self.flown, self.priors
-        )
+        return self.expect_of(multisine_of(design, level))
+
+    def expect_of(self, multisine: Multisine) -> Expectation:
+        """What a multisine would tell."""
+        return expect(self.model, self.parameters, multisine, self.flown, self.priors)
 
 
 def expected_errors(

@@ -80,6 +80,20 @@ export function useKeepMapping() {
   });
 }
 
+export function useRescaleDesign(id: number) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: { name: string; gains: Record<string, number>; note: string }) =>
+      body(
+        api.POST("/api/v1/designs/{design_id}/rescaled", {
+          params: { path: { design_id: id } },
+          body: wanted,
+        }),
+      ),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["designs"], exact: true }),
+  });
+}
+
 export function useCreateDesign() {
   const cache = useQueryClient();
   return useMutation({

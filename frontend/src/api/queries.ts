@@ -236,6 +236,31 @@ export const expectedErrorsQuery = (id: number, level: number, runId: number | u
     enabled: runId !== undefined,
   });
 
+export interface AllocationLimits {
+  /** Largest deflection [rad] and load factor [g]; the design's own where undefined. */
+  deflection?: number;
+  load_factor?: number;
+}
+
+export const allocationQuery = (
+  id: number,
+  level: number,
+  runId: number | undefined,
+  limits: AllocationLimits,
+) =>
+  queryOptions({
+    queryKey: ["designs", id, "allocation", level, runId, limits],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/designs/{design_id}/allocation", {
+          params: { path: { design_id: id }, query: { run_id: runId ?? 0, level, ...limits } },
+          signal,
+        }),
+      ),
+    enabled: runId !== undefined,
+    staleTime: 60_000,
+  });
+
 export const catalogueQuery = queryOptions({
   queryKey: ["designs", "catalogue"],
   queryFn: async ({ signal }) =>

@@ -3,6 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { designChecksQuery, designQuery, expectedErrorsQuery, runsQuery } from "../api/queries";
 import type { Design, DesignChecks, ExpectedError } from "../api/types";
+import { AllocationPart } from "../components/AllocationPart";
 import { Facts } from "../components/ConditionFacts";
 import { DataTable, type Column } from "../components/DataTable";
 import { DerivativeName } from "../components/DerivativeName";
@@ -95,6 +96,21 @@ function OneDesign({ design }: { design: Design }) {
           />
         </div>
         <Expected design={design} level={level} view={view} onChange={change} />
+        {view.run !== undefined && (
+          <Section
+            title="Amplitudes that would tell more"
+            note="Same lines and phases; surfaces and load factor with feedback, within limits"
+          >
+            <AllocationPart
+              design={design}
+              level={level}
+              run={view.run}
+              allowed={view.allowed}
+              load={view.load}
+              onChange={change}
+            />
+          </Section>
+        )}
       </Stack>
     </>
   );

@@ -16,7 +16,7 @@ from flexsid.records.excitation import ExcitationDesign
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks
 from flexsid.sysid.excitation.designer import InputWish, Wish
-from flexsid.workflow import excitation, foresight
+from flexsid.workflow import allocation, excitation, foresight
 
 router = APIRouter(prefix="/designs", tags=["designs"])
 
@@ -90,6 +90,17 @@ class DesignRequest:
             effort=self.effort,
             seed=self.seed,
         )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RescaleRequest:
+    """Factors on the amplitudes of inputs; those left out stay."""
+
+    name: Title
+    gains: Annotated[dict[Name, Positive], Field(min_length=1, max_length=40)]
+    note: Text = ""
+
+    __pydantic_config__ = _STRICT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -193,6 +204,36 @@ def expect_errors(
 ) -> Json:
     """Predict the standard errors of a run's derivatives, had this design been flown."""
     return Json(foresight.expected_errors(store, store.designs.get(design_id), run_id, level))
+
+
+@router.get("/{design_id}/allocation", response_model=allocation.Allocation)
+def allocate_amplitudes(
+    store: TheStore,
+    design_id: Identity,
+    run_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
+    deflection: Limit = None,
+    load_factor: Limit = None,
+    level: Level = 0,
+) -> Json:
+    """Find amplitudes with the least worst relative standard error, and D-optimal ones.
+
+    Limits: largest deflection of any surface [rad] and load factor [g], feedback
+    included; the design's own where left out.
+    """
+    design = store.designs.get(design_id)
+    return Json(allocation.allocate(store, design, run_id, level, deflection, load_factor))
+
+
+@router.post(
+    "/{design_id}/rescaled",
+    response_model=ExcitationDesign,
+    status_code=status.HTTP_201_CREATED,
+)
+def rescale_design(store: TheStore, design_id: Identity, wanted: RescaleRequest) -> Json:
+    """Keep a design with the same lines and phases and other amplitudes."""
+    design = store.designs.get(design_id)
+    kept = allocation.rescale_design(store, design, wanted.name, wanted.gains, wanted.note)
+    return Json(kept, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{kept.id}"})
 
 
 _FILE = {media: {"schema": {"type": "string"}} for media in excitation.MEDIA.values()}

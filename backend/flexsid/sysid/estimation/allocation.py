@@ -153,7 +153,7 @@ def _minimum(
         method="SLSQP",
         bounds=bounds,
         constraints=[optimize.LinearConstraint(used.T, -np.inf, 1.0)],
-        options={"maxiter": 300},
+        options={"maxiter": 300, "ftol": 1e-10},
     )
     x = found.x / max(1.0, float(np.max(found.x @ used)))
     # What the solver says of itself is not enough: of a convex function no point within the
