@@ -975,6 +975,49 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/designs/{design_id}/allocation": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Allocate Amplitudes
+         * @description Find amplitudes with the least worst relative standard error, and D-optimal ones.
+         *
+         *     Limits: largest deflection of any surface [rad] and load factor [g], feedback
+         *     included; the design's own where left out.
+         */
+        get: operations["allocate_amplitudes"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/designs/{design_id}/rescaled": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Rescale Design
+         * @description Keep a design with the same lines and phases and other amplitudes.
+         */
+        post: operations["rescale_design"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/designs/{design_id}/export": {
         parameters: {
             query?: never;
@@ -1486,6 +1529,62 @@ export interface components {
         AircraftList: {
             /** Items */
             items: components["schemas"]["Aircraft"][];
+            /** Next */
+            next?: string | null;
+        };
+        /**
+         * AllocatedError
+         * @description Relative standard error of a derivative under the three; ``counts`` for the worst. [1]
+         */
+        AllocatedError: {
+            /** Name */
+            name: string;
+            /** Value */
+            value: number;
+            /** Counts */
+            counts: boolean;
+            /** Flat */
+            flat: number;
+            /** Minimax */
+            minimax: number;
+            /** D Optimal */
+            d_optimal: number;
+        };
+        /**
+         * AllocatedPeak
+         * @description Largest of a command or of what is limited: as designed, minimax and D-optimal.
+         *
+         *     [unit of the command] or [g]
+         */
+        AllocatedPeak: {
+            /** Name */
+            name: string;
+            /** Limit */
+            limit: number | null;
+            /** Flat */
+            flat: number;
+            /** Minimax */
+            minimax: number;
+            /** D Optimal */
+            d_optimal: number;
+        };
+        /**
+         * Allocation
+         * @description ``gains`` of the inputs by criterion, peaks of commands and of what is limited.
+         */
+        Allocation: {
+            /** Gains */
+            gains: {
+                [key: string]: {
+                    [key: string]: number;
+                };
+            };
+            /** Commands */
+            commands: components["schemas"]["AllocatedPeak"][];
+            /** Limited */
+            limited: components["schemas"]["AllocatedPeak"][];
+            /** Errors */
+            errors: components["schemas"]["AllocatedError"][];
             /** Next */
             next?: string | null;
         };
@@ -3160,6 +3259,23 @@ export interface components {
             origin: string;
             /** Fitting */
             fitting: string[];
+        };
+        /**
+         * RescaleRequest
+         * @description Factors on the amplitudes of inputs; those left out stay.
+         */
+        RescaleRequest: {
+            /** Name */
+            name: string;
+            /** Gains */
+            gains: {
+                [key: string]: number;
+            };
+            /**
+             * Note
+             * @default
+             */
+            note: string;
         };
         /**
          * Role
@@ -6048,6 +6164,80 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ExpectedErrors"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    allocate_amplitudes: {
+        parameters: {
+            query: {
+                run_id: number;
+                deflection?: number | null;
+                load_factor?: number | null;
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                level?: number;
+            };
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                design_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Allocation"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    rescale_design: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                design_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RescaleRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ExcitationDesign"];
                 };
             };
             /** @description Client Error */

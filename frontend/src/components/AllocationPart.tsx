@@ -127,12 +127,12 @@ function Found({
     rescale.mutate(
       {
         name: `${design.name}, ${words}`,
-        gains: allocation.gains[way],
+        gains: allocation.gains[way] ?? {},
         note: `Amplitudes of ${design.name} allotted for run ${run}`,
       },
       {
         onSuccess: (kept) =>
-          void navigate({ to: "/excitation/$id", params: { id: kept.id ?? 0 }, search: { run } }),
+          void navigate({ to: "/excitation/$id", params: { id: kept.id }, search: { run } }),
       },
     );
   };
