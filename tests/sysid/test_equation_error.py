@@ -12,7 +12,7 @@ from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.fusion import fuse, with_priors
 from flexsid.sysid.estimation.real_time import RealTimeEquationError, RecursiveTransform
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
-from flexsid.sysid.estimation.regression import regress
+from flexsid.sysid.estimation.regression import Disturbance, regress
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import finite_fourier_transform
 
@@ -93,6 +93,21 @@ def test_collinear_and_still_regressors_are_named():
     X[:, 1] = 0.0
     with pytest.raises(NotIdentifiable, match="CZ_b does not move"):
         regress(X, z, ("CZ_a", "CZ_b", "CZ_c"))
+
+
+def test_a_few_lines_of_little_known_motion_do_not_spoil_the_others():
+    rng = np.random.default_rng(9)
+    n = 100
+    known = np.where(np.arange(n) < 4, 1e4, 1.0)  # variance of the dependent variable
+    errors = Disturbance(np.zeros((n, 2, 2)), np.zeros((n, 2)), known)
+    found = []
+    for _ in range(200):
+        X = rng.normal(size=(n, 2)) + 1j * rng.normal(size=(n, 2))
+        scatter = rng.normal(size=n) + 1j * rng.normal(size=n)
+        z = X @ [1.0, 2.0] + np.sqrt(0.5 * known) * scatter
+        found.append(regress(X, z, ("CZ_a", "CZ_b"), errors).values)
+    # 96 good lines of unit variance in X and z: 1 / sqrt(2 * 2 * 96)
+    assert np.std(found, axis=0) == pytest.approx([0.051, 0.051], rel=0.2)
 
 
 def test_recursive_transform_ends_at_the_batch_one():

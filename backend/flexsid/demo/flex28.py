@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -12,8 +13,9 @@ from typing import Any
 import numpy as np
 from scipy import interpolate
 
+from flexsid.errors import BadInput
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
-from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.derivatives import DerivativeTable, derivative_names
 from flexsid.sysid.modes import ModeTable, StructuralModes
 from flexsid.sysid.simulation.actuators import Actuator
 from flexsid.sysid.simulation.controller import ScheduledController
@@ -71,6 +73,19 @@ class Truth:
         return DerivativeTable(self.symmetric, INPUTS, values).select(
             self.symmetric[:count], INPUTS
         )
+
+    def without(self, absent: Sequence[str]) -> Truth:
+        """The aircraft with some derivatives zero, to see whether a search tells which."""
+        if not absent:
+            return self
+        names = derivative_names(self.symmetric, INPUTS)
+        unknown = sorted(set(absent) - set(names))
+        if unknown:
+            raise BadInput(f"FLEX-28 has no derivative {', '.join(unknown)}")
+        derivatives = self.derivatives.copy()
+        flat = derivatives.reshape(len(derivatives), -1)
+        flat[:, [names.index(name) for name in absent]] = 0.0
+        return replace(self, derivatives=derivatives)
 
     def condition_at(self, airspeed: float, fuel: float) -> FlightCondition:
         """Trimmed level flight: lift equals weight, thrust equals drag."""

@@ -55,6 +55,7 @@ def fly(
     start_s: float = 0.0,
     label: str | None = None,
     n_periods: int = 1,
+    absent: tuple[str, ...] = (),
 ) -> FlownManeuver:
     """Fly a flight test aid in closed loop from trim and record all channels.
 
@@ -80,8 +81,10 @@ def fly(
         What the maneuver is called; made from the condition when left out.
     n_periods
         How often the excitation is repeated without a pause.
+    absent
+        Derivatives that are zero in the aircraft that flies, e.g. ``Cm_etadot9``.
     """
-    truth = load_truth()
+    truth = load_truth().without(absent)
     aircraft = describe_aircraft(truth)
     multisine = design(fta, peak_deg)
     excited_s = n_periods * multisine.period_s

@@ -78,7 +78,7 @@ def equation_error(
         )
     X = regressors(model, motion, inputs)
     z = aerodynamic_coefficients(model, motion)
-    disturbances = _MotionNoise(model, motion) if compensate else None
+    disturbances = MotionNoise(model, motion) if compensate else None
     held = parameters.base.values.copy()
     held[parameters.rows, parameters.columns] = 0.0
     size = parameters.start.size
@@ -116,7 +116,7 @@ def equation_error(
     )
 
 
-class _MotionNoise:
+class MotionNoise:
     """How the error of the reconstructed motion enters regressors and coefficients."""
 
     def __init__(self, model: AeroelasticModel, motion: Motion) -> None:

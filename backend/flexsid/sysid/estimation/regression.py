@@ -36,6 +36,15 @@ class Disturbance:
 
 
 @dataclass(frozen=True, slots=True)
+class Weighing:
+    """Values, the variance of the equation at every line, and the share of the bias taken out."""
+
+    values: Float[np.ndarray, " p"]
+    variance: Float[np.ndarray, " n_omega"]
+    keep: float
+
+
+@dataclass(frozen=True, slots=True)
 class Regression:
     """Values, their covariance for white residuals, and for the residuals as they are."""
 
@@ -95,22 +104,30 @@ def regress(
             code="collinear",
         )
     theta = np.linalg.solve(r, q.T @ np.concatenate([np.real(z), np.imag(z)])) / scale
-    variance = np.ones(n_lines)
-    normal = (r.T @ r) * np.outer(scale, scale)
-    if disturbance is not None:
-        theta, normal, variance = _compensated(X, z, theta, disturbance)
-    return _with_covariance(X, z, theta, normal, variance)
+    weighing = Weighing(theta, np.ones(n_lines), 0.0)
+    if disturbance is None:
+        normal = (r.T @ r) * np.outer(scale, scale)
+    else:
+        weighing, normal = compensate(X, z, theta, disturbance)
+    return _with_covariance(X, z, weighing.values, normal, weighing.variance)
 
 
-def _compensated(
+def compensate(
     X: Complex[np.ndarray, "n_omega p"],
     z: Complex[np.ndarray, " n_omega"],
     theta: Float[np.ndarray, " p"],
     disturbance: Disturbance,
-) -> tuple[Float[np.ndarray, " p"], Float[np.ndarray, "p p"], Float[np.ndarray, " n_omega"]]:
+) -> tuple[Weighing, Float[np.ndarray, "p p"]]:
+    """Weight the lines by the known errors and take their bias out, from a first guess on.
+
+    Returns
+    -------
+    tuple
+        The weighing, and the compensated normal matrix.
+    """
     n_lines, p = X.shape
     normal = np.empty((p, p))
-    variance = np.ones(n_lines)
+    variance, keep = np.ones(n_lines), 1.0
     stacked = np.concatenate([np.real(X), np.imag(X)])
     target = np.concatenate([np.real(z), np.imag(z)])
     spread = disturbance.regressors.reshape(n_lines, -1)
@@ -132,7 +149,7 @@ def _compensated(
         theta = update
         if moved < _STILL:
             break
-    return theta, normal, variance
+    return Weighing(theta, variance, keep), normal
 
 
 def _line_variance(
@@ -143,10 +160,30 @@ def _line_variance(
 ) -> Float[np.ndarray, " n_omega"]:
     """Variance of the equation: known errors, and a white rest (noise on the inputs)."""
     known = disturbance.equation_variance(theta)
-    found = np.abs(z - X @ theta) ** 2
-    freedom = X.shape[0] - 0.5 * X.shape[1]
-    rest = max(0.0, float(np.sum(found) / freedom - np.mean(known)))
-    return np.maximum(known + rest, 1e-12 * known.max())
+    known = np.maximum(known, 1e-12 * known.max())
+    return known + _white_rest(known, np.abs(z - X @ theta) ** 2, X.shape[0] - 0.5 * X.shape[1])
+
+
+def _white_rest(
+    known: Float[np.ndarray, " n_omega"], found: Float[np.ndarray, " n_omega"], freedom: float
+) -> float:
+    """White variance that the residuals have beyond the known one.
+
+    Notes
+    -----
+    As Mandel and Paule (1970): with it the weighted residuals are as large as their
+    freedom. A difference of means would be that of the few lines where the motion is
+    least known, a hundred thousand times the rest of the others.
+    """
+    rest = 0.0
+    for _ in range(_ITERATIONS):  # Newton from below on a convex, falling sum
+        weight = 1.0 / (known + rest)
+        excess = float(found @ weight) - freedom
+        slope = float(found @ weight**2)
+        if excess <= 1e-3 * freedom or slope == 0.0:
+            break
+        rest += excess / slope
+    return rest
 
 
 def _with_covariance(

@@ -1,0 +1,1 @@
+"""Model structure determination: which terms the data ask for."""

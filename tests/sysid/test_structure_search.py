@@ -1,0 +1,145 @@
+"""Which terms the data ask for: stepwise regression, orthogonal functions, many maneuvers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.sysid.conftest import OMEGA, Case, add_noise
+
+from flexsid.errors import BadInput
+from flexsid.sysid.estimation.reconstruction import reconstruct_motion
+from flexsid.sysid.estimation.regression import Disturbance, regress
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.structure.equation import equation_evidence, regression_evidence
+from flexsid.sysid.structure.evidence import look
+from flexsid.sysid.structure.search import search_equations
+from flexsid.sysid.structure.selection import Thresholds
+from flexsid.sysid.structure.stability import selection_frequency
+from flexsid.sysid.structure.stepwise import stepwise_regression
+
+ABSENT = (
+    "CZ_eta9", "CZ_etadot9", "CZ_wf2s", "Cm_eta7", "Cm_etadot9", "Cm_bfs", "CQ7_q",
+    "CQ7_etadot9", "CQ7_wf1s", "CQ9_alpha", "CQ9_q", "CQ9_etadot7", "CQ9_bfs",
+)  # fmt: skip
+
+
+def without(case: Case, absent: tuple[str, ...], scale: float = 1.0) -> Case:
+    """The same aircraft with some derivatives zero and the others all changed."""
+    values = {k: 0.0 if k in absent else scale * v for k, v in case.truth.named().items()}
+    truth = case.truth
+    return replace(case, truth=DerivativeTable.from_names(truth.modes, truth.inputs, values))
+
+
+def evidence(case: Case, seed: int, share: float = 0.03):
+    u, y = case.spectra(seed)
+    z = add_noise(y, share, np.random.default_rng(1000 + seed))
+    through = np.ones(z.shape, dtype=complex)
+    motion = reconstruct_motion(case.model, FrequencyData(OMEGA, z, case.model.outputs), through)
+    inputs = FrequencyData(OMEGA, u, case.model.inputs)
+    return equation_evidence(case.model, motion, inputs, case.free())
+
+
+def exact(n_omega: int, p: int) -> Disturbance:
+    """Nothing is uncertain but a little of the dependent variable."""
+    return Disturbance(np.zeros((n_omega, p, p)), np.zeros((n_omega, p)), np.full(n_omega, 1e-6))
+
+
+@pytest.mark.parametrize("method", ["stepwise", "orthogonal functions"])
+def test_the_true_structure_is_found_seed_by_seed(make_case, method):
+    case = without(make_case(2), ABSENT)
+    for seed in range(8):
+        found = search_equations([evidence(case, seed)], method)
+        assert sorted(found.absent) == sorted(ABSENT), seed
+
+
+def test_many_maneuvers_support_together_what_none_supports_alone(make_case):
+    case = without(make_case(2), ABSENT)
+    weak = [evidence(case, seed, share=0.4) for seed in range(16)]
+    alone = [len(set(search_equations([one]).absent) - set(ABSENT)) for one in weak]
+    together = search_equations(weak)
+    lost = set(together.absent) - set(ABSENT)
+    assert len(lost) < 0.8 * np.mean(alone)
+    assert not set(together.chosen) & set(ABSENT)
+
+
+def test_drift_of_one_term_over_the_envelope_is_not_taken_for_another(make_case):
+    base = make_case(2)
+    maneuvers = [
+        evidence(without(base, ABSENT, scale), seed)
+        for seed, scale in enumerate(np.linspace(0.7, 1.3, 12))
+    ]
+    assert sorted(search_equations(maneuvers).absent) == sorted(ABSENT)
+
+
+def test_the_path_tells_each_step_and_its_criteria(make_case):
+    case = without(make_case(1), ())
+    selection = search_equations([evidence(case, 3)]).coefficients["CZ"]
+    assert [step.action for step in selection.path].count("enter") >= len(selection.chosen)
+    fits = [step.criteria.r_squared for step in selection.path if step.action == "enter"]
+    assert fits == sorted(fits)
+    assert selection.criteria.r_squared > 0.9
+    first, last = selection.path[0].criteria, selection.criteria
+    assert last.bic < first.bic
+    assert last.pse < first.pse
+
+
+def test_evidence_gives_the_values_and_errors_of_the_regression_itself():
+    rng = np.random.default_rng(4)
+    X = rng.normal(size=(80, 4)) + 1j * rng.normal(size=(80, 4))
+    z = X @ [1.0, -0.5, 0.0, 0.2] + 0.3 * (rng.normal(size=80) + 1j * rng.normal(size=80))
+    names = ("CZ_a", "CZ_b", "CZ_c", "CZ_d")
+    found = regression_evidence(X, z, names, exact(80, 4))
+    plain = regress(X, z, names)
+    all_in = look(found, np.ones(4, dtype=bool))
+    assert np.allclose(all_in.values, plain.values)
+    assert np.allclose(all_in.variance, np.diag(plain.corrected_covariance), rtol=1e-3)
+    three = np.array([True, True, False, True])
+    fewer = regress(X[:, three], z, ("CZ_a", "CZ_b", "CZ_d"))
+    subset = look(found, three)
+    assert np.allclose(subset.values[three], fewer.values)
+    # the next to enter takes the value it has with all four, for they are then all in
+    assert subset.values[2] == pytest.approx(plain.values[2])
+
+
+def test_of_two_terms_that_say_the_same_one_is_chosen():
+    rng = np.random.default_rng(5)
+    X = rng.normal(size=(60, 3)) + 1j * rng.normal(size=(60, 3))
+    X = np.column_stack([X, X[:, 0], np.zeros(60)])
+    z = X[:, 0] + X[:, 1] + 0.1 * (rng.normal(size=60) + 1j * rng.normal(size=60))
+    names = ("CZ_a", "CZ_b", "CZ_c", "CZ_same", "CZ_still")
+    found = stepwise_regression([regression_evidence(X, z, names, exact(60, 5))])
+    assert "CZ_b" in found.chosen
+    assert len({"CZ_a", "CZ_same"} & set(found.chosen)) == 1
+    assert not {"CZ_c", "CZ_still"} & set(found.chosen)
+
+
+def test_more_candidates_than_lines_still_end_in_a_choice():
+    rng = np.random.default_rng(6)
+    X = rng.normal(size=(10, 30)) + 1j * rng.normal(size=(10, 30))
+    z = 5.0 * X[:, 3] + 0.01 * (rng.normal(size=10) + 1j * rng.normal(size=10))
+    names = tuple(f"CZ_t{k}" for k in range(30))
+    found = stepwise_regression([regression_evidence(X, z, names, exact(10, 30))])
+    assert "CZ_t3" in found.chosen
+    assert len(found.chosen) < 20
+
+
+def test_resampled_lines_choose_strong_terms_always_and_absent_ones_hardly(make_case):
+    case = without(make_case(1), ("CZ_etadot7", "CZ_wf2s"))
+    row = [evidence(case, 7)["CZ"]]
+    often = dict(
+        zip(row[0].names, selection_frequency(row, stepwise_regression, n_draws=20), strict=True)
+    )
+    assert often["CZ_alpha"] == often["CZ_wf1s"] == 1.0
+    assert max(often["CZ_etadot7"], often["CZ_wf2s"]) < 0.3
+
+
+def test_thresholds_that_would_never_end_are_refused():
+    with pytest.raises(BadInput, match="f_out 5 is above f_in 4"):
+        Thresholds(f_in=4.0, f_out=5.0)
+    with pytest.raises(BadInput, match="above zero"):
+        Thresholds(f_in=float("nan"))
+    with pytest.raises(BadInput, match="at least one maneuver"):
+        search_equations([])
