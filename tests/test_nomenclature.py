@@ -32,7 +32,7 @@ def test_an_entry_is_complete_and_found_by_its_name(entry):
     assert entry.meaning
 
 
-@pytest.mark.parametrize("name", [*CHANNELS, *DERIVATIVES, "eta7", "etadot9", "tau_az_ofs"])
+@pytest.mark.parametrize("name", [*CHANNELS, *DERIVATIVES, "eta7", "etaddot9", "CQ7", "tau_az_ofs"])
 def test_names_of_the_trade_are_understood(name):
     found = describe(name)
     assert found.symbol == name

@@ -71,6 +71,8 @@ def _circular(symbol: str, label: str, html: str, meaning: str) -> Symbol:
 
 
 _ETADOT = "\N{GREEK SMALL LETTER ETA}\N{COMBINING DOT ABOVE}"
+_ETADDOT = "\N{GREEK SMALL LETTER ETA}\N{COMBINING DIAERESIS}"
+_QDOT = "q\N{COMBINING DOT ABOVE}"
 
 GLOSSARY: tuple[Symbol, ...] = (
     # Motion of the aircraft
@@ -85,6 +87,15 @@ GLOSSARY: tuple[Symbol, ...] = (
     _symbol("gamma", "rad", "γ", "γ", "flight path angle"),
     _symbol("eta", "1", "η", "η", "generalised displacement of a structural mode"),
     _symbol("etadot", "1/s", _ETADOT, _ETADOT, "generalised velocity of a structural mode"),
+    _symbol("etaddot", "1/s2", _ETADDOT, _ETADDOT, "generalised acceleration of a mode"),
+    _symbol("qdot", "rad/s2", _QDOT, _QDOT, "pitch acceleration, nose up"),
+    _symbol(
+        "normal_acceleration",
+        "m/s2",
+        "az c.g.",
+        "a<sub>z</sub><sup>cg</sup>",
+        "specific force down at the centre of gravity",
+    ),
     _symbol("delta", "rad", "δ", "δ", "control surface deflection, trailing edge down"),
     # Flight condition
     _symbol("airspeed", "m/s", "V", "V", "true airspeed"),
@@ -170,8 +181,10 @@ _ACCELERATION = re.compile(r"a([xyz])_(\w+)")
 _STRAIN = re.compile(r"s_(\w+)")
 _GAUGE = re.compile(r"(bend|ros)(\d)([lrsa])(?:_(m45|0|p45))?")
 _SURFACE = re.compile(r"(bf|wf)(\d?)([lrsa]?)")
-_MODAL = re.compile(r"eta(dot)?(\d+)")
+_MODAL = re.compile(r"eta(d?dot)?(\d+)")
+_FORCE = re.compile(r"CQ(\d+)")
 _DERIVATIVE = re.compile(r"C(Q\d+|[XYZLDlmn])_([A-Za-z]\w*)")
+_MODAL_WORDS = {None: "displacement", "dot": "velocity", "ddot": "acceleration"}
 _ANGLES = {"m45": "−45°", "0": "0°", "p45": "+45°"}
 
 
@@ -193,7 +206,8 @@ def describe(name: str, unit: str = "") -> Symbol:
     Symbol
         Never fails: an unknown name is its own label.
     """
-    found = _BY_NAME.get(name) or _modal(name) or _derivative(name) or _channel(name)
+    found = _BY_NAME.get(name)
+    found = found or _modal(name) or _force(name) or _derivative(name) or _channel(name)
     if found is None:
         return _symbol(name, unit, name, escape(name), "")
     if unit and unit != found.unit:
@@ -206,14 +220,26 @@ def _modal(name: str) -> Symbol | None:
     match = _MODAL.fullmatch(name)
     if match is None:
         return None
-    kind = _BY_NAME["etadot" if match[1] else "eta"]
-    what = "velocity" if match[1] else "displacement"
+    kind = _BY_NAME[f"eta{match[1] or ''}"]
     return _symbol(
         name,
         kind.unit,
         f"{kind.label}{match[2]}",
         f"{kind.html}<sub>{match[2]}</sub>",
-        f"generalised {what} of mode {match[2]}",
+        f"generalised {_MODAL_WORDS[match[1]]} of mode {match[2]}",
+    )
+
+
+def _force(name: str) -> Symbol | None:
+    match = _FORCE.fullmatch(name)
+    if match is None:
+        return None
+    return _symbol(
+        name,
+        "1",
+        f"C_Q{match[1]}",
+        f"C<sub>Q{match[1]}</sub>",
+        f"generalised force coefficient of mode {match[1]}",
     )
 
 

@@ -94,7 +94,7 @@ def test_resampling_undoes_filter_and_delay_without_shifting_samples():
     x = pass_instruments((true(time) - 0.3 * time)[:, None], fast, [instrument])[:, 0]
     x += 0.3 * (time - _delay(instrument))
     at = 0.3137 + np.arange(3000) / 160.0
-    got = resample(x, fast, 0.0, 160.0, 0.3137, 3000, instrument.response, 30.0)
+    got = resample(x, fast, 0.0, 160.0, 0.3137, 3000, instrument.response, (0.0, 30.0))
     assert np.abs(got - true(at)).max() < 2e-3 * true(at).std()
     plain = resample(x, fast, 0.0, 160.0, 0.3137, 3000)
     assert np.abs(plain - true(at)).max() > 0.5 * true(at).std()

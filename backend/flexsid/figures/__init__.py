@@ -12,6 +12,7 @@ from flexsid.figures.loops import loops
 from flexsid.figures.parameter_correlation import parameter_correlation
 from flexsid.figures.plot_matrix import plot_matrix
 from flexsid.figures.poles import poles
+from flexsid.figures.reconstruction import reconstruction, reconstruction_lines
 from flexsid.figures.residual import residual
 from flexsid.figures.spectrum import spectrum
 from flexsid.figures.time_check import time_check
@@ -33,6 +34,8 @@ __all__ = [
     "parameter_correlation",
     "plot_matrix",
     "poles",
+    "reconstruction",
+    "reconstruction_lines",
     "residual",
     "root_locus",
     "spectrum",

@@ -16,7 +16,7 @@ from flexsid.api.routes.flutter import TheQuestion
 from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.wire import split_ids, split_names
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow import excitation, flutter, ground_tests, views
+from flexsid.workflow import excitation, flutter, ground_tests, reconstruction, views
 
 router = APIRouter(prefix="/figures", tags=["figures"])
 
@@ -124,6 +124,30 @@ def draw_bode(
         windowed=windowed,
     )
     return sent(figures.bode(value, view), form)
+
+
+@router.get("/reconstruction", response_model=Figure)
+def draw_reconstruction(
+    store: TheStore,
+    maneuver_id: _Id,
+    quantities: Annotated[
+        str | None, Query(description="alpha, q, CZ, Cm, CQ7, eta7, etaddot7 ... by commas.")
+    ] = None,
+    modes: Annotated[
+        str | None, Query(description="Mode numbers; by default as many as move.")
+    ] = None,
+    domain: views.Domain = "time",
+    form: Form = "json",
+) -> Response:
+    """Draw motion and coefficients that all sensors together tell, with ±2 standard errors.
+
+    In time from the smoother (Fig. 16a), in frequency line by line with rank and condition.
+    """
+    value = reconstruction.reconstruct(
+        store, maneuver_id, split_names(quantities) or (), split_ids(modes, "modes")
+    )
+    drawn = figures.reconstruction if domain == "time" else figures.reconstruction_lines
+    return sent(drawn(value), form)
 
 
 @router.get("/ground-test", response_model=Figure)

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex, Float, Int
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -89,6 +89,40 @@ def reconstruct_motion(
             if change < 0.01:
                 break
     return Motion(outputs.omega, *sensors.solve(sigma), sigma)
+
+
+def observability(
+    model: AeroelasticModel,
+    omega: Float[np.ndarray, " n_omega"],
+    instruments: Complex[np.ndarray, "n_omega n_y"],
+    noise: Float[np.ndarray, " n_y"],
+) -> tuple[Int[np.ndarray, " n_omega"], Float[np.ndarray, " n_omega"]]:
+    """How many motions the sensors tell apart at each line, and how well.
+
+    Parameters
+    ----------
+    model
+        Gives the sensor rows.
+    omega
+        Lines. [rad/s]
+    instruments
+        Recorded over true response. [1]
+    noise
+        Standard deviation of each output's spectral noise. [output unit * s]
+
+    Returns
+    -------
+    rank, condition
+        Of the sensor rows over their noise, every motion scaled to what the sensors see of
+        it; a motion that takes another's combination away counts where its own part is more
+        than a millionth.
+    """
+    rows = instruments[:, :, None] * model.sensors.response(omega) / noise[:, None]
+    size = np.linalg.norm(rows, axis=1)
+    values = np.linalg.svd(rows / np.where(size > 0, size, 1.0)[:, None, :], compute_uv=False)
+    rank = np.sum(values > 1e-6 * values[:, :1], axis=1)
+    smallest = np.maximum(values[:, -1], np.finfo(float).tiny)
+    return rank, np.where(rank == rows.shape[2], values[:, 0] / smallest, np.inf)
 
 
 def _relative_level(z: Complex[np.ndarray, "n_omega n_y"]) -> Float[np.ndarray, " n_y"]:

@@ -27,7 +27,7 @@ def resample(
     wanted_start_s: float,
     count: int,
     response: Response | None = None,
-    band_hz: float | None = None,
+    band_hz: tuple[float, float] | None = None,
 ) -> Float[np.ndarray, " count"]:
     """Give samples of a channel at the times of another clock.
 
@@ -43,8 +43,8 @@ def resample(
         Recorded over true quantity at angular frequencies, delays included; undone where
         that amplifies by no more than three.
     band_hz
-        What lies above is filtered out without phase; by default what the slower of the
-        two clocks holds. [Hz]
+        What lies outside is filtered out without phase; by default nothing below, and above
+        what the slower of the two clocks does not hold. [Hz]
 
     Raises
     ------
@@ -77,9 +77,9 @@ def resample(
     length = fft.next_fast_len(-(-2 * x.size // ratio.denominator)) * ratio.denominator
     spectrum = fft.rfft(x, length)
     omega = 2.0 * np.pi * rate_hz * np.arange(spectrum.size) / length
-    top = 0.5 * min(rate_hz, wanted_hz) if band_hz is None else band_hz
+    bottom, top = (0.0, 0.5 * min(rate_hz, wanted_hz)) if band_hz is None else band_hz
     gain, delay_s = _undo(omega, response)
-    gain *= _pass_band(omega / (2.0 * np.pi), top)
+    gain *= _pass_band(omega / (2.0 * np.pi), bottom, top)
     later = wanted_start_s - start_s
     spectrum *= gain * np.exp(1j * omega * later)
     out_length = length * ratio.numerator // ratio.denominator
@@ -91,6 +91,8 @@ def resample(
     y = fft.irfft(out, out_length) * (out_length / length)
     wanted = later + np.arange(count) / wanted_hz
     inside = y[np.arange(count) % out_length]
+    if bottom > 0.0:
+        return inside
     return inside + low + slope * (wanted + delay_s - middle)
 
 
@@ -110,9 +112,13 @@ def _undo(
 
 
 def _pass_band(
-    frequency_hz: Float[np.ndarray, " n_omega"], top_hz: float
+    frequency_hz: Float[np.ndarray, " n_omega"], bottom_hz: float, top_hz: float
 ) -> Float[np.ndarray, " n_omega"]:
-    """One up to the taper, zero from the top on, a cosine in between."""
+    """One between the tapers, zero from the top on and up to half the bottom."""
     start = (1.0 - _TAPER) * top_hz
     place = np.clip((frequency_hz - start) / (top_hz - start), 0.0, 1.0)
-    return 0.5 * (1.0 + np.cos(np.pi * place))
+    passed = 0.5 * (1.0 + np.cos(np.pi * place))
+    if bottom_hz > 0.0:
+        place = np.clip(2.0 * frequency_hz / bottom_hz - 1.0, 0.0, 1.0)
+        passed *= 0.5 * (1.0 - np.cos(np.pi * place))
+    return passed

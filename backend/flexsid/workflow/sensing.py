@@ -1,0 +1,185 @@
+"""Sensing: every sensor of a maneuver by itself, with a model of what it should see."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.records.aircraft import Aircraft, SensorKind
+from flexsid.records.maneuver import Channel, Maneuver, Role
+from flexsid.storage.store import Store
+from flexsid.sysid.estimation.reconstruction import Motion, reconstruct_motion
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.workflow.measured import MeasuredLines, measure
+from flexsid.workflow.models import OutputDefinition, build_model, define_outputs
+from flexsid.workflow.modes import AircraftModes, companion_modes, find_modal_tables, load_modes
+from flexsid.workflow.transforms import maneuver_lines
+
+_CLEAR_OF_NYQUIST = 0.4  # of the sampling rate
+_FIRST_LINE = 4.0  # cycles per record, where no lines are known
+_TOO_NOISY = 2.0  # times the noise of a sensor: more modes are moving than the model has
+_ANY_BAND = 100.0  # of the band: no mode is too far above
+
+
+@dataclass(frozen=True, slots=True)
+class Sensing:
+    """A maneuver as single sensors see it; ``left_out`` says why others are not used.
+
+    ``modes`` are all that the sensors could tell, lowest first; the model has the first of
+    them. ``noise`` is what the aircraft's description says of each sensor's lines if it holds
+    at the rate of the slowest sensor, NaN where it says nothing. [output unit * s]
+    """
+
+    maneuver: Maneuver
+    aircraft: Aircraft
+    table: AircraftModes
+    modes: tuple[int, ...]
+    model: AeroelasticModel
+    outputs: tuple[OutputDefinition, ...]
+    measured: MeasuredLines
+    noise: np.ndarray
+    left_out: dict[str, str]
+
+    @property
+    def duration_s(self) -> float:
+        """Length of the record. [s]"""
+        return self.maneuver.duration_s
+
+    def with_modes(self, numbers: tuple[int, ...]) -> AeroelasticModel:
+        """A model of other modes for the same sensors."""
+        fuel = self.maneuver.condition.fuel_fraction
+        shapes = self.table.table.at(fuel).select(numbers)
+        return build_model(
+            self.aircraft, self.maneuver.condition, shapes, self.model.inputs, self.outputs
+        )
+
+
+def sense(store: Store, maneuver: Maneuver, band_hz: tuple[float, float] | None = None) -> Sensing:
+    """Gather all sensors of a maneuver whose place in the structure is known.
+
+    Raises
+    ------
+    BadInput
+        If the aircraft has no modal table, or no sensor is left.
+    """
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    modal, damping = find_modal_tables(store, maneuver.aircraft_id, None, None)
+    table = load_modes(store, modal, damping)
+    channels = {c.name: c for c in store.channels.find(maneuver_id=maneuver.id)}
+    names, left_out = _usable(aircraft, channels, table)
+    if not names:
+        raise BadInput(
+            "no channel of this maneuver belongs to a sensor whose place in the structure is known",
+            code="no-sensors",
+        )
+    outputs = define_outputs(aircraft, names)
+    inputs = tuple(c.name for c in channels.values() if c.role is Role.INPUT)
+    known = {surface.name for surface in aircraft.surfaces}
+    inputs = tuple(name for name in inputs if name in known)
+    band = band_hz or _band(maneuver, [channels[name] for name in (*names, *inputs)])
+    measured = measure(store, maneuver, aircraft, inputs, outputs, band)
+    top = float(measured.omega[-1])
+    fuel = maneuver.condition.fuel_fraction
+    near = companion_modes(table, fuel, (), top, len(names))
+    every = companion_modes(table, fuel, (), _ANY_BAND * top, len(names))
+    model = build_model(
+        aircraft, maneuver.condition, table.table.at(fuel).select(near), inputs, outputs
+    )
+    rate_hz = min(channels[name].rate_hz for name in names)
+    levels = np.array([o.terms[0][0].noise_std or np.nan for o in outputs], dtype=float)
+    noise = levels * np.sqrt(maneuver.duration_s / rate_hz)
+    return Sensing(maneuver, aircraft, table, every, model, outputs, measured, noise, left_out)
+
+
+def motion_of(sensing: Sensing, modes: Sequence[int] = ()) -> tuple[AeroelasticModel, Motion]:
+    """Reconstruct the motion line by line with as many modes as move.
+
+    Parameters
+    ----------
+    sensing
+        The sensors.
+    modes
+        Numbers of the modes; none to begin with those near the band and to add higher ones
+        while a sensor disagrees with the others by more than its noise.
+
+    Returns
+    -------
+    model, motion
+        The model with its modes.
+
+    Raises
+    ------
+    NotIdentifiable
+        If the sensors cannot tell the modes apart.
+    """
+    if modes:
+        model = sensing.with_modes(tuple(modes))
+        return model, _reconstruct(sensing, model)
+    numbers = sensing.model.modes.numbers
+    model = sensing.model
+    while True:
+        try:
+            motion = _reconstruct(sensing, model)
+            break
+        except NotIdentifiable:
+            if not numbers:
+                raise
+            numbers = numbers[:-1]
+            model = sensing.with_modes(numbers)
+    known = np.isfinite(sensing.noise)
+    while known.any() and len(numbers) < len(sensing.modes):
+        excess = float(np.max(motion.noise[known] / sensing.noise[known]))
+        if excess <= _TOO_NOISY:
+            break
+        more = sensing.modes[: len(numbers) + 1]
+        try:
+            richer = sensing.with_modes(more)
+            motion = _reconstruct(sensing, richer)
+        except NotIdentifiable:
+            break
+        numbers, model = more, richer
+    return model, motion
+
+
+def _reconstruct(sensing: Sensing, model: AeroelasticModel) -> Motion:
+    """Weight sensors by their noise, or by their disagreement where that is larger.
+
+    Disagreement alone may find that one sensor is fitted exactly; a sensor has noise.
+    """
+    lines = sensing.measured
+    found = reconstruct_motion(model, lines.outputs, lines.instruments)
+    least = np.where(np.isfinite(sensing.noise), sensing.noise, 0.0)
+    if np.all(found.noise >= least):
+        return found
+    noise = np.maximum(found.noise, least)
+    return reconstruct_motion(model, lines.outputs, lines.instruments, noise)
+
+
+def _usable(
+    aircraft: Aircraft, channels: dict[str, Channel], table: AircraftModes
+) -> tuple[tuple[str, ...], dict[str, str]]:
+    """Recorded sensors that have a shape in the modal table, and why others are not used."""
+    names, left_out = [], {}
+    for sensor in aircraft.sensors:
+        if sensor.name not in channels:
+            continue
+        strain = sensor.kind is SensorKind.STRAIN
+        if sensor.point not in (table.table.gauges if strain else table.table.points):
+            left_out[sensor.name] = f"the modal table has no shape at '{sensor.point}'"
+        else:
+            names.append(sensor.name)
+    return tuple(names), left_out
+
+
+def _band(maneuver: Maneuver, channels: Sequence[Channel]) -> tuple[float, float] | None:
+    """The excited lines that all channels can hold; without known lines those of the record."""
+    top_hz = _CLEAR_OF_NYQUIST * min(channel.rate_hz for channel in channels)
+    if maneuver.excitation is None:
+        return (_FIRST_LINE / maneuver.duration_s, top_hz)
+    omega = maneuver_lines(maneuver).omega
+    if omega[-1] <= 2.0 * np.pi * top_hz:
+        return None
+    return (0.0, top_hz)

@@ -1,0 +1,91 @@
+"""Fly FLEX-28 with all its modes and get its motion back from the sensors, with honest errors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexsid.demo.aircraft import describe_aircraft
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flex28 import load_truth
+from flexsid.demo.flights import SETTLE_S, TRIM_S, design, fly
+from flexsid.demo.truth_flight import RATE_HZ, fly_truth
+from flexsid.records.flight import Flight
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage.store import Store
+from flexsid.workflow.estimation import compute, prepare
+from flexsid.workflow.reconstruction import reconstruct
+
+CASES = [(0.65, 2.0, 11), (1.05, 1.2, 12)]
+KINDS = ("eta", "etadot", "etaddot")
+
+
+def true_motion(ratio: float, peak_deg: float) -> dict[str, np.ndarray]:
+    """What truly moved, at the rate of the simulation, by name."""
+    truth = load_truth()
+    multisine = design(506, peak_deg)
+    n = round((TRIM_S + multisine.period_s + SETTLE_S) * RATE_HZ)
+    excitation = np.zeros((n, 5))
+    first, count = round(TRIM_S * RATE_HZ), round(multisine.period_s * RATE_HZ)
+    excitation[first : first + count] = multisine.sample(np.arange(count) / RATE_HZ)
+    speed = ratio * truth.flutter_speed_at(0.5)
+    sensors = describe_aircraft(truth).sensors[:1]
+    x = fly_truth(truth, sensors, speed, 0.5, 8, excitation).motion.states
+    found = {"alpha": x[:, 0], "q": x[:, 1]}
+    for place, number in enumerate(truth.symmetric[:8]):
+        found[f"eta{number}"] = x[:, 3 + place]
+        found[f"etadot{number}"] = x[:, 11 + place]
+        found[f"etaddot{number}"] = np.gradient(x[:, 11 + place], 1.0 / RATE_HZ)
+    return found
+
+
+@pytest.fixture
+def flight_id(store: Store) -> int:
+    aircraft = add_aircraft(store)
+    assert aircraft.id is not None
+    kept = store.flights.add(Flight(aircraft_id=aircraft.id, number=60))
+    assert kept.id is not None
+    return kept.id
+
+
+@pytest.mark.parametrize(("ratio", "peak_deg", "seed"), CASES)
+def test_modal_motion_is_reconstructed_with_honest_errors(
+    store: Store, flight_id: int, ratio: float, peak_deg: float, seed: int
+):
+    flown = fly(airspeed_ratio=ratio, fuel=0.5, fta=506, peak_deg=peak_deg, seed=seed)
+    maneuver = add_maneuver(store, flown, flight_id)
+    assert maneuver.id is not None
+    names = ["alpha", "q", *(f"{kind}{mode}" for mode in (7, 9) for kind in KINDS)]
+    found = reconstruct(store, maneuver.id, names)
+    assert np.all(found.rank == found.n_motions)
+    assert np.all(np.isfinite(found.condition))
+    truth = true_motion(ratio, peak_deg)
+    covered = []
+    for trace in found.traces:
+        clock = np.arange(truth[trace.name].size) / RATE_HZ
+        true = np.interp(found.time_s, clock, truth[trace.name])
+        error = trace.values - true
+        assert 1.0 - np.sum(error**2) / np.sum(true**2) > 0.98, trace.name
+        covered.append(np.mean(np.abs(error) < 2.0 * trace.std))
+        assert covered[-1] > 0.88, trace.name
+    assert 0.90 < np.mean(covered) < 0.99
+
+
+@pytest.mark.parametrize(("ratio", "peak_deg", "seed"), CASES)
+def test_equation_error_from_reconstruction_is_unbiased(
+    store: Store, flight_id: int, ratio: float, peak_deg: float, seed: int
+):
+    flown = fly(airspeed_ratio=ratio, fuel=0.5, peak_deg=peak_deg, modes_in_truth=2, seed=seed)
+    maneuver = add_maneuver(store, flown, flight_id)
+    assert maneuver.id is not None
+    wanted = EstimationRun(
+        maneuver_id=maneuver.id,
+        method=Method.EE,
+        structure=Structure(modes=(7, 9), fixed={}),
+        settings=RunSettings(),
+    )
+    estimate = compute(prepare(store, wanted), lambda progress: None).estimate
+    truth = flown.truth.named()
+    z = (estimate.values - [truth[name] for name in estimate.names]) / estimate.std_errors
+    assert np.sqrt(np.mean(z**2)) < 1.5
