@@ -1160,6 +1160,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/figures/reconstruction": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Reconstruction
+         * @description Draw motion and coefficients that all sensors together tell, with ±2 standard errors.
+         *
+         *     In time from the smoother (Fig. 16a), in frequency line by line with rank and condition.
+         */
+        get: operations["draw_reconstruction"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/figures/ground-test": {
         parameters: {
             query?: never;
@@ -6514,6 +6536,44 @@ export interface operations {
                 /** @description From averaged windows, as where no lines are known. */
                 windowed?: boolean;
                 view?: "bode" | "nichols" | "nyquist";
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_reconstruction: {
+        parameters: {
+            query: {
+                maneuver_id: number;
+                /** @description alpha, q, CZ, Cm, CQ7, eta7, etaddot7 ... by commas. */
+                quantities?: string | null;
+                /** @description Mode numbers; by default as many as move. */
+                modes?: string | null;
+                domain?: "time" | "frequency";
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
             };
