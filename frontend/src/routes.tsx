@@ -17,6 +17,8 @@ import {
   flutterView,
   jobsView,
   maneuverView,
+  modelStructuresView,
+  modelStructureView,
   newRunView,
   runView,
 } from "./views";
@@ -103,6 +105,21 @@ const excitation = createRoute({
   component: lazyRouteComponent(() => import("./pages/ExcitationPage"), "ExcitationPage"),
 });
 
+const modelStructures = createRoute({
+  getParentRoute: () => root,
+  path: "/model-structures",
+  validateSearch: modelStructuresView,
+  component: lazyRouteComponent(() => import("./pages/ModelStructuresPage"), "ModelStructuresPage"),
+});
+
+const modelStructure = createRoute({
+  getParentRoute: () => root,
+  path: "/model-structures/$id",
+  params: byId,
+  validateSearch: modelStructureView,
+  component: lazyRouteComponent(() => import("./pages/ModelStructurePage"), "ModelStructurePage"),
+});
+
 const importPage = createRoute({
   getParentRoute: () => root,
   path: "/import",
@@ -132,6 +149,8 @@ export const router = createRouter({
     excitation,
     design,
     importPage,
+    modelStructures,
+    modelStructure,
   ]),
   parseSearch,
   stringifySearch,

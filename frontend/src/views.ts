@@ -61,6 +61,9 @@ export const newRunView = view((search) => ({
   also: integers(search.also),
   /** One run over all of them instead of one each. */
   together: flag(search.together),
+  /** Kept model structure to begin with, and its version where not the newest. */
+  structure: integer(search.structure),
+  version: integer(search.version),
 }));
 
 export const RUN_TABS = [
@@ -128,3 +131,19 @@ export const importView = view((search) => ({
   channels: words(search.channels),
 }));
 export type ImportView = ReturnType<typeof importView>;
+
+export const modelStructuresView = view((search) => ({ aircraft: integer(search.aircraft) }));
+
+export const CELL_NUMBERS = ["all", "none"] as const;
+
+export const modelStructureView = view((search) => ({
+  /** Older version that is read; the newest can be changed. */
+  version: integer(search.version),
+  /** Structure and version that it is compared with. */
+  against: integer(search.against),
+  against_version: integer(search.against_version),
+  /** Run whose estimates stand in the cells; the structure's last one by default. */
+  run: integer(search.run),
+  numbers: oneOf(search.numbers, CELL_NUMBERS),
+}));
+export type ModelStructureView = ReturnType<typeof modelStructureView>;

@@ -129,8 +129,8 @@ def test_a_run_holds_to_the_version_it_names(client: TestClient, kept: dict[str,
     assert result["held"]["CZ_alpha"] == pytest.approx(
         next(d["value"] for d in predicted if d["name"] == "CZ_alpha")
     )
-    of_structure = client.get(f"{STRUCTURES}/{kept['id']}/runs").json()["items"]
-    assert [one["id"] for one in of_structure] == [run["id"]]
+    of_structure = client.get(f"/api/v1/runs?structure_id={kept['id']}").json()["items"]
+    assert [(one["id"], one["structure_version"]) for one in of_structure] == [(run["id"], 2)]
     newest = client.post("/api/v1/runs", json=wanted | {"structure_version": None})
     assert newest.json()["structure_version"] == 3
     other = client.post("/api/v1/runs", json=wanted | {"structure": SP})

@@ -112,14 +112,6 @@ class Repository(Generic[R]):
             *(self.table.c[name] == _plain(value) for name, value in equals.items())
         )
 
-    def newest(self, limit: int, **equals: Any) -> list[R]:
-        """Return the newest records whose fields have these values, newest first."""
-        conditions = [self.table.c[name] == _plain(value) for name, value in equals.items()]
-        columns = [self.table.c[name] for name in self._names]
-        query = sa.select(*columns).where(*conditions).order_by(self.table.c.id.desc())
-        with self._database.reading() as connection:
-            return self.decode(connection.execute(query.limit(limit)).mappings().all())
-
     def advance(self, record: R) -> bool:
         """Keep this in place of the version before it; False where another came first."""
         row = self.encode(record)

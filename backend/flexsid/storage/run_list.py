@@ -42,6 +42,7 @@ class RunItem:
     start: str
     prediction_id: int | None
     structure_id: int | None
+    structure_version: int | None
     outcome: str | None
     n_iterations: int | None
     n_warnings: int | None
@@ -65,6 +66,7 @@ class RunFilters(TypedDict, total=False):
     aircraft_id: int | None
     flight_id: int | None
     maneuver_id: int | None
+    structure_id: int | None
     fta: int | None
     min_airspeed_ratio: float | None
     max_airspeed_ratio: float | None
@@ -97,6 +99,7 @@ _shown = (
     maneuvers.c.fuel_fraction,
     runs.c.prediction_id,
     runs.c.structure_id,
+    runs.c.structure_version,
     runs.c.author,
     runs.c.created_at,
     runs.c.started_at,
@@ -199,6 +202,7 @@ def _conditions(filters: RunFilters) -> list[sa.ColumnElement[bool]]:
         ("aircraft_id", lambda value: maneuvers.c.aircraft_id == value),
         ("flight_id", lambda value: maneuvers.c.flight_id == value),
         ("maneuver_id", lambda value: runs.c.maneuver_id == value),
+        ("structure_id", lambda value: runs.c.structure_id == value),
         ("fta", lambda value: maneuvers.c.fta == value),
         ("min_airspeed_ratio", lambda value: maneuvers.c.airspeed_ratio >= value),
         ("max_airspeed_ratio", lambda value: maneuvers.c.airspeed_ratio <= value),

@@ -1,7 +1,13 @@
 /** What pages change: submit, cancel, import, delete. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "./client";
-import type { DesignRequest, RunRequest, UploadDetail } from "./types";
+import type {
+  DesignRequest,
+  StructureEditRequest,
+  StructureRequest,
+  RunRequest,
+  UploadDetail,
+} from "./types";
 
 /** Everything that shows a run: its own page, lists, and the badges of the campaign. */
 const RUN_VIEWS = [["runs"], ["run"], ["jobs"], ["job"], ["maneuvers"]];
@@ -99,5 +105,28 @@ export function useCreateDesign() {
   return useMutation({
     mutationFn: (wanted: DesignRequest) => body(api.POST("/api/v1/designs", { body: wanted })),
     onSuccess: () => cache.invalidateQueries({ queryKey: ["designs"], exact: true }),
+  });
+}
+
+export function useAddStructure() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: StructureRequest) =>
+      body(api.POST("/api/v1/model-structures", { body: wanted })),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["structures"] }),
+  });
+}
+
+export function useEditStructure(id: number) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: StructureEditRequest) =>
+      body(
+        api.PUT("/api/v1/model-structures/{structure_id}", {
+          params: { path: { structure_id: id } },
+          body: wanted,
+        }),
+      ),
+    onSettled: () => cache.invalidateQueries({ queryKey: ["structures"] }),
   });
 }

@@ -109,6 +109,7 @@ export const predictionsQuery = (aircraftId?: number) =>
 
 export interface RunFilters {
   maneuver_id?: number;
+  structure_id?: number;
   method?: Method;
   state?: RunState;
 }
@@ -323,3 +324,44 @@ export const mappingsQuery = queryOptions({
   queryKey: ["mappings"],
   queryFn: async ({ signal }) => (await body(api.GET("/api/v1/mappings", { signal }))).items,
 });
+
+export const structuresQuery = (aircraftId?: number) =>
+  queryOptions({
+    queryKey: ["structures", "list", aircraftId],
+    queryFn: async ({ signal }) =>
+      (
+        await body(
+          api.GET("/api/v1/model-structures", {
+            params: { query: { aircraft_id: aircraftId } },
+            signal,
+          }),
+        )
+      ).items,
+  });
+
+/** The newest version; colleagues may save another at any time. */
+export const structureQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["structures", id],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/model-structures/{structure_id}", {
+          params: { path: { structure_id: id } },
+          signal,
+        }),
+      ),
+  });
+
+export const structureVersionsQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["structures", id, "versions"],
+    queryFn: async ({ signal }) =>
+      (
+        await body(
+          api.GET("/api/v1/model-structures/{structure_id}/versions", {
+            params: { path: { structure_id: id } },
+            signal,
+          }),
+        )
+      ).items,
+  });

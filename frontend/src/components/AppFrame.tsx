@@ -22,6 +22,9 @@ export function AppFrame() {
             <Link to="/compare" activeOptions={{ includeSearch: false }}>
               Compare
             </Link>
+            <Link to="/model-structures" activeOptions={{ includeSearch: false }}>
+              Structures
+            </Link>
             <Link to="/flutter" activeOptions={{ includeSearch: false }}>
               Flutter
             </Link>

@@ -1,5 +1,5 @@
 import { Group, NumberInput, SegmentedControl, Select, Text } from "@mantine/core";
-import type { Prediction, Run } from "../api/types";
+import type { Prediction } from "../api/types";
 import {
   DERIVATIVE_STATES,
   heldAt,
@@ -18,7 +18,7 @@ interface Props {
   onChange: (states: States) => void;
   predictions: readonly Prediction[];
   /** Runs whose estimates a derivative can be fixed to. */
-  runs: readonly Run[];
+  runs: readonly { id: number; method: string }[];
   readOnly?: boolean;
 }
 

@@ -8,13 +8,21 @@ import {
   modalTablesQuery,
   predictionsQuery,
   runQuery,
+  structureVersionsQuery,
 } from "../api/queries";
-import type { Aircraft, Maneuver, ModalTable, Prediction, Run } from "../api/types";
+import type {
+  Aircraft,
+  Maneuver,
+  ModalTable,
+  Prediction,
+  Run,
+  StructureVersion,
+} from "../api/types";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { RunForm } from "../components/RunForm";
-import { firstDraft, runRequest } from "../components/runRequest";
+import { firstDraft, isUnchanged, runRequest } from "../components/runRequest";
 import { excitedInputs, named } from "../lib/channels";
 import type { RunDraft } from "../lib/runDraft";
 import { carriedModes } from "../lib/runDraft";
@@ -25,11 +33,13 @@ const route = getRouteApi("/maneuvers/$id/new-run");
 /** Choose what to estimate, how, and from which data. */
 export function NewRunPage() {
   const { id } = route.useParams();
-  const { like } = route.useSearch();
+  const { like, structure, version } = route.useSearch();
   const maneuver = useQuery(maneuverQuery(id));
   return (
     <Loaded query={maneuver}>
-      {(data) => <WithTables key={`${id} ${like ?? ""}`} maneuver={data} like={like} />}
+      {(data) => (
+        <WithTables key={`${id} ${like} ${structure} ${version}`} maneuver={data} like={like} />
+      )}
     </Loaded>
   );
 }
@@ -39,25 +49,31 @@ function WithTables({ maneuver, like }: { maneuver: Maneuver; like?: number }) {
   const tables = useQuery(modalTablesQuery(maneuver.aircraft_id));
   const predictions = useQuery(predictionsQuery(maneuver.aircraft_id));
   const before = useQuery({ ...runQuery(like ?? 0), enabled: like !== undefined });
+  const origin = useOrigin(like);
   return (
     <Loaded query={tables}>
       {(modal) => (
         <Loaded query={predictions}>
           {(sources) => (
             <Loaded query={aircraft}>
-              {(all) => {
-                const own = all.find((one) => one.id === maneuver.aircraft_id);
-                const form = (run?: Run) => (
-                  <Form
-                    maneuver={maneuver}
-                    aircraft={own}
-                    tables={modal}
-                    predictions={sources}
-                    like={run}
-                  />
-                );
-                return like === undefined ? form() : <Loaded query={before}>{form}</Loaded>;
-              }}
+              {(all) => (
+                <Loaded query={origin}>
+                  {(kept) => {
+                    const own = all.find((one) => one.id === maneuver.aircraft_id);
+                    const form = (run?: Run) => (
+                      <Form
+                        maneuver={maneuver}
+                        aircraft={own}
+                        tables={modal}
+                        predictions={sources}
+                        like={run}
+                        origin={kept ?? undefined}
+                      />
+                    );
+                    return like === undefined ? form() : <Loaded query={before}>{form}</Loaded>;
+                  }}
+                </Loaded>
+              )}
             </Loaded>
           )}
         </Loaded>
@@ -66,21 +82,36 @@ function WithTables({ maneuver, like }: { maneuver: Maneuver; like?: number }) {
   );
 }
 
+/** The kept structure that the address names; null where it names none. */
+function useOrigin(like: number | undefined) {
+  const { structure, version } = route.useSearch();
+  const named = like === undefined && structure !== undefined;
+  return useQuery({
+    ...structureVersionsQuery(structure ?? 0),
+    enabled: named,
+    ...(named ? {} : { initialData: [] }),
+    select: (versions) =>
+      (version === undefined ? versions.at(-1) : versions.find((one) => one.version === version)) ??
+      null,
+  });
+}
+
 interface FormProps {
   maneuver: Maneuver;
   aircraft: Aircraft | undefined;
   tables: ModalTable[];
   predictions: Prediction[];
   like?: Run;
+  origin?: StructureVersion;
 }
 
-function Form({ maneuver, aircraft, tables, predictions, like }: FormProps) {
+function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormProps) {
   const view = route.useSearch();
   const navigate = route.useNavigate();
   const submit = useSubmitRuns();
   const { draft, setDraft, forget } = useDraft<RunDraft>(
-    `flexsid.new-run.${maneuver.id}.${like?.id ?? ""}`,
-    firstDraft({ maneuver, tables, predictions, like, methods: view.methods }),
+    `flexsid.new-run.${maneuver.id}.${like?.id ?? ""}.${origin?.id ?? ""}`,
+    firstDraft({ maneuver, tables, predictions, like, origin, methods: view.methods }),
   );
   const outputs = [
     ...(aircraft?.combinations.map((one) => one.name) ?? []),
@@ -99,6 +130,7 @@ function Form({ maneuver, aircraft, tables, predictions, like }: FormProps) {
       draft.methods.map((method) =>
         runRequest(draft, method, id, excitedInputs(maneuver), {
           like,
+          origin,
           carried: carriedModes(draft, symmetric, predicted),
           together: view.together === true ? others : undefined,
         }),
@@ -160,6 +192,19 @@ function Form({ maneuver, aircraft, tables, predictions, like }: FormProps) {
           )
         }
       />
+      {origin !== undefined && (
+        <Text size="sm" mb="md" data-testid="run-origin">
+          {isUnchanged(draft, excitedInputs(maneuver), origin) ? "With" : "Changed from"}{" "}
+          <Link
+            to="/model-structures/$id"
+            params={{ id: origin.structure_id }}
+            search={{ version: origin.version }}
+            className="link"
+          >
+            {origin.name}, version {origin.version}
+          </Link>
+        </Text>
+      )}
       <RunForm
         maneuver={maneuver}
         outputs={[...new Set(outputs)]}

@@ -10,14 +10,12 @@ from fastapi import APIRouter, Header, Path, status
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.answers import (
     ModelStructureList,
-    RunList,
     StaleStructure,
     StructureVersionList,
-    run_answer,
 )
 from flexsid.api.context import TheStore
 from flexsid.api.requests import ModelStructureRequest, StructureEditRequest
-from flexsid.api.wire import Identity, Json, Limit, Reference
+from flexsid.api.wire import Identity, Json, Reference
 from flexsid.errors import BadInput
 from flexsid.records.model_structure import ModelStructure, StructureVersion
 from flexsid.workflow import structures
@@ -53,14 +51,6 @@ def list_structure_versions(store: TheStore, structure_id: Identity) -> Json:
 def get_structure_version(store: TheStore, structure_id: Identity, version: Version) -> Json:
     """Return one version of one model structure."""
     return Json(structures.get_version(store, structure_id, version))
-
-
-@router.get("/{structure_id}/runs", response_model=RunList)
-def list_structure_runs(store: TheStore, structure_id: Identity, limit: Limit = 20) -> Json:
-    """List the newest runs of any version of one model structure."""
-    store.model_structures.get(structure_id)
-    found = store.runs.newest(limit, structure_id=structure_id)
-    return Json(RunList(items=[run_answer(run) for run in found]))
 
 
 @router.post("", response_model=ModelStructure, status_code=status.HTTP_201_CREATED)

@@ -1,0 +1,82 @@
+import { Alert, Button, Group, Stack, Text } from "@mantine/core";
+import type { StaleStructure } from "../api/types";
+import { dateTime } from "../lib/format";
+import { differences, merged, type Structure } from "../lib/structure";
+import { StructureDifference } from "./StructureDifference";
+
+interface Props {
+  stale: StaleStructure;
+  mine: Structure;
+  surfaces: readonly string[];
+  /** Goes on with this structure on top of the newest version. */
+  onResolve: (structure: Structure) => void;
+}
+
+/** A colleague saved first: both changes side by side, and three ways on. */
+export function StructureConflict({ stale, mine, surfaces, onResolve }: Props) {
+  const { base, current } = stale;
+  const theirs = differences(base.structure, current.structure, surfaces);
+  const own = differences(base.structure, mine, surfaces);
+  const both = merged(base.structure, current.structure, mine, surfaces);
+  return (
+    <Alert color="yellow" variant="light" title="Changed by somebody else" data-testid="conflict">
+      <Text size="sm" mb="sm">
+        You edited version {base.version}; {current.author || "somebody"} saved version{" "}
+        {current.version} at {dateTime(current.created_at)}
+        {current.note !== "" && <> (“{current.note}”)</>}. Nothing of yours is lost: choose how to
+        go on, look at the result, and save.
+      </Text>
+      <div className="halves">
+        <Stack gap={4}>
+          <Text size="sm" fw={600}>
+            Theirs
+          </Text>
+          <StructureDifference
+            found={theirs}
+            before={`Version ${base.version}`}
+            after={`Version ${current.version}`}
+          />
+        </Stack>
+        <Stack gap={4}>
+          <Text size="sm" fw={600}>
+            Yours
+          </Text>
+          <StructureDifference found={own} before={`Version ${base.version}`} after="Yours" />
+        </Stack>
+      </div>
+      {both.clashes.length > 0 && (
+        <Text size="sm" mt="sm" c="var(--page-warn)">
+          Both changed {both.clashes.join(", ")}; together, yours stands there.
+        </Text>
+      )}
+      <Group mt="sm" gap="sm">
+        <Button
+          data-testid="conflict-merge"
+          onClick={() => {
+            onResolve(both.structure);
+          }}
+        >
+          Both together
+        </Button>
+        <Button
+          variant="default"
+          data-testid="conflict-mine"
+          onClick={() => {
+            onResolve(mine);
+          }}
+        >
+          Only mine
+        </Button>
+        <Button
+          variant="default"
+          data-testid="conflict-theirs"
+          onClick={() => {
+            onResolve(current.structure);
+          }}
+        >
+          Only theirs
+        </Button>
+      </Group>
+    </Alert>
+  );
+}

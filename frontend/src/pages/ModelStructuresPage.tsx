@@ -1,0 +1,195 @@
+import { Button, Group, Select, TextInput } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { getRouteApi, Link } from "@tanstack/react-router";
+import { useState } from "react";
+import { useAddStructure } from "../api/commands";
+import { aircraftQuery, modalTablesQuery, structuresQuery } from "../api/queries";
+import type { Aircraft, ModelStructure } from "../api/types";
+import { DataTable, type Column } from "../components/DataTable";
+import { Empty } from "../components/Empty";
+import { Loaded } from "../components/Loaded";
+import { PageHead } from "../components/PageHead";
+import { ProblemAlert } from "../components/ProblemAlert";
+import { Section } from "../components/Section";
+import { derivativeNames } from "../lib/derivatives";
+import { dateTime } from "../lib/format";
+import { counts } from "../lib/structure";
+import { integer } from "../lib/urlState";
+
+const route = getRouteApi("/model-structures");
+
+/** The model structures that runs share, and a new one. */
+export function ModelStructuresPage() {
+  const view = route.useSearch();
+  const structures = useQuery(structuresQuery(view.aircraft));
+  const aircraft = useQuery(aircraftQuery);
+  return (
+    <>
+      <PageHead
+        title="Model structures"
+        trail={[
+          <Link to="/" className="link" key="campaign">
+            Campaign
+          </Link>,
+        ]}
+      />
+      <Loaded query={aircraft}>
+        {(all) => (
+          <Loaded query={structures} rows={8}>
+            {(found) => (
+              <div className="stack">
+                <Listed structures={found} aircraft={all} />
+                <NewStructure structures={found} aircraft={all} />
+              </div>
+            )}
+          </Loaded>
+        )}
+      </Loaded>
+    </>
+  );
+}
+
+interface Props {
+  structures: ModelStructure[];
+  aircraft: Aircraft[];
+}
+
+function Listed({ structures, aircraft }: Props) {
+  if (structures.length === 0) {
+    return (
+      <div className="panel">
+        <Empty title="No model structure yet">
+          A structure says which modes, inputs, outputs and derivatives a model has. Make one below.
+        </Empty>
+      </div>
+    );
+  }
+  const of = (one: ModelStructure) => aircraft.find((craft) => craft.id === one.aircraft_id);
+  const count = (one: ModelStructure) => {
+    const surfaces = of(one)?.surfaces.map((surface) => surface.name) ?? [];
+    const { modes, inputs } = one.structure;
+    return counts(one.structure, derivativeNames(modes, inputs.length > 0 ? inputs : surfaces));
+  };
+  const columns: Column<ModelStructure>[] = [
+    {
+      key: "name",
+      header: "Structure",
+      render: (one) => (
+        <Link to="/model-structures/$id" params={{ id: one.id }} className="link">
+          {one.name}
+        </Link>
+      ),
+    },
+    { key: "aircraft", header: "Aircraft", render: (one) => of(one)?.name ?? one.aircraft_id },
+    { key: "modes", header: "Modes", render: (one) => one.structure.modes.join(", ") || "rigid" },
+    { key: "free", header: "Free", numeric: true, render: (one) => count(one).free },
+    { key: "fixed", header: "Fixed", numeric: true, render: (one) => count(one).fixed },
+    { key: "absent", header: "Absent", numeric: true, render: (one) => count(one).absent },
+    { key: "version", header: "Version", numeric: true, render: (one) => one.version },
+    { key: "author", header: "By", render: (one) => one.author || "–" },
+    {
+      key: "at",
+      header: "Changed",
+      numeric: true,
+      render: (one) => dateTime(one.changed_at ?? one.created_at),
+    },
+    { key: "note", header: "Note", render: (one) => one.note },
+  ];
+  return (
+    <div className="panel">
+      <DataTable
+        label="Model structures"
+        testId="structures-table"
+        columns={columns}
+        rows={structures}
+        rowKey={(one) => one.id}
+      />
+    </div>
+  );
+}
+
+function NewStructure({ structures, aircraft }: Props) {
+  const navigate = route.useNavigate();
+  const add = useAddStructure();
+  const [name, setName] = useState("");
+  const [craft, setCraft] = useState(aircraft[0]?.id);
+  const [copied, setCopied] = useState<number>();
+  const origin = structures.find((one) => one.id === copied && one.aircraft_id === craft);
+  const tables = useQuery({ ...modalTablesQuery(craft ?? 0), enabled: craft !== undefined });
+  const modal = tables.data?.find((one) => one.kind === "FEM");
+  const symmetric = modal?.numbers.filter((_, place) => modal.symmetric[place]) ?? [];
+  return (
+    <Section title="New structure" note="It can be changed afterwards; every version is kept.">
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          if (craft === undefined || name.trim() === "") return;
+          const structure =
+            origin === undefined
+              ? { modes: symmetric.slice(0, 2), inputs: [], outputs: [], free: null, fixed: {} }
+              : origin.structure;
+          add.mutate(
+            {
+              aircraft_id: craft,
+              name: name.trim(),
+              note: origin === undefined ? "" : `from ${origin.name}, version ${origin.version}`,
+              structure: {
+                free_delays: false,
+                also_free: [],
+                absent: [],
+                ...structure,
+                axis: "longitudinal",
+              },
+            },
+            {
+              onSuccess: (kept) =>
+                void navigate({ to: "/model-structures/$id", params: { id: kept.id }, search: {} }),
+            },
+          );
+        }}
+      >
+        <Group align="end" gap="sm">
+          <TextInput
+            label="Name"
+            w={260}
+            value={name}
+            onChange={(event) => {
+              setName(event.currentTarget.value);
+            }}
+          />
+          <Select
+            label="Aircraft"
+            allowDeselect={false}
+            data={aircraft.map((one) => ({ value: String(one.id), label: one.name }))}
+            value={craft === undefined ? null : String(craft)}
+            onChange={(id) => {
+              setCraft(integer(id));
+            }}
+          />
+          <Select
+            label="Copy of"
+            w={260}
+            placeholder="nothing: all derivatives free"
+            clearable
+            data={structures
+              .filter((one) => one.aircraft_id === craft)
+              .map((one) => ({ value: String(one.id), label: one.name }))}
+            value={copied === undefined ? null : String(copied)}
+            onChange={(id) => {
+              setCopied(integer(id));
+            }}
+          />
+          <Button
+            type="submit"
+            loading={add.isPending}
+            disabled={name.trim() === "" || craft === undefined || !tables.isSuccess}
+            data-testid="add-structure"
+          >
+            Make structure
+          </Button>
+        </Group>
+        {add.isError && <ProblemAlert error={add.error} />}
+      </form>
+    </Section>
+  );
+}
