@@ -591,26 +591,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/model-structures/{structure_id}/runs": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * List Structure Runs
-         * @description List the newest runs of any version of one model structure.
-         */
-        get: operations["list_structure_runs"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/v1/runs": {
         parameters: {
             query?: never;
@@ -3473,6 +3453,8 @@ export interface components {
             prediction_id: number | null;
             /** Structure Id */
             structure_id: number | null;
+            /** Structure Version */
+            structure_version: number | null;
             /** Outcome */
             outcome: string | null;
             /** N Iterations */
@@ -5410,41 +5392,6 @@ export interface operations {
             };
         };
     };
-    list_structure_runs: {
-        parameters: {
-            query?: {
-                /** @description Most items to answer. */
-                limit?: number;
-            };
-            header?: never;
-            path: {
-                /** @description Id of the record. */
-                structure_id: number;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["RunList"];
-                };
-            };
-            /** @description Client Error */
-            "4XX": {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
-                };
-            };
-        };
-    };
     list_runs: {
         parameters: {
             query?: {
@@ -5457,6 +5404,7 @@ export interface operations {
                 aircraft_id?: number | null;
                 flight_id?: number | null;
                 maneuver_id?: number | null;
+                structure_id?: number | null;
                 fta?: number | null;
                 min_airspeed_ratio?: number | null;
                 max_airspeed_ratio?: number | null;
@@ -5539,6 +5487,7 @@ export interface operations {
                 aircraft_id?: number | null;
                 flight_id?: number | null;
                 maneuver_id?: number | null;
+                structure_id?: number | null;
                 fta?: number | null;
                 min_airspeed_ratio?: number | null;
                 max_airspeed_ratio?: number | null;
