@@ -129,13 +129,19 @@ class AeroelasticModel:
         omega
             Angular frequencies above zero. [rad/s]
         """
+        return self.sensors.response(omega) @ self.motion(derivatives, omega)
+
+    def motion(
+        self, derivatives: DerivativeTable, omega: Float[np.ndarray, " n_omega"]
+    ) -> Complex[np.ndarray, "n_omega n_r n_u"]:
+        """Frequency responses of the motion [alpha, q, eta_1..n] itself to all inputs."""
         n_r = 2 + len(self.modes.numbers)
         forces = self.row_factors()[:, None] * derivatives.values * self.column_factors()
         s = 1j * np.asarray(omega, dtype=float)
         K = self.known_dynamics(omega) - forces[:, :n_r]
         K[:, :, 2:] -= s[:, None, None] * forces[:, n_r : 2 * n_r - 2]
         load = np.broadcast_to(forces[:, 2 * n_r - 2 :], (s.size, n_r, len(self.inputs)))
-        return self.sensors.response(omega) @ np.linalg.solve(K, load)
+        return np.linalg.solve(K, load)
 
     def state_space(self, derivatives: DerivativeTable) -> StateSpace:
         """Assemble A, B, C, D for these derivatives; instruments are not included.
