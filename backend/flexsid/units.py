@@ -52,6 +52,8 @@ _UNITS: dict[str, Unit] = {
     "kg": Unit(1.0, "mass"),
     "lb": Unit(_POUND, "mass"),
     "slug": Unit(_SLUG, "mass"),
+    "t": Unit(1000.0, "mass"),
+    "slinch": Unit(_POUND_FORCE / _INCH, "mass"),
     "kg*m2": Unit(1.0, "inertia"),
     "slug*ft2": Unit(_SLUG * _FOOT**2, "inertia"),
     "lb*ft2": Unit(_POUND * _FOOT**2, "inertia"),

@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers import csv, hdf5, mat, mdf, npz, parquet
+from flexsid.importers import csv, hdf5, mat, mdf, npz, parquet, universal
+from flexsid.importers.nastran import bulk, f06, op2, punch
 from flexsid.importers.source import Content, Field
 
 LARGEST_FILE = 2 * 1024**3
@@ -32,6 +33,8 @@ _TEXT = _Format("text", csv.read, csv.recognises)
 _HDF5 = _Format("HDF5", hdf5.read, hdf5.recognises)
 _PARQUET = _Format("Parquet", parquet.read, parquet.recognises, "pyarrow", "parquet")
 _MDF = _Format("MDF", mdf.read, mdf.recognises, "asammdf", "mdf")
+_DECK = _Format("Nastran deck", bulk.read, bulk.recognises)
+_UNIVERSAL = _Format("universal", universal.read, universal.recognises)
 _FORMATS: dict[str, _Format] = {
     ".csv": _TEXT,
     ".tsv": _TEXT,
@@ -45,6 +48,13 @@ _FORMATS: dict[str, _Format] = {
     ".parquet": _PARQUET,
     ".mf4": _MDF,
     ".mdf": _MDF,
+    ".op2": _Format("Nastran output", op2.read, op2.recognises),
+    ".f06": _Format("Nastran printout", f06.read, f06.recognises),
+    ".pch": _Format("Nastran punch", punch.read, punch.recognises),
+    ".bdf": _DECK,
+    ".nas": _DECK,
+    ".uff": _UNIVERSAL,
+    ".unv": _UNIVERSAL,
 }
 
 
@@ -89,6 +99,8 @@ def open_file(path: Path, name: str | None = None) -> OpenFile:
         )
     with path.open("rb") as file:
         head = file.read(4096)
+    if chosen is _TEXT and name.lower().endswith(".dat") and bulk.recognises(head):
+        chosen = _DECK  # parts of a deck are often called so
     if not chosen.recognises(head):
         raise UnreadableFile(
             f"{name} does not start like a {chosen.name} file ({Path(name).suffix.lower()}); "
