@@ -106,7 +106,10 @@ export const flutterView = view((search) => ({
 }));
 export type FlutterView = ReturnType<typeof flutterView>;
 
+export const DESIGN_TABS = ["excitation", "told", "amplitudes", "classic"] as const;
+
 export const designView = view((search) => ({
+  tab: oneOf(search.tab, DESIGN_TABS),
   /** Amplitude: 0 low, 1 medium, 2 high. */
   level: integer(search.level),
   /** Actuator: natural frequency [rad/s], deflection [deg] and rate [deg/s] limits. */

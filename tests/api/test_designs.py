@@ -131,3 +131,37 @@ def test_amplitudes_are_allotted_within_limits_and_kept(client: TestClient):
     assert kept.json()["phases"] == made.json()["phases"]
     wrong = client.post(f"{where}/rescaled", json={"name": "x", "gains": {"rudder": 2.0}})
     assert wrong.json()["code"] == "unknown-input"
+
+
+def test_what_a_design_would_show_is_told_by_mode_line_and_surface(client: TestClient):
+    run = output_error_run(client)
+    made = client.post(URL, json=FTA_503 | {"peaks": [0.02, 0.04, 0.08]})
+    where = made.headers["location"]
+    told = client.get(f"{where}/expected-response?run_id={run}&level=0").json()
+    louder = client.get(f"{where}/expected-response?run_id={run}&level=2").json()
+    assert len(told["modes"]) >= 2
+    for quiet, loud in zip(told["modes"], louder["modes"], strict=True):
+        assert quiet["signal_to_noise"] < loud["signal_to_noise"]
+    correlation = np.array(told["correlation"])
+    assert np.allclose(np.diag(correlation), 1.0)
+    assert np.abs(correlation - np.eye(5)).max() < 0.4
+    rows = client.get(f"{where}/expected-errors?run_id={run}").json()["items"]
+    assert sum(told["worth"].values()) == pytest.approx(len(rows), rel=1e-6)
+    where = f"design_id={made.json()['id']}&run_id={run}"
+    worth = client.get(f"/api/v1/figures/design-worth?{where}").json()
+    assert len(worth["data"]) == 5
+    signal = client.get(f"/api/v1/figures/design-signal?{where}").json()
+    assert "dB" in signal["data"][0]["colorbar"]["title"]["text"]
+
+
+def test_classic_inputs_keep_the_limits_of_the_design_and_tell_less(client: TestClient):
+    run = output_error_run(client)
+    where = client.post(URL, json=FTA_503).headers["location"]
+    told = client.get(f"{where}/classic-inputs?run_id={run}&level=1").json()
+    multisine, *others = told["inputs"]
+    assert [one["kind"] for one in others] == ["doublet", "3-2-1-1", "sweep"]
+    for one in others:
+        assert one["deflection"] <= 1.001 * multisine["deflection"]
+        assert one["load_factor"] <= 1.001 * multisine["load_factor"]
+        ratios = np.array(one["std_errors"]) / np.array(multisine["std_errors"])
+        assert np.median(ratios) > 1.0

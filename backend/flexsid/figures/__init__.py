@@ -3,7 +3,12 @@
 from flexsid.figures.bode import View, bode
 from flexsid.figures.derivatives import derivatives
 from flexsid.figures.envelope import envelope
-from flexsid.figures.excitation import design_history, design_spectrum
+from flexsid.figures.excitation import (
+    design_history,
+    design_signal,
+    design_spectrum,
+    design_worth,
+)
 from flexsid.figures.fit import fit
 from flexsid.figures.flutter import flutter_forecast, flutter_map, root_locus, v_omega_zeta
 from flexsid.figures.ground_test import ground_test
@@ -23,7 +28,9 @@ __all__ = [
     "bode",
     "derivatives",
     "design_history",
+    "design_signal",
     "design_spectrum",
+    "design_worth",
     "envelope",
     "fit",
     "flutter_forecast",

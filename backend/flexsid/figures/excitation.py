@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.figures import quantities, style
-from flexsid.figures.spec import Spec, axis, column, layout_key, rows, title
-from flexsid.records.views import DesignedExcitation
+from flexsid.figures.spec import Spec, axis, column, layout_key, rows, title, vertical_mark
+from flexsid.records.views import DesignedExcitation, ExpectedResponse
 
 _DEGREES = 180.0 / np.pi
 
@@ -41,6 +41,80 @@ def design_history(value: DesignedExcitation) -> Spec:
             }
         )
     return {"data": data, "layout": layout}
+
+
+def design_worth(value: ExpectedResponse) -> Spec:
+    """Draw how many parameters each line tells, coloured by the input that owns it."""
+    total = sum(float(np.sum(worth)) for worth in value.worth.values())
+    data: list[Spec] = []
+    for number, name in enumerate(value.names):
+        colour, symbol = style.of_index(number)
+        label = quantities.of_channel(name).label
+        share = 100.0 * float(np.sum(value.worth[name])) / max(total, 1e-300)
+        data.append(
+            {
+                "type": "scatter",
+                "mode": "markers",
+                "name": f"{label}: {share:.0f} % of all",
+                "x": column(value.frequency_hz[name], exact=True),
+                "y": column(value.worth[name]),
+                "marker": {"color": colour, "symbol": symbol, "size": 6},
+                "hovertemplate": f"%{{x:.3f}} Hz<br>%{{y:.3g}} parameters<extra>{label}</extra>",
+            }
+        )
+    return {
+        "data": data,
+        "layout": _over_modes(value)
+        | {
+            "yaxis": {**title("Worth of a line [parameters]"), "rangemode": "tozero"},
+            "showlegend": True,
+            "hovermode": "closest",
+        },
+    }
+
+
+def design_signal(value: ExpectedResponse) -> Spec:
+    """Draw every output's signal over its noise at every line. [dB]"""
+    frequency = np.concatenate([value.frequency_hz[name] for name in value.names])
+    ratio = np.concatenate([value.signal_to_noise[name] for name in value.names])
+    order = np.argsort(frequency, kind="stable")
+    decibel = 20.0 * np.log10(np.maximum(ratio[order], 1e-6))
+    labels = [quantities.of_channel(name).label for name in value.outputs]
+    trace = {
+        "type": "heatmap",
+        "x": column(frequency[order], exact=True),
+        "y": labels,
+        "z": column(decibel.T),
+        "zmin": -20.0,
+        "zmax": 60.0,
+        "colorscale": "Cividis",
+        "colorbar": title("signal / noise [dB]"),
+        "hovertemplate": "%{y}<br>%{x:.3f} Hz<br>%{z:.1f} dB<extra></extra>",
+    }
+    layout = _over_modes(value)
+    for mark in layout["shapes"]:
+        mark["layer"] = "above"
+    return {
+        "data": [trace],
+        "layout": layout
+        | {
+            "yaxis": {"autorange": "reversed", "type": "category", "automargin": True},
+            "meta": {"rows": max(2.0, len(labels) / 5)},
+        },
+    }
+
+
+def _over_modes(value: ExpectedResponse) -> Spec:
+    """Frequency axis with the identified modes marked, names on their own level."""
+    marks = [vertical_mark(mode.frequency_hz, mode.name) for mode in value.modes]
+    for level, (_, annotation) in enumerate(marks):
+        annotation |= {"yanchor": "bottom", "y": 1.0 + 0.045 * (level % 2)}
+    return {
+        "xaxis": title("Frequency [Hz]"),
+        "shapes": [shape for shape, _ in marks],
+        "annotations": [annotation for _, annotation in marks],
+        "meta": {"rows": 2},
+    }
 
 
 def design_spectrum(value: DesignedExcitation) -> Spec:

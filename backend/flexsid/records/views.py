@@ -278,6 +278,40 @@ class DesignedExcitation:
     amplitude: dict[str, np.ndarray]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExpectedMode:
+    """How well a design shows a mode: the best output around its frequency.
+
+    ``lines`` are those within the mode's half-power band or next to it;
+    ``signal_to_noise`` is the amplitude ratio of ``output`` there. [Hz], [1], [1]
+    """
+
+    name: str
+    frequency_hz: float
+    damping: float
+    lines: int
+    output: str
+    signal_to_noise: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ExpectedResponse:
+    """What a design would show: by input its lines, what each is worth, and every output there.
+
+    ``worth`` counts parameters told by a line, ``signal_to_noise`` (n_lines, n_outputs) is an
+    amplitude ratio, ``correlation`` that of the true deflections over a period. [Hz], [1]
+    """
+
+    names: tuple[str, ...]
+    outputs: tuple[str, ...]
+    frequency_hz: dict[str, np.ndarray]
+    worth: dict[str, np.ndarray]
+    signal_to_noise: dict[str, np.ndarray]
+    modes: tuple[ExpectedMode, ...]
+    surfaces: tuple[str, ...]
+    correlation: np.ndarray
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LoopCurve:
     """Gain of one surface's loop at its own lines, (M,), with margins.

@@ -11,7 +11,8 @@ from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.run import EstimationRun, Method
+from flexsid.records.run import EstimationRun, Method, Pole
+from flexsid.records.views import ExpectedMode, ExpectedResponse
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.as_flown import (
     AsFlown,
@@ -21,7 +22,7 @@ from flexsid.sysid.estimation.as_flown import (
     split_residuals,
     surfaces_follow,
 )
-from flexsid.sysid.estimation.expectation import Expectation, expect
+from flexsid.sysid.estimation.expectation import LOAD_FACTOR, Expectation, expect
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -30,6 +31,8 @@ from flexsid.workflow.estimation import prepare
 from flexsid.workflow.excitation import multisine_of
 from flexsid.workflow.identified import identified_with, result_of
 from flexsid.workflow.models import OutputDefinition, define_outputs, output_instrument, servo_of
+
+_LEAST_LINES = 5  # about a mode's frequency, to say how well it is seen
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,6 +111,55 @@ def expected_errors(
         ),
         surfaces=at.surfaces,
         lines_outside=int(np.sum((omega < at.band[0] - 1e-9) | (omega > at.band[1] + 1e-9))),
+    )
+
+
+def expected_response(
+    store: Store, design: ExcitationDesign, run_id: int, level: int = 0
+) -> ExpectedResponse:
+    """Tell what every line of a design is worth, and how far outputs and modes stand out."""
+    at = circumstances(store, run_id)
+    told = at.expect(design, level)
+    of_inputs = list(zip(told.inputs, told.lines, strict=True))
+    omega = np.concatenate([lines.omega for lines in told.lines])
+    ratio = np.abs(np.concatenate([lines.signal for lines in told.lines]))
+    moving = [k for k, name in enumerate(told.limited) if name != LOAD_FACTOR]
+    wave = told.waves.sum(axis=0)[:, moving]
+    size = np.sqrt(np.sum(wave**2, axis=0))
+    return ExpectedResponse(
+        names=told.inputs,
+        outputs=at.model.outputs,
+        frequency_hz={name: lines.omega / (2.0 * np.pi) for name, lines in of_inputs},
+        worth=dict(zip(told.inputs, told.worth(), strict=True)),
+        signal_to_noise={name: np.abs(lines.signal) for name, lines in of_inputs},
+        modes=tuple(
+            _expected_mode(pole, omega, ratio, at.model.outputs)
+            for pole in result_of(at.run).poles
+            if pole.imag > 0.0
+        ),
+        surfaces=tuple(told.limited[k] for k in moving),
+        correlation=wave.T @ wave / np.maximum(np.outer(size, size), 1e-300),
+    )
+
+
+def _expected_mode(
+    pole: Pole, omega: np.ndarray, ratio: np.ndarray, outputs: tuple[str, ...]
+) -> ExpectedMode:
+    """Mean square over the mode's half-power band, or its nearest lines where it is narrow."""
+    modulus = float(np.hypot(pole.real, pole.imag))
+    away = np.abs(omega - modulus)
+    near = np.flatnonzero(away <= abs(pole.real))
+    if near.size < _LEAST_LINES:
+        near = np.argsort(away, kind="stable")[:_LEAST_LINES]
+    power = np.mean(ratio[near] ** 2, axis=0)
+    best = int(np.argmax(power))
+    return ExpectedMode(
+        name=pole.name,
+        frequency_hz=modulus / (2.0 * np.pi),
+        damping=-pole.real / modulus,
+        lines=int(np.sum(away <= abs(pole.real))),
+        output=outputs[best],
+        signal_to_noise=float(np.sqrt(power[best])),
     )
 
 

@@ -237,6 +237,31 @@ export const expectedErrorsQuery = (id: number, level: number, runId: number | u
     enabled: runId !== undefined,
   });
 
+export const expectedResponseQuery = (id: number, level: number, runId: number) =>
+  queryOptions({
+    queryKey: ["designs", id, "response", level, runId],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/designs/{design_id}/expected-response", {
+          params: { path: { design_id: id }, query: { run_id: runId, level } },
+          signal,
+        }),
+      ),
+  });
+
+export const classicInputsQuery = (id: number, level: number, runId: number) =>
+  queryOptions({
+    queryKey: ["designs", id, "classic", level, runId],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/designs/{design_id}/classic-inputs", {
+          params: { path: { design_id: id }, query: { run_id: runId, level } },
+          signal,
+        }),
+      ),
+    staleTime: Infinity,
+  });
+
 export interface AllocationLimits {
   /** Largest deflection [rad] and load factor [g]; the design's own where undefined. */
   deflection?: number;

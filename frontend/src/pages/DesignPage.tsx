@@ -1,26 +1,32 @@
-import { Group, NumberInput, SegmentedControl, Select, Stack } from "@mantine/core";
+import { Group, SegmentedControl, Select, Stack, Tabs } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { designChecksQuery, designQuery, expectedErrorsQuery, runsQuery } from "../api/queries";
-import type { Design, DesignChecks, ExpectedError } from "../api/types";
+import type { ReactNode } from "react";
+import { designQuery, runsQuery } from "../api/queries";
+import type { Design } from "../api/types";
 import { AllocationPart } from "../components/AllocationPart";
+import { ClassicInputsPart } from "../components/ClassicInputsPart";
 import { Facts } from "../components/ConditionFacts";
-import { DataTable, type Column } from "../components/DataTable";
-import { DerivativeName } from "../components/DerivativeName";
+import { Checks } from "../components/DesignChecks";
 import { Empty } from "../components/Empty";
+import { ExpectedPart } from "../components/ExpectedPart";
 import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { Section } from "../components/Section";
-import { degrees, fixed, relativeError, withError } from "../lib/format";
-import type { DesignView } from "../views";
+import { fixed } from "../lib/format";
+import { DESIGN_TABS, type DesignView } from "../views";
 
 const route = getRouteApi("/excitation/$id");
 
-const RADIAN = 180 / Math.PI;
 const LEVELS = ["Low", "Medium", "High"];
 const FORMS = ["csv", "mat", "h", "json"] as const;
-const ACTUATOR = 60; // rad/s: a typical surface actuator until the user says another
+const TAB_NAMES: Record<(typeof DESIGN_TABS)[number], string> = {
+  excitation: "Excitation",
+  told: "What it would tell",
+  amplitudes: "Amplitudes",
+  classic: "Classic inputs",
+};
 
 type Change = (part: Partial<DesignView>) => void;
 
@@ -83,198 +89,92 @@ function OneDesign({ design }: { design: Design }) {
           }}
         />
       </Group>
-      <Stack gap="md" mt="md">
-        <Checks design={design} level={level} view={view} onChange={change} />
-        <div className="panel" style={{ padding: 12 }}>
-          <Figure kind="design-history" title="One period as commanded" params={params} />
-        </div>
-        <div className="panel" style={{ padding: 12 }}>
-          <Figure
-            kind="design-spectrum"
-            title="Lines by the input that owns them"
-            params={params}
-          />
-        </div>
-        <Expected design={design} level={level} view={view} onChange={change} />
-        {view.run !== undefined && (
-          <Section
-            title="Amplitudes that would tell more"
-            note="Same lines and phases; surfaces and load factor with feedback, within limits"
-          >
-            <AllocationPart
-              design={design}
-              level={level}
-              run={view.run}
-              allowed={view.allowed}
-              load={view.load}
-              onChange={change}
-            />
-          </Section>
-        )}
-      </Stack>
+      <Tabs
+        mt="md"
+        keepMounted={false}
+        value={view.tab ?? "excitation"}
+        onChange={(next) => {
+          change({ tab: DESIGN_TABS.find((one) => one === next) });
+        }}
+      >
+        <Tabs.List aria-label="Design">
+          {DESIGN_TABS.map((name) => (
+            <Tabs.Tab key={name} value={name} data-testid={`tab-${name}`}>
+              {TAB_NAMES[name]}
+            </Tabs.Tab>
+          ))}
+        </Tabs.List>
+        <Tabs.Panel value="excitation" pt="md">
+          <Stack gap="md">
+            <Checks design={design} level={level} view={view} onChange={change} />
+            <div className="panel" style={{ padding: 12 }}>
+              <Figure kind="design-history" title="One period as commanded" params={params} />
+            </div>
+            <div className="panel" style={{ padding: 12 }}>
+              <Figure
+                kind="design-spectrum"
+                title="Lines by the input that owns them"
+                params={params}
+              />
+            </div>
+          </Stack>
+        </Tabs.Panel>
+        <Tabs.Panel value="told" pt="md">
+          <ForRun view={view} onChange={change}>
+            {(run) => <ExpectedPart design={design} level={level} run={run} />}
+          </ForRun>
+        </Tabs.Panel>
+        <Tabs.Panel value="amplitudes" pt="md">
+          <ForRun view={view} onChange={change}>
+            {(run) => (
+              <Section
+                title="Amplitudes that would tell more"
+                note="Same lines and phases; surfaces and load factor with feedback, within limits"
+              >
+                <AllocationPart
+                  design={design}
+                  level={level}
+                  run={run}
+                  allowed={view.allowed}
+                  load={view.load}
+                  onChange={change}
+                />
+              </Section>
+            )}
+          </ForRun>
+        </Tabs.Panel>
+        <Tabs.Panel value="classic" pt="md">
+          <ForRun view={view} onChange={change}>
+            {(run) => (
+              <Section
+                title="Against classic inputs"
+                note="Surfaces one after the other, in the same time and band, as large as the design's deflection and load factor allow; pulses as long as tells most"
+              >
+                <ClassicInputsPart design={design} level={level} run={run} />
+              </Section>
+            )}
+          </ForRun>
+        </Tabs.Panel>
+      </Tabs>
     </>
   );
 }
 
-interface PartProps {
-  design: Design;
-  level: number;
+interface ForRunProps {
   view: DesignView;
   onChange: Change;
+  children: (run: number) => ReactNode;
 }
 
-const CHECK_COLUMNS: Column<DesignChecks["inputs"][number]>[] = [
-  { key: "name", header: "Input", render: (row) => row.name },
-  { key: "rpf", header: "RPF", numeric: true, render: (row) => fixed(row.peak_factor, 3) },
-  {
-    key: "command",
-    header: "Command",
-    unit: "deg",
-    numeric: true,
-    render: (row) => fixed(degrees(row.command_peak), 2),
-  },
-  {
-    key: "deflection",
-    header: "Deflection",
-    unit: "deg",
-    numeric: true,
-    render: (row) => fixed(degrees(row.deflection_peak), 2),
-  },
-  {
-    key: "rate",
-    header: "Rate",
-    unit: "deg/s",
-    numeric: true,
-    render: (row) => fixed(degrees(row.rate_peak), 1),
-  },
-  {
-    key: "acceleration",
-    header: "Acceleration",
-    unit: "deg/s²",
-    numeric: true,
-    render: (row) => fixed(degrees(row.acceleration_peak), 0),
-  },
-  {
-    key: "limits",
-    header: "Limits",
-    render: (row) => (row.within_limits ? "within" : "exceeded"),
-  },
-];
-
-function Checks({ design, level, view, onChange }: PartProps) {
-  const checks = useQuery(
-    designChecksQuery(design.id, level, {
-      natural_frequency: view.actuator ?? ACTUATOR,
-      position: view.position === undefined ? undefined : view.position / RADIAN,
-      rate: view.rate === undefined ? undefined : view.rate / RADIAN,
-    }),
-  );
-  return (
-    <Section title="Behind the actuator" note="Largest of one period, damping ratio 0.7">
-      <Group mb="sm">
-        <Limit
-          label="Natural frequency [rad/s]"
-          value={view.actuator}
-          placeholder={String(ACTUATOR)}
-          onChange={(actuator) => {
-            onChange({ actuator });
-          }}
-        />
-        <Limit
-          label="Deflection limit [deg]"
-          value={view.position}
-          onChange={(position) => {
-            onChange({ position });
-          }}
-        />
-        <Limit
-          label="Rate limit [deg/s]"
-          value={view.rate}
-          onChange={(rate) => {
-            onChange({ rate });
-          }}
-        />
-      </Group>
-      <Loaded query={checks} rows={design.wish.inputs.length}>
-        {(found) => (
-          <>
-            <DataTable
-              label="Inputs"
-              testId="design-checks"
-              columns={CHECK_COLUMNS}
-              rows={found.inputs}
-              rowKey={(row) => row.name}
-              isSelected={(row) => !row.within_limits}
-            />
-            <p className="quiet">
-              Largest correlation between two inputs over a period:{" "}
-              {found.correlation.toExponential(1)}
-            </p>
-          </>
-        )}
-      </Loaded>
-    </Section>
-  );
-}
-
-interface LimitProps {
-  label: string;
-  value: number | undefined;
-  placeholder?: string;
-  onChange: (value: number | undefined) => void;
-}
-
-function Limit({ label, value, placeholder = "none", onChange }: LimitProps) {
-  return (
-    <NumberInput
-      label={label}
-      placeholder={placeholder}
-      min={0.01}
-      w={190}
-      value={value ?? ""}
-      onChange={(next) => {
-        onChange(typeof next === "number" && next > 0 ? next : undefined);
-      }}
-    />
-  );
-}
-
-const EXPECTED_COLUMNS: Column<ExpectedError>[] = [
-  { key: "name", header: "Derivative", render: (row) => <DerivativeName name={row.name} /> },
-  {
-    key: "value",
-    header: "Value of the run",
-    numeric: true,
-    render: (row) => withError(row.value, row.std_error).value,
-  },
-  {
-    key: "error",
-    header: "Expected σ",
-    numeric: true,
-    render: (row) => withError(row.value, row.std_error).error,
-  },
-  {
-    key: "relative",
-    header: "of the value",
-    unit: "%",
-    numeric: true,
-    render: (row) => fixed(relativeError(row.value, row.std_error), 1),
-  },
-];
-
-function Expected({ design, level, view, onChange }: PartProps) {
+/** Whatever needs a model: the run is chosen first. */
+function ForRun({ view, onChange, children }: ForRunProps) {
   const runs = useQuery(runsQuery({ method: "OE", state: "succeeded" }));
-  const expected = useQuery(expectedErrorsQuery(design.id, level, view.run));
   return (
-    <Section
-      title="What it would tell"
-      note="For the model, condition and noise of a run; what its model misses grows with the amplitude"
-    >
+    <Stack gap="md">
       <Select
-        label="Output-error run"
+        label="Model, condition and noise of the output-error run"
         clearable
         searchable
-        mb="sm"
         w={420}
         data={(runs.data ?? []).map((run) => ({
           value: String(run.id),
@@ -287,28 +187,12 @@ function Expected({ design, level, view, onChange }: PartProps) {
       />
       {view.run === undefined ? (
         <Empty title="No run chosen">
-          Choose an output-error run to see the standard errors that this design would give.
+          Choose an output-error run: its model, its noise and how its surfaces moved are what this
+          design is judged by.
         </Empty>
       ) : (
-        <Loaded query={expected} rows={10}>
-          {(told) => (
-            <>
-              <p className="quiet">
-                Surfaces follow {told.surfaces}.
-                {told.lines_outside > 0 &&
-                  ` ${told.lines_outside} lines lie outside those of the run: what is known at its ends is taken to hold there.`}
-              </p>
-              <DataTable
-                label="Expected standard errors"
-                testId="expected-errors"
-                columns={EXPECTED_COLUMNS}
-                rows={told.items}
-                rowKey={(row) => row.name}
-              />
-            </>
-          )}
-        </Loaded>
+        children(view.run)
       )}
-    </Section>
+    </Stack>
   );
 }

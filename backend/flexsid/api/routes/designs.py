@@ -13,10 +13,11 @@ from flexsid.api.requests import Name, Number, Text, Title
 from flexsid.api.wire import Identity, Json
 from flexsid.errors import BadInput
 from flexsid.records.excitation import ExcitationDesign
+from flexsid.records.views import ExpectedMode
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks
 from flexsid.sysid.excitation.designer import InputWish, Wish
-from flexsid.workflow import allocation, excitation, foresight
+from flexsid.workflow import allocation, classic, excitation, foresight
 
 router = APIRouter(prefix="/designs", tags=["designs"])
 
@@ -101,6 +102,16 @@ class RescaleRequest:
     note: Text = ""
 
     __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExpectedSummary:
+    """Modes, correlation of the true deflections, parameters told by each input's lines."""
+
+    modes: list[ExpectedMode]
+    surfaces: list[str]
+    correlation: list[list[float]]
+    worth: dict[str, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -204,6 +215,36 @@ def expect_errors(
 ) -> Json:
     """Predict the standard errors of a run's derivatives, had this design been flown."""
     return Json(foresight.expected_errors(store, store.designs.get(design_id), run_id, level))
+
+
+@router.get("/{design_id}/expected-response", response_model=ExpectedSummary)
+def expect_response(
+    store: TheStore,
+    design_id: Identity,
+    run_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
+    level: Level = 0,
+) -> Json:
+    """Tell how far modes stand out of the noise, and how surfaces would be correlated."""
+    found = foresight.expected_response(store, store.designs.get(design_id), run_id, level)
+    return Json(
+        ExpectedSummary(
+            modes=list(found.modes),
+            surfaces=list(found.surfaces),
+            correlation=found.correlation.tolist(),
+            worth={name: float(worth.sum()) for name, worth in found.worth.items()},
+        )
+    )
+
+
+@router.get("/{design_id}/classic-inputs", response_model=classic.InputComparison)
+def compare_classic_inputs(
+    store: TheStore,
+    design_id: Identity,
+    run_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
+    level: Level = 0,
+) -> Json:
+    """Compare a design with doublets, 3-2-1-1s and sweeps that keep its limits; seconds."""
+    return Json(classic.compare_inputs(store, store.designs.get(design_id), run_id, level))
 
 
 @router.get("/{design_id}/allocation", response_model=allocation.Allocation)

@@ -17,6 +17,7 @@ from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.wire import split_ids, split_names
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow import excitation, flutter, ground_tests, reconstruction, views
+from flexsid.workflow.foresight import expected_response
 
 router = APIRouter(prefix="/figures", tags=["figures"])
 
@@ -264,6 +265,24 @@ def draw_design_spectrum(
     """Draw the lines of a designed excitation by the input that owns them."""
     value = excitation.designed(store.designs.get(design_id), level)
     return sent(figures.design_spectrum(value), form)
+
+
+@router.get("/design-worth", response_model=Figure)
+def draw_design_worth(
+    store: TheStore, design_id: _Id, run_id: _Id, level: Level = 0, form: Form = "json"
+) -> Response:
+    """Draw what each line of a design is worth for the parameters of a run."""
+    design = store.designs.get(design_id)
+    return sent(figures.design_worth(expected_response(store, design, run_id, level)), form)
+
+
+@router.get("/design-signal", response_model=Figure)
+def draw_design_signal(
+    store: TheStore, design_id: _Id, run_id: _Id, level: Level = 0, form: Form = "json"
+) -> Response:
+    """Draw each output's expected signal over noise at each line of a design."""
+    design = store.designs.get(design_id)
+    return sent(figures.design_signal(expected_response(store, design, run_id, level)), form)
 
 
 @router.get("/loops", response_model=Figure)

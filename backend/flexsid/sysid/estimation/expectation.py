@@ -29,8 +29,9 @@ _POINTS = 16  # per shortest period, where peaks are looked for
 class ExpectedLines:
     """One input's lines as they would be recorded.
 
-    ``signal`` is what each output shows against its noise; ``sensitivity`` the same
-    for its change with each parameter. Both are amplitude ratios. [1]
+    ``signal`` is each output over the root of what lies beside it there, noise and model
+    error; ``sensitivity`` its change with each parameter over the mean level of that over
+    all lines, by which the estimator weighs. Both are amplitude ratios. [1]
     """
 
     omega: Float[np.ndarray, " n_omega"]
@@ -192,15 +193,30 @@ def expect_from_history(
             f" {band_hz[1]:g} Hz",
             code="empty-band",
         )
-    commands = finite_fourier_transform(history.values, history.rate_hz, omega)
-    by_name = dict(zip(history.names, commands.T, strict=True))
-    whole = np.zeros((n_samples // 2 + 1, len(model.inputs) + 1), dtype=complex)
-    answer = _answer(model, parameters, flown, omega, by_name)
-    whole[harmonics] = answer.limited
-    waves = np.fft.irfft(whole, n_samples, axis=0) * history.rate_hz
-    answer = answer.at(used)
+    omega = omega[used]
+    spectra = finite_fourier_transform(history.values, history.rate_hz, omega)
+    answer = _answer(
+        model, parameters, flown, omega, dict(zip(history.names, spectra.T, strict=True))
+    )
+    waves = waves_of_history(model, parameters, history, flown)[None]
     limited = (*model.inputs, LOAD_FACTOR)
-    return _gather(parameters, ("all",), limited, [answer], waves[None], flown, duration, priors)
+    return _gather(parameters, ("all",), limited, [answer], waves, flown, duration, priors)
+
+
+def waves_of_history(
+    model: AeroelasticModel, parameters: Parameters, history: TimeHistory, flown: AsFlown
+) -> Float[np.ndarray, "n_time n_limited"]:
+    """Deflections [rad] and load factor [1] that commands bring about."""
+    n_samples = history.values.shape[0]
+    harmonics = np.arange(1, (n_samples + 1) // 2)
+    omega = 2.0 * np.pi * harmonics * history.rate_hz / n_samples
+    spectra = np.fft.rfft(history.values, axis=0)[harmonics]
+    inputs = _deflections(model, flown, omega, dict(zip(history.names, spectra.T, strict=True)))
+    sensors = np.ones((omega.size, len(model.outputs)), dtype=complex)
+    motion = _line_model(model, parameters, omega, inputs, sensors).respond(parameters.start).motion
+    whole = np.zeros((n_samples // 2 + 1, len(model.inputs) + 1), dtype=complex)
+    whole[harmonics] = _limited(model, omega, inputs, motion)
+    return np.fft.irfft(whole, n_samples, axis=0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,15 +229,6 @@ class _Answer:
     jacobian: Complex[np.ndarray, "n_omega n_y n_theta"]
     missed: Complex[np.ndarray, "n_omega n_y"]
 
-    def at(self, used: np.ndarray) -> _Answer:
-        return _Answer(
-            self.omega[used],
-            self.outputs[used],
-            self.limited[used],
-            self.jacobian[used],
-            self.missed[used],
-        )
-
 
 def _answer(
     model: AeroelasticModel,
@@ -230,36 +237,57 @@ def _answer(
     omega: Float[np.ndarray, " n_omega"],
     commands: Mapping[str, Complex[np.ndarray, " n_omega"]],
 ) -> _Answer:
-    inputs = np.zeros((omega.size, len(model.inputs)), dtype=complex)
+    inputs = _deflections(model, flown, omega, commands)
     missed = np.zeros((omega.size, len(model.outputs)), dtype=complex)
     for name, command in commands.items():
-        inputs += flown.follow[name](omega) * command[:, None]
         if name in flown.missed:
             missed += flown.missed[name](omega) * command[:, None]
-    lines = LineModel(
-        Experiment(
-            name="design",
-            model=model,
-            instruments=flown.instruments(omega),
-            omega=omega,
-            inputs=inputs,
-            measured=missed,
-            group=np.zeros(omega.size, int),
-            group_names=("",),
-        ),
-        parameters,
-    )
+    lines = _line_model(model, parameters, omega, inputs, flown.instruments(omega))
     response = lines.respond(parameters.start)
-    alpha, rate = response.motion[:, 0], response.motion[:, 1]
-    load = model.condition.airspeed / GRAVITY * (rate - 1j * omega * alpha)
     sensitivity = lines.sensitivity(parameters.start, response)
     return _Answer(
         omega,
         response.outputs,
-        np.column_stack([inputs, load]),
+        _limited(model, omega, inputs, response.motion),
         lines.jacobian(sensitivity),
         missed,
     )
+
+
+def _deflections(
+    model: AeroelasticModel,
+    flown: AsFlown,
+    omega: Float[np.ndarray, " n_omega"],
+    commands: Mapping[str, Complex[np.ndarray, " n_omega"]],
+) -> Complex[np.ndarray, "n_omega n_u"]:
+    inputs = np.zeros((omega.size, len(model.inputs)), dtype=complex)
+    for name, command in commands.items():
+        inputs += flown.follow[name](omega) * command[:, None]
+    return inputs
+
+
+def _line_model(
+    model: AeroelasticModel,
+    parameters: Parameters,
+    omega: Float[np.ndarray, " n_omega"],
+    inputs: Complex[np.ndarray, "n_omega n_u"],
+    instruments: Complex[np.ndarray, "n_omega n_y"],
+) -> LineModel:
+    nothing = np.zeros(instruments.shape, dtype=complex)
+    group = np.zeros(omega.size, dtype=int)
+    experiment = Experiment("design", model, instruments, omega, inputs, nothing, group, ("",))
+    return LineModel(experiment, parameters)
+
+
+def _limited(
+    model: AeroelasticModel,
+    omega: Float[np.ndarray, " n_omega"],
+    inputs: Complex[np.ndarray, "n_omega n_u"],
+    motion: Complex[np.ndarray, "n_omega n_r"],
+) -> Complex[np.ndarray, "n_omega n_limited"]:
+    """Deflections, and the load factor at the centre of gravity: V (q - alpha-dot) / g."""
+    load = model.condition.airspeed / GRAVITY * (motion[:, 1] - 1j * omega * motion[:, 0])
+    return np.column_stack([inputs, load])
 
 
 def _gather(
@@ -286,20 +314,23 @@ def _gather(
     size = np.sqrt(level)
     J = J / size[:, None]
     density = noise / np.outer(size, size) + _smoothed(omega, left / size)
+    beside = size * np.sqrt(np.real(np.diagonal(density, axis1=1, axis2=2)))
     ends = np.cumsum([answer.omega.size for answer in answers])[:-1]
-    parts = [np.split(each, ends) for each in (J, density)]
+    parts = [np.split(each, ends) for each in (J, density, beside)]
     return Expectation(
         names=parameters.names,
         inputs=inputs,
         theta=parameters.start,
         information=np.stack([_products(own, own) for own in parts[0]]),
-        scatter=np.stack([_products(own, S @ own) for own, S in zip(*parts, strict=True)]),
+        scatter=np.stack(
+            [_products(own, S @ own) for own, S in zip(parts[0], parts[1], strict=True)]
+        ),
         prior=prior,
         limited=limited,
         waves=waves,
         lines=tuple(
-            ExpectedLines(answer.omega, answer.outputs / size, own)
-            for answer, own in zip(answers, parts[0], strict=True)
+            ExpectedLines(answer.omega, answer.outputs / level, own)
+            for answer, own, level in zip(answers, parts[0], parts[2], strict=True)
         ),
     )
 

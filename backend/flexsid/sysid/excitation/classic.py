@@ -2,37 +2,76 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from jaxtyping import Float
 
+from flexsid.sysid.signals import TimeHistory
 
-def doublet(
-    n_samples: int, rate_hz: float, pulse_s: float, peak: float
+KINDS = ("doublet", "3-2-1-1", "sweep")
+_PULSES = {"doublet": (1, -1), "3-2-1-1": (1, 1, 1, -1, -1, 1, -1)}
+
+
+def in_turn(
+    kind: str,
+    peaks: Mapping[str, float],
+    duration_s: float,
+    rate_hz: float,
+    record_s: float,
+    band_hz: tuple[float, float],
+    pulse_s: float | None = None,
+) -> TimeHistory:
+    """Move one surface after the other, each for its share of the duration.
+
+    Parameters
+    ----------
+    kind
+        ``doublet``, ``3-2-1-1`` or ``sweep``.
+    peaks
+        Largest command of each input, in the order of their turns. [rad]
+    duration_s
+        Of all turns together. [s]
+    rate_hz
+        Of the samples. [Hz]
+    record_s
+        Of the history: the rest is rest. [s]
+    band_hz
+        Of a sweep. [Hz]
+    pulse_s
+        Unit of time of pulses; must fit the turn. [s]
+    """
+    turn = int(duration_s / len(peaks) * rate_hz)
+    values = np.zeros((round(record_s * rate_hz), len(peaks)))
+    for column, peak in enumerate(peaks.values()):
+        if kind == "sweep":
+            samples = _sweep(turn, rate_hz, band_hz)
+        else:
+            samples = _pulses(_PULSES[kind], turn, round((pulse_s or 0.0) * rate_hz))
+        values[column * turn : (column + 1) * turn, column] = peak * samples
+    return TimeHistory(0.0, rate_hz, values, tuple(peaks))
+
+
+def pulse_lengths(
+    kind: str, duration_s: float, n_inputs: int, rate_hz: float, count: int = 6
+) -> Float[np.ndarray, " count"]:
+    """Units of time to choose from, from two samples to half a turn for all pulses. [s]"""
+    longest = 0.5 * duration_s / n_inputs / len(_PULSES[kind])
+    shortest = min(2.0 / rate_hz, longest)
+    return np.geomspace(shortest, longest, count)
+
+
+def _sweep(
+    n_samples: int, rate_hz: float, band_hz: tuple[float, float]
 ) -> Float[np.ndarray, " n_samples"]:
-    """One pulse up, one down. [unit of the peak]"""
-    return _pulses((1, -1), n_samples, rate_hz, pulse_s, peak)
-
-
-def three_two_one_one(
-    n_samples: int, rate_hz: float, pulse_s: float, peak: float
-) -> Float[np.ndarray, " n_samples"]:
-    """Pulses of 3, 2, 1 and 1 units of time, in alternate directions. [unit of the peak]"""
-    return _pulses((1, 1, 1, -1, -1, 1, -1), n_samples, rate_hz, pulse_s, peak)
-
-
-def sweep(
-    n_samples: int, rate_hz: float, band_hz: tuple[float, float], peak: float
-) -> Float[np.ndarray, " n_samples"]:
-    """Sine of a frequency that rises linearly over the whole record. [unit of the peak]"""
+    """Sine of unit size whose frequency rises linearly over the whole turn."""
     time = np.arange(n_samples) / rate_hz
     slope = (band_hz[1] - band_hz[0]) * rate_hz / n_samples
-    return peak * np.sin(2.0 * np.pi * (band_hz[0] + 0.5 * slope * time) * time)
+    return np.sin(2.0 * np.pi * (band_hz[0] + 0.5 * slope * time) * time)
 
 
-def _pulses(
-    signs: tuple[int, ...], n_samples: int, rate_hz: float, pulse_s: float, peak: float
-) -> Float[np.ndarray, " n_samples"]:
-    pulse = np.repeat(np.array(signs, dtype=float), max(1, round(pulse_s * rate_hz)))
+def _pulses(signs: tuple[int, ...], n_samples: int, unit: int) -> Float[np.ndarray, " n_samples"]:
+    pulse = np.repeat(np.array(signs, dtype=float), max(1, unit))
     samples = np.zeros(n_samples)
-    samples[: min(n_samples, pulse.size)] = peak * pulse[:n_samples]
+    samples[: min(n_samples, pulse.size)] = pulse[:n_samples]
     return samples

@@ -1,0 +1,136 @@
+import { Group, NumberInput } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { designChecksQuery } from "../api/queries";
+import type { Design, DesignChecks } from "../api/types";
+import { degrees, fixed } from "../lib/format";
+import type { DesignView } from "../views";
+import { DataTable, type Column } from "./DataTable";
+import { Loaded } from "./Loaded";
+import { Section } from "./Section";
+
+const RADIAN = 180 / Math.PI;
+const ACTUATOR = 60; // rad/s: a typical surface actuator until the user says another
+
+interface PartProps {
+  design: Design;
+  level: number;
+  view: DesignView;
+  onChange: (part: Partial<DesignView>) => void;
+}
+
+const CHECK_COLUMNS: Column<DesignChecks["inputs"][number]>[] = [
+  { key: "name", header: "Input", render: (row) => row.name },
+  { key: "rpf", header: "RPF", numeric: true, render: (row) => fixed(row.peak_factor, 3) },
+  {
+    key: "command",
+    header: "Command",
+    unit: "deg",
+    numeric: true,
+    render: (row) => fixed(degrees(row.command_peak), 2),
+  },
+  {
+    key: "deflection",
+    header: "Deflection",
+    unit: "deg",
+    numeric: true,
+    render: (row) => fixed(degrees(row.deflection_peak), 2),
+  },
+  {
+    key: "rate",
+    header: "Rate",
+    unit: "deg/s",
+    numeric: true,
+    render: (row) => fixed(degrees(row.rate_peak), 1),
+  },
+  {
+    key: "acceleration",
+    header: "Acceleration",
+    unit: "deg/s²",
+    numeric: true,
+    render: (row) => fixed(degrees(row.acceleration_peak), 0),
+  },
+  {
+    key: "limits",
+    header: "Limits",
+    render: (row) => (row.within_limits ? "within" : "exceeded"),
+  },
+];
+
+/** What the surfaces make of a design, against the limits of their actuators. */
+export function Checks({ design, level, view, onChange }: PartProps) {
+  const checks = useQuery(
+    designChecksQuery(design.id, level, {
+      natural_frequency: view.actuator ?? ACTUATOR,
+      position: view.position === undefined ? undefined : view.position / RADIAN,
+      rate: view.rate === undefined ? undefined : view.rate / RADIAN,
+    }),
+  );
+  return (
+    <Section title="Behind the actuator" note="Largest of one period, damping ratio 0.7">
+      <Group mb="sm">
+        <Limit
+          label="Natural frequency [rad/s]"
+          value={view.actuator}
+          placeholder={String(ACTUATOR)}
+          onChange={(actuator) => {
+            onChange({ actuator });
+          }}
+        />
+        <Limit
+          label="Deflection limit [deg]"
+          value={view.position}
+          onChange={(position) => {
+            onChange({ position });
+          }}
+        />
+        <Limit
+          label="Rate limit [deg/s]"
+          value={view.rate}
+          onChange={(rate) => {
+            onChange({ rate });
+          }}
+        />
+      </Group>
+      <Loaded query={checks} rows={design.wish.inputs.length}>
+        {(found) => (
+          <>
+            <DataTable
+              label="Inputs"
+              testId="design-checks"
+              columns={CHECK_COLUMNS}
+              rows={found.inputs}
+              rowKey={(row) => row.name}
+              isSelected={(row) => !row.within_limits}
+            />
+            <p className="quiet">
+              Largest correlation between two inputs over a period:{" "}
+              {found.correlation.toExponential(1)}
+            </p>
+          </>
+        )}
+      </Loaded>
+    </Section>
+  );
+}
+
+interface LimitProps {
+  label: string;
+  value: number | undefined;
+  placeholder?: string;
+  onChange: (value: number | undefined) => void;
+}
+
+function Limit({ label, value, placeholder = "none", onChange }: LimitProps) {
+  return (
+    <NumberInput
+      label={label}
+      placeholder={placeholder}
+      min={0.01}
+      w={190}
+      value={value ?? ""}
+      onChange={(next) => {
+        onChange(typeof next === "number" && next > 0 ? next : undefined);
+      }}
+    />
+  );
+}

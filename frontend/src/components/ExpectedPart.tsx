@@ -1,0 +1,162 @@
+import { useQuery } from "@tanstack/react-query";
+import { expectedErrorsQuery, expectedResponseQuery } from "../api/queries";
+import type { Design, ExpectedError, ExpectedMode, ExpectedSummary } from "../api/types";
+import { fixed, relativeError, withError } from "../lib/format";
+import { DataTable, type Column } from "./DataTable";
+import { DerivativeName } from "./DerivativeName";
+import { Figure } from "./Figure";
+import { Loaded } from "./Loaded";
+import { Section } from "./Section";
+
+const EXPECTED_COLUMNS: Column<ExpectedError>[] = [
+  { key: "name", header: "Derivative", render: (row) => <DerivativeName name={row.name} /> },
+  {
+    key: "value",
+    header: "Value of the run",
+    numeric: true,
+    render: (row) => withError(row.value, row.std_error).value,
+  },
+  {
+    key: "error",
+    header: "Expected σ",
+    numeric: true,
+    render: (row) => withError(row.value, row.std_error).error,
+  },
+  {
+    key: "relative",
+    header: "of the value",
+    unit: "%",
+    numeric: true,
+    render: (row) => fixed(relativeError(row.value, row.std_error), 1),
+  },
+];
+
+const MODE_COLUMNS: Column<ExpectedMode>[] = [
+  { key: "name", header: "Mode", render: (mode) => mode.name },
+  {
+    key: "frequency",
+    header: "Frequency",
+    unit: "Hz",
+    numeric: true,
+    render: (mode) => fixed(mode.frequency_hz, 2),
+  },
+  { key: "damping", header: "ζ", numeric: true, render: (mode) => fixed(mode.damping, 3) },
+  {
+    key: "lines",
+    header: "Lines in its half-power band",
+    numeric: true,
+    render: (mode) => mode.lines,
+  },
+  { key: "output", header: "Seen best by", render: (mode) => mode.output },
+  {
+    key: "signal",
+    header: "Signal over noise",
+    unit: "dB",
+    numeric: true,
+    render: (mode) => fixed(20 * Math.log10(mode.signal_to_noise), 1),
+  },
+];
+
+interface Row {
+  name: string;
+  values: number[];
+}
+
+const correlationColumns = (surfaces: string[]): Column<Row>[] => [
+  { key: "name", header: "Deflection", render: (row) => row.name },
+  ...surfaces.map((name, place) => ({
+    key: name,
+    header: name,
+    numeric: true,
+    render: (row: Row) => fixed(row.values[place] ?? null, 3),
+  })),
+];
+
+/** What a design would tell of a run's derivatives: errors, signals, correlation, lines. */
+export function ExpectedPart({
+  design,
+  level,
+  run,
+}: {
+  design: Design;
+  level: number;
+  run: number;
+}) {
+  const errors = useQuery(expectedErrorsQuery(design.id, level, run));
+  const response = useQuery(expectedResponseQuery(design.id, level, run));
+  const params = { design_id: design.id, run_id: run, level };
+  return (
+    <>
+      <Section
+        title="Modes"
+        note="Best output around each identified frequency; what the model misses counts as noise"
+      >
+        <Loaded query={response} rows={5}>
+          {(told) => (
+            <DataTable
+              label="Modes"
+              testId="expected-modes"
+              columns={MODE_COLUMNS}
+              rows={told.modes}
+              rowKey={(mode) => mode.name}
+            />
+          )}
+        </Loaded>
+      </Section>
+      <div className="panel" style={{ padding: 12 }}>
+        <Figure kind="design-signal" title="Signal over noise at every line" params={params} />
+      </div>
+      <div className="panel" style={{ padding: 12 }}>
+        <Figure
+          kind="design-worth"
+          title="What each line buys: parameters' worth of information"
+          params={params}
+        />
+      </div>
+      <Section
+        title="Correlation of the deflections"
+        note="Over one period, feedback and actuators included; 0.9 is too much"
+      >
+        <Loaded query={response} rows={5}>
+          {(told) => <Correlation told={told} />}
+        </Loaded>
+      </Section>
+      <Section
+        title="Standard errors"
+        note="For the model, condition and noise of the run; what its model misses grows with the amplitude"
+      >
+        <Loaded query={errors} rows={10}>
+          {(told) => (
+            <>
+              <p className="quiet">
+                Surfaces follow {told.surfaces}.
+                {told.lines_outside > 0 &&
+                  ` ${told.lines_outside} lines lie outside those of the run: what is known at its ends is taken to hold there.`}
+              </p>
+              <DataTable
+                label="Expected standard errors"
+                testId="expected-errors"
+                columns={EXPECTED_COLUMNS}
+                rows={told.items}
+                rowKey={(row) => row.name}
+                maxHeight={560}
+              />
+            </>
+          )}
+        </Loaded>
+      </Section>
+    </>
+  );
+}
+
+function Correlation({ told }: { told: ExpectedSummary }) {
+  return (
+    <DataTable
+      label="Correlation of the deflections"
+      testId="expected-correlation"
+      columns={correlationColumns(told.surfaces)}
+      rows={told.surfaces.map((name, row) => ({ name, values: told.correlation[row] ?? [] }))}
+      rowKey={(row) => row.name}
+    />
+  );
+}
