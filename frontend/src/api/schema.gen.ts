@@ -955,6 +955,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/designs/{design_id}/expected-response": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Expect Response
+         * @description Tell how far modes stand out of the noise, and how surfaces would be correlated.
+         */
+        get: operations["expect_response"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/designs/{design_id}/classic-inputs": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Compare Classic Inputs
+         * @description Compare a design with doublets, 3-2-1-1s and sweeps that keep its limits; seconds.
+         */
+        get: operations["compare_classic_inputs"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/designs/{design_id}/allocation": {
         parameters: {
             query?: never;
@@ -1442,6 +1482,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/figures/design-worth": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Design Worth
+         * @description Draw what each line of a design is worth for the parameters of a run.
+         */
+        get: operations["draw_design_worth"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/design-signal": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Design Signal
+         * @description Draw each output's expected signal over noise at each line of a design.
+         */
+        get: operations["draw_design_signal"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/figures/loops": {
         parameters: {
             query?: never;
@@ -1757,6 +1837,32 @@ export interface components {
                 string,
                 number
             ][];
+        };
+        /**
+         * ComparedInput
+         * @description One way to excite: largest deflection [rad], load factor [g], energy [rad2 s].
+         *
+         *     ``pulse_s`` is the pulse length that told most; ``std_errors`` are empty, and ``lacking``
+         *     says why, where derivatives are not told apart.
+         */
+        ComparedInput: {
+            /** Kind */
+            kind: string;
+            /** Pulse S */
+            pulse_s: number | null;
+            /** Deflection */
+            deflection: number;
+            /** Load Factor */
+            load_factor: number;
+            /** Energy */
+            energy: number;
+            /** Std Errors */
+            std_errors: number[];
+            /**
+             * Lacking
+             * @default
+             */
+            lacking: string;
         };
         /**
          * Comparison
@@ -2081,6 +2187,43 @@ export interface components {
             lines_outside: number;
             /** Next */
             next?: string | null;
+        };
+        /**
+         * ExpectedMode
+         * @description How well a design shows a mode: the best output around its frequency.
+         *
+         *     ``lines`` are those within the mode's half-power band or next to it;
+         *     ``signal_to_noise`` is the amplitude ratio of ``output`` there. [Hz], [1], [1]
+         */
+        ExpectedMode: {
+            /** Name */
+            name: string;
+            /** Frequency Hz */
+            frequency_hz: number;
+            /** Damping */
+            damping: number;
+            /** Lines */
+            lines: number;
+            /** Output */
+            output: string;
+            /** Signal To Noise */
+            signal_to_noise: number;
+        };
+        /**
+         * ExpectedSummary
+         * @description Modes, correlation of the true deflections, parameters told by each input's lines.
+         */
+        ExpectedSummary: {
+            /** Modes */
+            modes: components["schemas"]["ExpectedMode"][];
+            /** Surfaces */
+            surfaces: string[];
+            /** Correlation */
+            correlation: number[][];
+            /** Worth */
+            worth: {
+                [key: string]: number;
+            };
         };
         /**
          * ExportedLines
@@ -2489,6 +2632,20 @@ export interface components {
             acceleration_peak: number;
             /** Within Limits */
             within_limits: boolean;
+        };
+        /**
+         * InputComparison
+         * @description Multisine first, then classic inputs; standard errors in the order of ``names``.
+         */
+        InputComparison: {
+            /** Names */
+            names: string[];
+            /** Values */
+            values: number[];
+            /** Inputs */
+            inputs: components["schemas"]["ComparedInput"][];
+            /** Next */
+            next?: string | null;
         };
         /**
          * InputRequest
@@ -6148,6 +6305,78 @@ export interface operations {
             };
         };
     };
+    expect_response: {
+        parameters: {
+            query: {
+                run_id: number;
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                level?: number;
+            };
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                design_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ExpectedSummary"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    compare_classic_inputs: {
+        parameters: {
+            query: {
+                run_id: number;
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                level?: number;
+            };
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                design_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["InputComparison"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     allocate_amplitudes: {
         parameters: {
             query: {
@@ -7030,6 +7259,78 @@ export interface operations {
         parameters: {
             query: {
                 design_id: number;
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                level?: number;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_design_worth: {
+        parameters: {
+            query: {
+                design_id: number;
+                run_id: number;
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                level?: number;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_design_signal: {
+        parameters: {
+            query: {
+                design_id: number;
+                run_id: number;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
                 /** @description Figure, or the numbers it shows. */
