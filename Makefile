@@ -62,7 +62,7 @@ $(VENV)/.installed: $(VENV)/.locked pyproject.toml hatch_build.py $(PAGE)
 
 lock: | $(BIN)/python
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
-		--no-header --group test pyproject.toml --output-file requirements.lock
+		--no-header --group test --group contract --group docs pyproject.toml --output-file requirements.lock
 
 # --- Running ---------------------------------------------------------------
 

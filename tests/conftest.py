@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import shutil
+import socket
+import threading
+import time
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +23,8 @@ from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.model.instruments import Butterworth, FirstOrder, Instrument, SecondOrder
+
+Listening = Callable[[Path], AbstractContextManager[str]]
 
 AIRCRAFT = Aircraft(
     name="X-1",
@@ -177,3 +184,39 @@ def flown_url(flown_file: Path, tmp_path: Path) -> str:
     file = tmp_path / "flown.db"
     file.write_bytes(flown_file.read_bytes())
     return f"sqlite:///{file}"
+
+
+@pytest.fixture(scope="session")
+def live_url(
+    flown_file: Path, listening: Listening, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[str]:
+    """Address of a server that listens; maneuver 1 was flown, and run 1, EE, succeeded."""
+    file = tmp_path_factory.mktemp("live") / "flown.db"
+    shutil.copy(flown_file, file)
+    with listening(file) as url:
+        yield url
+
+
+@pytest.fixture(scope="session")
+def listening() -> Listening:
+    """Serve a database on a free port, in this process; to be used in a ``with``."""
+    import uvicorn
+
+    from flexsid.api.app import create_app
+    from flexsid.settings import Settings
+
+    @contextmanager
+    def serve(file: Path) -> Iterator[str]:
+        app = create_app(Settings(database=f"sqlite:///{file}"))
+        server = uvicorn.Server(uvicorn.Config(app, log_level="warning", access_log=False))
+        with socket.create_server(("127.0.0.1", 0)) as port:
+            thread = threading.Thread(target=server.run, kwargs={"sockets": [port]})
+            thread.start()
+            while not server.started:
+                assert thread.is_alive()
+                time.sleep(0.01)
+            yield f"http://127.0.0.1:{port.getsockname()[1]}"
+            server.should_exit = True
+            thread.join()
+
+    return serve

@@ -15,6 +15,7 @@ from fastapi.routing import APIRoute
 import flexsid
 from flexsid.api.body_limit import BodyLimit
 from flexsid.api.context import Context
+from flexsid.api.description import describe
 from flexsid.api.docs import add_docs
 from flexsid.api.errors import Problem, add_error_handlers
 from flexsid.api.guards import Guards
@@ -127,6 +128,7 @@ def create_app(
     ):
         api.include_router(module.router)
     app.include_router(api)
+    describe(app)
     add_docs(app)
     add_page(app)
     add_error_handlers(app)

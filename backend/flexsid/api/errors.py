@@ -11,6 +11,7 @@ from typing import Any
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
+from starlette.routing import compile_path
 
 from flexsid.api.wire import dump
 from flexsid.errors import (
@@ -108,7 +109,20 @@ async def _http_error(request: Request, error: Exception) -> Response:
     code = _CODES.get(error.status_code, "http-error")
     answer = problem(error.status_code, code, detail)
     answer.headers.update(error.headers or {})
+    if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+        answer.headers["Allow"] = ", ".join(_methods_at(request))
     return answer
+
+
+def _methods_at(request: Request) -> list[str]:
+    """What is possible at a path; a route knows only its own method."""
+    described: dict[str, dict[str, Any]] = request.app.openapi()["paths"]
+    here = request.url.path
+    found = described.get(here) or next(
+        (methods for path, methods in described.items() if compile_path(path)[0].match(here)),
+        {"get": None},
+    )
+    return [method.upper() for method in found]
 
 
 async def _unexpected(_request: Request, _error: Exception) -> Response:

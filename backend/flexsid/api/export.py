@@ -17,6 +17,17 @@ Form = Annotated[
 ]
 
 
+FILES: dict[int | str, dict[str, Any]] = {
+    200: {
+        "content": {
+            media: {"schema": {"type": "string", "format": "binary"}}
+            for media in ("text/csv", "application/octet-stream")
+        }
+    }
+}
+"""What a figure's answer may be besides JSON, as the description tells it."""
+
+
 def sent(spec: dict[str, Any], form: Form) -> Response:
     """Answer with a figure, or with its numbers as a file."""
     if form == "csv":

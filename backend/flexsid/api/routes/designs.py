@@ -28,7 +28,7 @@ Effort = Literal["quick", "thorough", "patient"]
 Positive = Annotated[float, Field(strict=True, gt=0.0, le=1e5, allow_inf_nan=False)]
 Harmonic = Annotated[int, Field(strict=True, ge=1, le=20_000)]
 Level = Annotated[int, Query(ge=0, le=2, description="Amplitude: 0 low, 1 medium, 2 high.")]
-Limit = Annotated[float | None, Query(gt=0.0, allow_inf_nan=False)]
+Limit = Annotated[float | None, Query(ge=1e-6, le=1e9, allow_inf_nan=False)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -186,8 +186,8 @@ def delete_design(store: TheStore, design_id: Identity) -> Response:
 def check_design(
     store: TheStore,
     design_id: Identity,
-    natural_frequency: Annotated[float, Query(gt=0.0, description="Actuator's. [rad/s]")],
-    damping: Annotated[float, Query(gt=0.0, le=10.0)] = 0.7,
+    natural_frequency: Annotated[float, Query(ge=0.01, le=1e5, description="Actuator's. [rad/s]")],
+    damping: Annotated[float, Query(ge=0.001, le=10.0)] = 0.7,
     delay_s: Annotated[float, Query(ge=0.0, le=10.0)] = 0.0,
     position: Limit = None,
     rate: Limit = None,

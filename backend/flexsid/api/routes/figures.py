@@ -10,7 +10,7 @@ from fastapi.responses import Response
 
 from flexsid import figures
 from flexsid.api.context import TheStore
-from flexsid.api.export import Form, sent
+from flexsid.api.export import FILES, Form, sent
 from flexsid.api.routes.designs import Level
 from flexsid.api.routes.flutter import TheQuestion
 from flexsid.api.routes.maneuvers import Filters
@@ -19,7 +19,7 @@ from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow import excitation, flutter, ground_tests, reconstruction, views
 from flexsid.workflow.foresight import expected_response
 
-router = APIRouter(prefix="/figures", tags=["figures"])
+router = APIRouter(prefix="/figures", tags=["figures"], responses=FILES)
 
 _Id = Annotated[int, Query(ge=1, le=LARGEST_ID)]
 _Ids = Annotated[str | None, Query(description="Ids separated by commas.")]

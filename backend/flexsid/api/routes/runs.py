@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Depends, Query, Response, status
 
@@ -22,6 +22,9 @@ from flexsid.workflow.identified_export import ModelExport, export_model, matlab
 router = APIRouter(prefix="/runs", tags=["runs"])
 
 _Finite = Annotated[float | None, Query(allow_inf_nan=False)]
+_MATLAB: dict[int | str, dict[str, Any]] = {
+    200: {"content": {"application/octet-stream": {"schema": {"type": "string"}}}}
+}
 
 
 @router.post("", response_model=Run, status_code=status.HTTP_202_ACCEPTED)
@@ -126,7 +129,7 @@ def get_run_export(store: TheStore, run_id: Identity) -> Json:
     return Json(export_run(store, run_id), headers=name)
 
 
-@router.get("/{run_id}/model", response_model=ModelExport)
+@router.get("/{run_id}/model", response_model=ModelExport, responses=_MATLAB)
 def get_run_model(
     store: TheStore,
     run_id: Identity,

@@ -63,6 +63,8 @@ def bode(
         If an input was not excited, or the excitation is not known.
     """
     names = tuple(dict.fromkeys(outputs))
+    if not names:
+        raise BadInput("a frequency response takes at least one output", code="no-output")
     maneuvers = [store.maneuvers.get(number) for number in dict.fromkeys((maneuver_id, *beside))]
     first = maneuvers[0]
     flown = [measured_responses(store, m, names, windowed=windowed) for m in maneuvers]

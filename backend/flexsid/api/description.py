@@ -1,0 +1,124 @@
+"""The description of the interface: what FastAPI tells, with refusals and examples as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from fastapi import FastAPI
+
+_PROBLEM = "application/problem+json"
+
+# An example by the name of a parameter; ids are 1 unless they stand here.
+_EXAMPLES: dict[str, Any] = {
+    "aircraft_id": 1,
+    "fta": 506,
+    "min_airspeed_ratio": 0.5,
+    "max_airspeed_ratio": 1.1,
+    "min_fuel": 0.0,
+    "max_fuel": 1.0,
+    "fuel": 0.5,
+    "search": "FLEX",
+    "sort": "-airspeed_ratio",
+    "limit": 100,
+    "channels": "bfs,q",
+    "output": "q",
+    "outputs": "q",
+    "inputs": "bfs",
+    "modes": "7,9",
+    "start_s": 0.0,
+    "stop_s": 5.0,
+    "coefficient": "Cm",
+    "natural_frequency": 60.0,
+    "damping": 0.7,
+    "position": 0.35,
+    "rate": 2.0,
+    "acceleration": 100.0,
+    "altitude_m": 1000.0,
+    "next_m_s": 45.0,
+    "upload_id": "5b0c2a",
+    "version": 1,
+}
+
+_STRUCTURE = {"modes": [7, 9], "inputs": ["bfs", "wf1s"], "outputs": ["q", "az_egi"]}
+_MAPPING = """[aircraft]
+builtin = "FLEX-28"
+[flight]
+number = 12
+[time]
+column = "t_s"
+[[channels]]
+column = "bf_sym"
+name = "bfs"
+unit = "deg"
+role = "input"
+"""
+
+# Bodies by operation.
+_BODIES: dict[str, Any] = {
+    "request_run": {
+        "maneuver_id": 1,
+        "method": "OE",
+        "structure": {"modes": [7, 9]},
+        "settings": {"prior_spread": 0.5},
+    },
+    "add_model_structure": {"aircraft_id": 1, "name": "SP + SW1B", "structure": _STRUCTURE},
+    "edit_model_structure": {"name": "SP + SW1B", "structure": _STRUCTURE, "version": 1},
+    "change_maneuvers": {"ids": [1], "action": "tag", "tag": "doubtful"},
+    "change_runs": {"ids": [1], "action": "tag", "tag": "baseline"},
+    "add_saved_view": {"page": "runs", "name": "my runs", "search": "method=OE"},
+    "create_design": {
+        "name": "FTA 500, first try",
+        "fta": 500,
+        "duration_s": 24.0,
+        "rate_hz": 100.0,
+        "first_harmonic": 6,
+        "peaks": [0.0175, 0.035, 0.07],
+        "effort": "quick",
+    },
+    "add_mapping": {"name": "recorder A", "text": _MAPPING},
+    "check_upload": {"mapping": _MAPPING},
+    "preview_upload": {"mapping": _MAPPING, "channels": ["bfs"]},
+    "import_upload": {"mapping": _MAPPING, "aircraft_id": 1},
+}
+
+
+def describe(app: FastAPI) -> None:
+    """Amend what the application tells of itself, once, when it is first asked."""
+    told = app.openapi
+
+    def openapi() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            for operation in operations(told()):
+                _amend(operation)
+        return told()
+
+    app.openapi = openapi
+
+
+def operations(schema: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """Every operation of a description."""
+    for methods in schema["paths"].values():
+        yield from methods.values()
+
+
+def _amend(operation: dict[str, Any]) -> None:
+    for status, answer in operation["responses"].items():
+        if status.startswith("4") and "application/json" in answer["content"]:
+            answer["content"] = {_PROBLEM: answer["content"]["application/json"]}
+    body = operation.get("requestBody", {}).get("content", {}).get("application/json")
+    if body is not None and operation["operationId"] in _BODIES:
+        body["example"] = _BODIES[operation["operationId"]]
+    for parameter in operation.get("parameters", ()):
+        if "example" not in parameter and "examples" not in parameter:
+            example = _example(parameter["name"])
+            if example is not None:
+                parameter["example"] = example
+
+
+def _example(name: str) -> Any:
+    if name in _EXAMPLES:
+        return _EXAMPLES[name]
+    if name.endswith("_ids"):
+        return "1"
+    return 1 if name.endswith("_id") else None
