@@ -4383,7 +4383,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4412,7 +4412,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4422,7 +4422,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 aircraft_id: number;
             };
             cookie?: never;
@@ -4444,7 +4447,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4452,6 +4455,7 @@ export interface operations {
     list_flights: {
         parameters: {
             query?: {
+                /** @example 1 */
                 aircraft_id?: number | null;
             };
             header?: never;
@@ -4475,7 +4479,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4485,7 +4489,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 flight_id: number;
             };
             cookie?: never;
@@ -4507,7 +4514,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4517,7 +4524,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 flight_id: number;
             };
             cookie?: never;
@@ -4539,7 +4549,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4547,6 +4557,7 @@ export interface operations {
     list_ground_tests: {
         parameters: {
             query?: {
+                /** @example 1 */
                 aircraft_id?: number | null;
             };
             header?: never;
@@ -4570,7 +4581,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4580,7 +4591,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 flight_id: number;
             };
             cookie?: never;
@@ -4602,7 +4616,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4610,23 +4624,45 @@ export interface operations {
     list_maneuvers: {
         parameters: {
             query?: {
-                /** @description `-` for falling order, then one of aircraft_name, airspeed_m_s, airspeed_ratio, axis, created_at, duration_s, dynamic_pressure_pa, flight_number, fta, fuel_fraction, id, label, max_input_correlation, n_runs. */
+                /**
+                 * @description `-` for falling order, then one of aircraft_name, airspeed_m_s, airspeed_ratio, axis, created_at, duration_s, dynamic_pressure_pa, flight_number, fta, fuel_fraction, id, label, max_input_correlation, n_runs.
+                 * @example -airspeed_ratio
+                 */
                 sort?: string;
-                /** @description Most items to answer. */
+                /**
+                 * @description Most items to answer.
+                 * @example 100
+                 */
                 limit?: number;
                 /** @description `next` of the page before. */
                 after?: string | null;
+                /** @example 1 */
                 aircraft_id?: number | null;
+                /** @example 1 */
                 flight_id?: number | null;
-                /** @description Number of the flight-test aid. */
+                /**
+                 * @description Number of the flight-test aid.
+                 * @example 506
+                 */
                 fta?: number | null;
-                /** @description Least V/V_f. */
+                /**
+                 * @description Least V/V_f.
+                 * @example 0.5
+                 */
                 min_airspeed_ratio?: number | null;
-                /** @description Largest V/V_f. */
+                /**
+                 * @description Largest V/V_f.
+                 * @example 1.1
+                 */
                 max_airspeed_ratio?: number | null;
+                /** @example 0 */
                 min_fuel?: number | null;
+                /** @example 1 */
                 max_fuel?: number | null;
-                /** @description Part of label, note, file or aircraft. */
+                /**
+                 * @description Part of label, note, file or aircraft.
+                 * @example FLEX
+                 */
                 search?: string | null;
                 /** @description Only maneuvers with a run of this method. */
                 method?: components["schemas"]["Method"] | null;
@@ -4660,7 +4696,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4693,7 +4729,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4701,17 +4737,33 @@ export interface operations {
     list_maneuver_facets: {
         parameters: {
             query?: {
+                /** @example 1 */
                 aircraft_id?: number | null;
+                /** @example 1 */
                 flight_id?: number | null;
-                /** @description Number of the flight-test aid. */
+                /**
+                 * @description Number of the flight-test aid.
+                 * @example 506
+                 */
                 fta?: number | null;
-                /** @description Least V/V_f. */
+                /**
+                 * @description Least V/V_f.
+                 * @example 0.5
+                 */
                 min_airspeed_ratio?: number | null;
-                /** @description Largest V/V_f. */
+                /**
+                 * @description Largest V/V_f.
+                 * @example 1.1
+                 */
                 max_airspeed_ratio?: number | null;
+                /** @example 0 */
                 min_fuel?: number | null;
+                /** @example 1 */
                 max_fuel?: number | null;
-                /** @description Part of label, note, file or aircraft. */
+                /**
+                 * @description Part of label, note, file or aircraft.
+                 * @example FLEX
+                 */
                 search?: string | null;
                 /** @description Only maneuvers with a run of this method. */
                 method?: components["schemas"]["Method"] | null;
@@ -4745,7 +4797,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4759,6 +4811,15 @@ export interface operations {
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "ids": [
+                 *         1
+                 *       ],
+                 *       "action": "tag",
+                 *       "tag": "doubtful"
+                 *     }
+                 */
                 "application/json": components["schemas"]["ChangeRequest"];
             };
         };
@@ -4778,7 +4839,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4788,7 +4849,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 maneuver_id: number;
             };
             cookie?: never;
@@ -4810,7 +4874,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4820,7 +4884,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 maneuver_id: number;
             };
             cookie?: never;
@@ -4840,7 +4907,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4869,7 +4936,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4883,6 +4950,12 @@ export interface operations {
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "name": "recorder A",
+                 *       "text": "[aircraft]\nbuiltin = \"FLEX-28\"\n[flight]\nnumber = 12\n[time]\ncolumn = \"t_s\"\n[[channels]]\ncolumn = \"bf_sym\"\nname = \"bfs\"\nunit = \"deg\"\nrole = \"input\"\n"
+                 *     }
+                 */
                 "application/json": components["schemas"]["MappingRequest"];
             };
         };
@@ -4902,7 +4975,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4912,7 +4985,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 mapping_id: number;
             };
             cookie?: never;
@@ -4934,7 +5010,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4944,7 +5020,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 mapping_id: number;
             };
             cookie?: never;
@@ -4964,7 +5043,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -4997,7 +5076,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5007,7 +5086,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the upload. */
+                /**
+                 * @description Id of the upload.
+                 * @example 5b0c2a
+                 */
                 upload_id: string;
             };
             cookie?: never;
@@ -5029,7 +5111,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5039,7 +5121,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the upload. */
+                /**
+                 * @description Id of the upload.
+                 * @example 5b0c2a
+                 */
                 upload_id: string;
             };
             cookie?: never;
@@ -5059,7 +5144,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5069,7 +5154,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the upload. */
+                /**
+                 * @description Id of the upload.
+                 * @example 5b0c2a
+                 */
                 upload_id: string;
             };
             cookie?: never;
@@ -5091,7 +5179,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5101,13 +5189,21 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the upload. */
+                /**
+                 * @description Id of the upload.
+                 * @example 5b0c2a
+                 */
                 upload_id: string;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "mapping": "[aircraft]\nbuiltin = \"FLEX-28\"\n[flight]\nnumber = 12\n[time]\ncolumn = \"t_s\"\n[[channels]]\ncolumn = \"bf_sym\"\nname = \"bfs\"\nunit = \"deg\"\nrole = \"input\"\n"
+                 *     }
+                 */
                 "application/json": components["schemas"]["UploadMappingRequest"];
             };
         };
@@ -5127,7 +5223,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5137,13 +5233,24 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the upload. */
+                /**
+                 * @description Id of the upload.
+                 * @example 5b0c2a
+                 */
                 upload_id: string;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "mapping": "[aircraft]\nbuiltin = \"FLEX-28\"\n[flight]\nnumber = 12\n[time]\ncolumn = \"t_s\"\n[[channels]]\ncolumn = \"bf_sym\"\nname = \"bfs\"\nunit = \"deg\"\nrole = \"input\"\n",
+                 *       "channels": [
+                 *         "bfs"
+                 *       ]
+                 *     }
+                 */
                 "application/json": components["schemas"]["PreviewRequest"];
             };
         };
@@ -5163,7 +5270,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5173,13 +5280,22 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the upload. */
+                /**
+                 * @description Id of the upload.
+                 * @example 5b0c2a
+                 */
                 upload_id: string;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "mapping": "[aircraft]\nbuiltin = \"FLEX-28\"\n[flight]\nnumber = 12\n[time]\ncolumn = \"t_s\"\n[[channels]]\ncolumn = \"bf_sym\"\nname = \"bfs\"\nunit = \"deg\"\nrole = \"input\"\n",
+                 *       "aircraft_id": 1
+                 *     }
+                 */
                 "application/json": components["schemas"]["UploadMappingRequest"];
             };
         };
@@ -5199,7 +5315,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5207,6 +5323,7 @@ export interface operations {
     list_modal_tables: {
         parameters: {
             query?: {
+                /** @example 1 */
                 aircraft_id?: number | null;
                 kind?: components["schemas"]["ModalKind"] | null;
             };
@@ -5231,7 +5348,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5241,7 +5358,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 modal_table_id: number;
             };
             cookie?: never;
@@ -5263,7 +5383,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5271,6 +5391,7 @@ export interface operations {
     list_predictions: {
         parameters: {
             query?: {
+                /** @example 1 */
                 aircraft_id?: number | null;
             };
             header?: never;
@@ -5294,7 +5415,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5302,12 +5423,18 @@ export interface operations {
     get_prediction: {
         parameters: {
             query?: {
-                /** @description Fuel fraction; by default the first. */
+                /**
+                 * @description Fuel fraction; by default the first.
+                 * @example 0.5
+                 */
                 fuel?: number | null;
             };
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 prediction_id: number;
             };
             cookie?: never;
@@ -5329,7 +5456,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5337,6 +5464,7 @@ export interface operations {
     list_model_structures: {
         parameters: {
             query?: {
+                /** @example 1 */
                 aircraft_id?: number | null;
             };
             header?: never;
@@ -5360,7 +5488,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5377,6 +5505,26 @@ export interface operations {
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "aircraft_id": 1,
+                 *       "name": "SP + SW1B",
+                 *       "structure": {
+                 *         "modes": [
+                 *           7,
+                 *           9
+                 *         ],
+                 *         "inputs": [
+                 *           "bfs",
+                 *           "wf1s"
+                 *         ],
+                 *         "outputs": [
+                 *           "q",
+                 *           "az_egi"
+                 *         ]
+                 *       }
+                 *     }
+                 */
                 "application/json": components["schemas"]["ModelStructureRequest"];
             };
         };
@@ -5396,7 +5544,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5406,7 +5554,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 structure_id: number;
             };
             cookie?: never;
@@ -5428,7 +5579,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5443,13 +5594,36 @@ export interface operations {
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 structure_id: number;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "name": "SP + SW1B",
+                 *       "structure": {
+                 *         "modes": [
+                 *           7,
+                 *           9
+                 *         ],
+                 *         "inputs": [
+                 *           "bfs",
+                 *           "wf1s"
+                 *         ],
+                 *         "outputs": [
+                 *           "q",
+                 *           "az_egi"
+                 *         ]
+                 *       },
+                 *       "version": 1
+                 *     }
+                 */
                 "application/json": components["schemas"]["StructureEditRequest"];
             };
         };
@@ -5469,7 +5643,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["StaleStructure"];
+                    "application/problem+json": components["schemas"]["StaleStructure"];
                 };
             };
             /** @description Client Error */
@@ -5478,7 +5652,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5488,7 +5662,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 structure_id: number;
             };
             cookie?: never;
@@ -5510,7 +5687,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5520,9 +5697,15 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 structure_id: number;
-                /** @description Version of the record. */
+                /**
+                 * @description Version of the record.
+                 * @example 1
+                 */
                 version: number;
             };
             cookie?: never;
@@ -5544,7 +5727,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5552,26 +5735,44 @@ export interface operations {
     list_runs: {
         parameters: {
             query?: {
-                /** @description `-` for falling order, then one of airspeed_ratio, author, created_at, dynamic_pressure_pa, finished_at, flight_number, fta, fuel_fraction, id, maneuver_label, method, state. */
+                /**
+                 * @description `-` for falling order, then one of airspeed_ratio, author, created_at, dynamic_pressure_pa, finished_at, flight_number, fta, fuel_fraction, id, maneuver_label, method, state.
+                 * @example -airspeed_ratio
+                 */
                 sort?: string;
-                /** @description Most items to answer. */
+                /**
+                 * @description Most items to answer.
+                 * @example 100
+                 */
                 limit?: number;
                 /** @description `next` of the page before. */
                 after?: string | null;
+                /** @example 1 */
                 aircraft_id?: number | null;
+                /** @example 1 */
                 flight_id?: number | null;
+                /** @example 1 */
                 maneuver_id?: number | null;
+                /** @example 1 */
                 structure_id?: number | null;
+                /** @example 506 */
                 fta?: number | null;
+                /** @example 0.5 */
                 min_airspeed_ratio?: number | null;
+                /** @example 1.1 */
                 max_airspeed_ratio?: number | null;
+                /** @example 0 */
                 min_fuel?: number | null;
+                /** @example 1 */
                 max_fuel?: number | null;
                 method?: components["schemas"]["Method"] | null;
                 state?: components["schemas"]["RunState"] | null;
                 /** @description Only tagged so. */
                 tag?: string | null;
-                /** @description Part of maneuver or author, or an id. */
+                /**
+                 * @description Part of maneuver or author, or an id.
+                 * @example FLEX
+                 */
                 search?: string | null;
                 /** @description What was deleted instead. */
                 deleted?: boolean;
@@ -5597,7 +5798,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5614,6 +5815,21 @@ export interface operations {
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "maneuver_id": 1,
+                 *       "method": "OE",
+                 *       "structure": {
+                 *         "modes": [
+                 *           7,
+                 *           9
+                 *         ]
+                 *       },
+                 *       "settings": {
+                 *         "prior_spread": 0.5
+                 *       }
+                 *     }
+                 */
                 "application/json": components["schemas"]["RunRequest"];
             };
         };
@@ -5633,7 +5849,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5641,20 +5857,32 @@ export interface operations {
     list_run_facets: {
         parameters: {
             query?: {
+                /** @example 1 */
                 aircraft_id?: number | null;
+                /** @example 1 */
                 flight_id?: number | null;
+                /** @example 1 */
                 maneuver_id?: number | null;
+                /** @example 1 */
                 structure_id?: number | null;
+                /** @example 506 */
                 fta?: number | null;
+                /** @example 0.5 */
                 min_airspeed_ratio?: number | null;
+                /** @example 1.1 */
                 max_airspeed_ratio?: number | null;
+                /** @example 0 */
                 min_fuel?: number | null;
+                /** @example 1 */
                 max_fuel?: number | null;
                 method?: components["schemas"]["Method"] | null;
                 state?: components["schemas"]["RunState"] | null;
                 /** @description Only tagged so. */
                 tag?: string | null;
-                /** @description Part of maneuver or author, or an id. */
+                /**
+                 * @description Part of maneuver or author, or an id.
+                 * @example FLEX
+                 */
                 search?: string | null;
                 /** @description What was deleted instead. */
                 deleted?: boolean;
@@ -5680,7 +5908,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5694,6 +5922,15 @@ export interface operations {
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "ids": [
+                 *         1
+                 *       ],
+                 *       "action": "tag",
+                 *       "tag": "baseline"
+                 *     }
+                 */
                 "application/json": components["schemas"]["ChangeRequest"];
             };
         };
@@ -5713,7 +5950,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5723,7 +5960,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 run_id: number;
             };
             cookie?: never;
@@ -5745,7 +5985,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5755,7 +5995,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 run_id: number;
             };
             cookie?: never;
@@ -5775,7 +6018,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5785,7 +6028,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 run_id: number;
             };
             cookie?: never;
@@ -5807,7 +6053,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5820,7 +6066,10 @@ export interface operations {
             };
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 run_id: number;
             };
             cookie?: never;
@@ -5834,6 +6083,7 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ModelExport"];
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -5842,7 +6092,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5873,7 +6123,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5887,6 +6137,13 @@ export interface operations {
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "page": "runs",
+                 *       "name": "my runs",
+                 *       "search": "method=OE"
+                 *     }
+                 */
                 "application/json": components["schemas"]["SavedViewRequest"];
             };
         };
@@ -5906,7 +6163,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5916,7 +6173,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 view_id: number;
             };
             cookie?: never;
@@ -5936,7 +6196,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5945,7 +6205,10 @@ export interface operations {
         parameters: {
             query?: {
                 state?: components["schemas"]["RunState"] | null;
-                /** @description Most items to answer. */
+                /**
+                 * @description Most items to answer.
+                 * @example 100
+                 */
                 limit?: number;
                 /** @description `next` of the page before. */
                 after?: string | null;
@@ -5971,7 +6234,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -5981,7 +6244,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 job_id: number;
             };
             cookie?: never;
@@ -6003,7 +6269,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6013,7 +6279,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 job_id: number;
             };
             cookie?: never;
@@ -6035,7 +6304,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6043,9 +6312,15 @@ export interface operations {
     get_comparison: {
         parameters: {
             query: {
-                /** @description Ids of runs, separated by commas. */
+                /**
+                 * @description Ids of runs, separated by commas.
+                 * @example 1
+                 */
                 run_ids: string;
-                /** @description Ids of predictions, separated by commas. */
+                /**
+                 * @description Ids of predictions, separated by commas.
+                 * @example 1
+                 */
                 prediction_ids?: string | null;
             };
             header?: never;
@@ -6069,7 +6344,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6098,7 +6373,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6112,6 +6387,21 @@ export interface operations {
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "name": "FTA 500, first try",
+                 *       "fta": 500,
+                 *       "duration_s": 24,
+                 *       "rate_hz": 100,
+                 *       "first_harmonic": 6,
+                 *       "peaks": [
+                 *         0.0175,
+                 *         0.035,
+                 *         0.07
+                 *       ],
+                 *       "effort": "quick"
+                 *     }
+                 */
                 "application/json": components["schemas"]["DesignRequest"];
             };
         };
@@ -6131,7 +6421,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6160,7 +6450,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6170,7 +6460,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 design_id: number;
             };
             cookie?: never;
@@ -6192,7 +6485,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6202,7 +6495,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 design_id: number;
             };
             cookie?: never;
@@ -6222,7 +6518,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6230,19 +6526,29 @@ export interface operations {
     check_design: {
         parameters: {
             query: {
-                /** @description Actuator's. [rad/s] */
+                /**
+                 * @description Actuator's. [rad/s]
+                 * @example 60
+                 */
                 natural_frequency: number;
+                /** @example 0.7 */
                 damping?: number;
                 delay_s?: number;
+                /** @example 0.35 */
                 position?: number | null;
+                /** @example 2 */
                 rate?: number | null;
+                /** @example 100 */
                 acceleration?: number | null;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
             };
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 design_id: number;
             };
             cookie?: never;
@@ -6264,7 +6570,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6272,13 +6578,17 @@ export interface operations {
     expect_errors: {
         parameters: {
             query: {
+                /** @example 1 */
                 run_id: number;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
             };
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 design_id: number;
             };
             cookie?: never;
@@ -6300,7 +6610,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6308,13 +6618,17 @@ export interface operations {
     expect_response: {
         parameters: {
             query: {
+                /** @example 1 */
                 run_id: number;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
             };
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 design_id: number;
             };
             cookie?: never;
@@ -6336,7 +6650,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6344,13 +6658,17 @@ export interface operations {
     compare_classic_inputs: {
         parameters: {
             query: {
+                /** @example 1 */
                 run_id: number;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
             };
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 design_id: number;
             };
             cookie?: never;
@@ -6372,7 +6690,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6380,6 +6698,7 @@ export interface operations {
     allocate_amplitudes: {
         parameters: {
             query: {
+                /** @example 1 */
                 run_id: number;
                 deflection?: number | null;
                 load_factor?: number | null;
@@ -6388,7 +6707,10 @@ export interface operations {
             };
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 design_id: number;
             };
             cookie?: never;
@@ -6410,7 +6732,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6420,7 +6742,10 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 design_id: number;
             };
             cookie?: never;
@@ -6446,7 +6771,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6460,7 +6785,10 @@ export interface operations {
             };
             header?: never;
             path: {
-                /** @description Id of the record. */
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
                 design_id: number;
             };
             cookie?: never;
@@ -6485,7 +6813,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6493,13 +6821,25 @@ export interface operations {
     get_flutter: {
         parameters: {
             query: {
-                /** @description Runs that succeeded, separated by commas. */
+                /**
+                 * @description Runs that succeeded, separated by commas.
+                 * @example 1
+                 */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /**
+                 * @description Fuel fraction; the fastest point's.
+                 * @example 0.5
+                 */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /**
+                 * @description Standard altitude; the fastest point's air.
+                 * @example 1000
+                 */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /**
+                 * @description Airspeed of the next point; 3 % above the fastest.
+                 * @example 45
+                 */
                 next_m_s?: number | null;
             };
             header?: never;
@@ -6523,7 +6863,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6533,17 +6873,33 @@ export interface operations {
             query?: {
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
+                /** @example 1 */
                 aircraft_id?: number | null;
+                /** @example 1 */
                 flight_id?: number | null;
-                /** @description Number of the flight-test aid. */
+                /**
+                 * @description Number of the flight-test aid.
+                 * @example 506
+                 */
                 fta?: number | null;
-                /** @description Least V/V_f. */
+                /**
+                 * @description Least V/V_f.
+                 * @example 0.5
+                 */
                 min_airspeed_ratio?: number | null;
-                /** @description Largest V/V_f. */
+                /**
+                 * @description Largest V/V_f.
+                 * @example 1.1
+                 */
                 max_airspeed_ratio?: number | null;
+                /** @example 0 */
                 min_fuel?: number | null;
+                /** @example 1 */
                 max_fuel?: number | null;
-                /** @description Part of label, note, file or aircraft. */
+                /**
+                 * @description Part of label, note, file or aircraft.
+                 * @example FLEX
+                 */
                 search?: string | null;
                 /** @description Only maneuvers with a run of this method. */
                 method?: components["schemas"]["Method"] | null;
@@ -6569,6 +6925,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -6577,7 +6935,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6585,10 +6943,16 @@ export interface operations {
     draw_time_history: {
         parameters: {
             query: {
+                /** @example 1 */
                 maneuver_id: number;
-                /** @description Names separated by commas. */
+                /**
+                 * @description Names separated by commas.
+                 * @example bfs,q
+                 */
                 channels?: string | null;
+                /** @example 0 */
                 start_s?: number | null;
+                /** @example 5 */
                 stop_s?: number | null;
                 points?: number;
                 /** @description Figure, or the numbers it shows. */
@@ -6607,6 +6971,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -6615,7 +6981,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6623,8 +6989,12 @@ export interface operations {
     draw_spectrum: {
         parameters: {
             query: {
+                /** @example 1 */
                 maneuver_id: number;
-                /** @description Names separated by commas. */
+                /**
+                 * @description Names separated by commas.
+                 * @example bfs,q
+                 */
                 channels?: string | null;
                 /** @description The whole spectrum behind the lines. */
                 full?: boolean;
@@ -6644,6 +7014,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -6652,7 +7024,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6660,11 +7032,18 @@ export interface operations {
     draw_plot_matrix: {
         parameters: {
             query: {
+                /** @example 1 */
                 maneuver_id: number;
-                /** @description Names separated by commas. */
+                /**
+                 * @description Names separated by commas.
+                 * @example bfs,q
+                 */
                 channels?: string | null;
                 domain?: "time" | "frequency";
-                /** @description Regressors of equation error with these modes instead. */
+                /**
+                 * @description Regressors of equation error with these modes instead.
+                 * @example 7,9
+                 */
                 modes?: string | null;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -6682,6 +7061,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -6690,7 +7071,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6698,12 +7079,22 @@ export interface operations {
     draw_bode: {
         parameters: {
             query: {
+                /** @example 1 */
                 maneuver_id: number;
-                /** @description Outputs separated by commas. */
+                /**
+                 * @description Outputs separated by commas.
+                 * @example q
+                 */
                 output: string;
-                /** @description Names separated by commas. */
+                /**
+                 * @description Names separated by commas.
+                 * @example bfs
+                 */
                 inputs?: string | null;
-                /** @description Ids separated by commas. */
+                /**
+                 * @description Ids separated by commas.
+                 * @example 1
+                 */
                 run_id?: string | null;
                 /** @description Ids of further maneuvers, laid over this one. */
                 beside?: string | null;
@@ -6730,6 +7121,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -6738,7 +7131,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6746,10 +7139,14 @@ export interface operations {
     draw_reconstruction: {
         parameters: {
             query: {
+                /** @example 1 */
                 maneuver_id: number;
                 /** @description alpha, q, CZ, Cm, CQ7, eta7, etaddot7 ... by commas. */
                 quantities?: string | null;
-                /** @description Mode numbers; by default as many as move. */
+                /**
+                 * @description Mode numbers; by default as many as move.
+                 * @example 7,9
+                 */
                 modes?: string | null;
                 domain?: "time" | "frequency";
                 /** @description Figure, or the numbers it shows. */
@@ -6768,6 +7165,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -6776,7 +7175,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6784,6 +7183,7 @@ export interface operations {
     draw_ground_test: {
         parameters: {
             query: {
+                /** @example 1 */
                 flight_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -6801,6 +7201,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -6809,7 +7211,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6817,8 +7219,12 @@ export interface operations {
     draw_fit: {
         parameters: {
             query: {
+                /** @example 1 */
                 run_id: number;
-                /** @description Names separated by commas. */
+                /**
+                 * @description Names separated by commas.
+                 * @example q
+                 */
                 output?: string | null;
                 /** @description Block of lines; the run's first by default. */
                 block?: string | null;
@@ -6838,6 +7244,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -6846,7 +7254,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6854,6 +7262,7 @@ export interface operations {
     draw_residual: {
         parameters: {
             query: {
+                /** @example 1 */
                 run_id: number;
                 /** @description Block of lines; the run's first by default. */
                 block?: string | null;
@@ -6873,6 +7282,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -6881,7 +7292,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6889,6 +7300,7 @@ export interface operations {
     draw_parameter_correlation: {
         parameters: {
             query: {
+                /** @example 1 */
                 run_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -6906,6 +7318,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -6914,7 +7328,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6922,6 +7336,7 @@ export interface operations {
     draw_poles: {
         parameters: {
             query: {
+                /** @example 1 */
                 run_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -6939,6 +7354,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -6947,7 +7364,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6955,6 +7372,7 @@ export interface operations {
     draw_iterations: {
         parameters: {
             query: {
+                /** @example 1 */
                 run_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -6972,6 +7390,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -6980,7 +7400,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -6988,9 +7408,14 @@ export interface operations {
     draw_time_check: {
         parameters: {
             query: {
+                /** @example 1 */
                 run_id: number;
-                /** @description Names separated by commas. */
+                /**
+                 * @description Names separated by commas.
+                 * @example q
+                 */
                 outputs?: string | null;
+                /** @example 1 */
                 maneuver_id?: number | null;
                 points?: number;
                 /** @description Figure, or the numbers it shows. */
@@ -7009,6 +7434,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -7017,7 +7444,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -7025,11 +7452,20 @@ export interface operations {
     draw_derivatives: {
         parameters: {
             query: {
-                /** @description Ids separated by commas. */
+                /**
+                 * @description Ids separated by commas.
+                 * @example 1
+                 */
                 run_ids: string;
-                /** @description Ids separated by commas. */
+                /**
+                 * @description Ids separated by commas.
+                 * @example 1
+                 */
                 prediction_ids?: string | null;
-                /** @description CZ, Cm, CQ7 ... */
+                /**
+                 * @description CZ, Cm, CQ7 ...
+                 * @example Cm
+                 */
                 coefficient?: string | null;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -7047,6 +7483,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -7055,7 +7493,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -7065,13 +7503,25 @@ export interface operations {
             query: {
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
-                /** @description Runs that succeeded, separated by commas. */
+                /**
+                 * @description Runs that succeeded, separated by commas.
+                 * @example 1
+                 */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /**
+                 * @description Fuel fraction; the fastest point's.
+                 * @example 0.5
+                 */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /**
+                 * @description Standard altitude; the fastest point's air.
+                 * @example 1000
+                 */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /**
+                 * @description Airspeed of the next point; 3 % above the fastest.
+                 * @example 45
+                 */
                 next_m_s?: number | null;
             };
             header?: never;
@@ -7087,6 +7537,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -7095,7 +7547,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -7105,13 +7557,25 @@ export interface operations {
             query: {
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
-                /** @description Runs that succeeded, separated by commas. */
+                /**
+                 * @description Runs that succeeded, separated by commas.
+                 * @example 1
+                 */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /**
+                 * @description Fuel fraction; the fastest point's.
+                 * @example 0.5
+                 */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /**
+                 * @description Standard altitude; the fastest point's air.
+                 * @example 1000
+                 */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /**
+                 * @description Airspeed of the next point; 3 % above the fastest.
+                 * @example 45
+                 */
                 next_m_s?: number | null;
             };
             header?: never;
@@ -7127,6 +7591,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -7135,7 +7601,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -7145,13 +7611,25 @@ export interface operations {
             query: {
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
-                /** @description Runs that succeeded, separated by commas. */
+                /**
+                 * @description Runs that succeeded, separated by commas.
+                 * @example 1
+                 */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /**
+                 * @description Fuel fraction; the fastest point's.
+                 * @example 0.5
+                 */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /**
+                 * @description Standard altitude; the fastest point's air.
+                 * @example 1000
+                 */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /**
+                 * @description Airspeed of the next point; 3 % above the fastest.
+                 * @example 45
+                 */
                 next_m_s?: number | null;
             };
             header?: never;
@@ -7167,6 +7645,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -7175,7 +7655,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -7185,13 +7665,25 @@ export interface operations {
             query: {
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
-                /** @description Runs that succeeded, separated by commas. */
+                /**
+                 * @description Runs that succeeded, separated by commas.
+                 * @example 1
+                 */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /**
+                 * @description Fuel fraction; the fastest point's.
+                 * @example 0.5
+                 */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /**
+                 * @description Standard altitude; the fastest point's air.
+                 * @example 1000
+                 */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /**
+                 * @description Airspeed of the next point; 3 % above the fastest.
+                 * @example 45
+                 */
                 next_m_s?: number | null;
             };
             header?: never;
@@ -7207,6 +7699,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -7215,7 +7709,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -7223,6 +7717,7 @@ export interface operations {
     draw_design_history: {
         parameters: {
             query: {
+                /** @example 1 */
                 design_id: number;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
@@ -7242,6 +7737,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -7250,7 +7747,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -7258,6 +7755,7 @@ export interface operations {
     draw_design_spectrum: {
         parameters: {
             query: {
+                /** @example 1 */
                 design_id: number;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
@@ -7277,6 +7775,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -7285,7 +7785,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -7293,7 +7793,9 @@ export interface operations {
     draw_design_worth: {
         parameters: {
             query: {
+                /** @example 1 */
                 design_id: number;
+                /** @example 1 */
                 run_id: number;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
@@ -7313,6 +7815,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -7321,7 +7825,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -7329,7 +7833,9 @@ export interface operations {
     draw_design_signal: {
         parameters: {
             query: {
+                /** @example 1 */
                 design_id: number;
+                /** @example 1 */
                 run_id: number;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
@@ -7349,6 +7855,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -7357,7 +7865,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -7365,6 +7873,7 @@ export interface operations {
     draw_loops: {
         parameters: {
             query: {
+                /** @example 1 */
                 maneuver_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -7382,6 +7891,8 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
                 };
             };
             /** @description Client Error */
@@ -7390,7 +7901,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
@@ -7419,7 +7930,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
