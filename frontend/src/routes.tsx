@@ -15,11 +15,13 @@ import {
   designView,
   importView,
   flutterView,
+  glossaryView,
   jobsView,
   maneuverView,
   modelStructuresView,
   modelStructureView,
   newRunView,
+  runsView,
   runView,
 } from "./views";
 
@@ -34,9 +36,15 @@ const byId = {
   stringify: ({ id }: { id: number }) => ({ id: String(id) }),
 };
 
-const campaign = createRoute({
+const start = createRoute({
   getParentRoute: () => root,
   path: "/",
+  component: lazyRouteComponent(() => import("./pages/StartPage"), "StartPage"),
+});
+
+const campaign = createRoute({
+  getParentRoute: () => root,
+  path: "/campaign",
   validateSearch: campaignView,
   component: lazyRouteComponent(() => import("./pages/CampaignPage"), "CampaignPage"),
 });
@@ -70,6 +78,20 @@ const run = createRoute({
   params: byId,
   validateSearch: runView,
   component: lazyRouteComponent(() => import("./pages/RunPage"), "RunPage"),
+});
+
+const runs = createRoute({
+  getParentRoute: () => root,
+  path: "/runs",
+  validateSearch: runsView,
+  component: lazyRouteComponent(() => import("./pages/RunsPage"), "RunsPage"),
+});
+
+const glossary = createRoute({
+  getParentRoute: () => root,
+  path: "/glossary",
+  validateSearch: glossaryView,
+  component: lazyRouteComponent(() => import("./pages/GlossaryPage"), "GlossaryPage"),
 });
 
 const compare = createRoute({
@@ -137,7 +159,10 @@ const design = createRoute({
 
 export const router = createRouter({
   routeTree: root.addChildren([
+    start,
     campaign,
+    runs,
+    glossary,
     maneuver,
     miniGvt,
     newRun,

@@ -2,6 +2,24 @@
 import { METHODS, STATES, type Method, type RunState } from "./api/types";
 import { flag, integer, integers, number, oneOf, text, words, type Search } from "./lib/urlState";
 
+/**
+ * Views of the frame, in the order of the work: the header and the palette show these.
+ * `key` after `g` opens one from the keyboard; `rare` ones stand behind "More".
+ */
+export const VIEWS = [
+  { to: "/", label: "Start", key: "s" },
+  { to: "/campaign", label: "Campaign", key: "c" },
+  { to: "/runs", label: "Runs", key: "r" },
+  { to: "/compare", label: "Compare", key: "m" },
+  { to: "/model-structures", label: "Structures", key: "t" },
+  { to: "/flutter", label: "Flutter", key: "f" },
+  { to: "/jobs", label: "Jobs", key: "j" },
+  { to: "/excitation", label: "Excitation", key: "e" },
+  { to: "/aircraft", label: "Aircraft", key: "a" },
+  { to: "/import", label: "Import", key: "i", rare: true },
+  { to: "/glossary", label: "Glossary", key: "g", rare: true },
+] as const satisfies readonly { to: string; label: string; key: string; rare?: boolean }[];
+
 /** In an address nothing is required. */
 function view<T extends object>(read: (search: Search) => T): (search: Search) => Partial<T> {
   return read;
@@ -18,10 +36,28 @@ export const campaignView = view((search) => ({
   max_fuel: number(search.max_fuel),
   method: oneOf<Method>(search.method, METHODS),
   state: oneOf<RunState>(search.state, STATES),
+  tag: text(search.tag),
+  /** What was deleted, to restore it. */
+  deleted: flag(search.deleted),
   sort: text(search.sort),
   selected: integers(search.selected),
 }));
 export type CampaignView = ReturnType<typeof campaignView>;
+
+export const runsView = view((search) => ({
+  search: text(search.search),
+  aircraft: integer(search.aircraft),
+  flight: integer(search.flight),
+  maneuver: integer(search.maneuver),
+  fta: integer(search.fta),
+  method: oneOf<Method>(search.method, METHODS),
+  state: oneOf<RunState>(search.state, STATES),
+  tag: text(search.tag),
+  deleted: flag(search.deleted),
+  sort: text(search.sort),
+  selected: integers(search.selected),
+}));
+export type RunsView = ReturnType<typeof runsView>;
 
 export const BODE_PLANES = ["bode", "nichols", "nyquist", "loops"] as const;
 
@@ -123,6 +159,8 @@ export const designView = view((search) => ({
   load: number(search.load),
 }));
 export type DesignView = ReturnType<typeof designView>;
+
+export const glossaryView = view((search) => ({ search: text(search.search) }));
 
 export const jobsView = view((search) => ({ state: oneOf<RunState>(search.state, STATES) }));
 

@@ -50,7 +50,7 @@ def _record(path: Path, bad: str = "0.5") -> Path:
 
 
 def _upload(page: Page, *files: Path) -> None:
-    page.goto("/")
+    page.goto("/campaign")
     page.get_by_test_id("import").click()
     page.get_by_test_id("import-files").set_input_files(files)
 

@@ -181,10 +181,11 @@ class Job:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GlossaryEntry:
-    """One quantity of the glossary."""
+    """One quantity of the glossary, with the unit that is stored and the one that people read."""
 
     symbol: str
     unit: str
+    display_unit: str
     label: str
     meaning: str
 

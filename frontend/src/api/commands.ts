@@ -2,10 +2,13 @@
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "./client";
 import type {
+  Action,
   DesignRequest,
+  ManyOf,
+  RunRequest,
+  SavedViewRequest,
   StructureEditRequest,
   StructureRequest,
-  RunRequest,
   UploadDetail,
 } from "./types";
 
@@ -38,6 +41,41 @@ export function useDeleteRun() {
     mutationFn: (id: number) =>
       body(api.DELETE("/api/v1/runs/{run_id}", { params: { path: { run_id: id } } })),
     onSuccess: useRefreshRuns(),
+  });
+}
+
+/** Deletes, restores, tags or untags many; the answer says which were changed. */
+export function useChangeMany(what: ManyOf) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: { ids: number[]; action: Action; tag?: string }) =>
+      what === "runs"
+        ? body(api.POST("/api/v1/runs/changes", { body: wanted }))
+        : body(api.POST("/api/v1/maneuvers/changes", { body: wanted })),
+    onSettled: () =>
+      Promise.all(
+        [...RUN_VIEWS, ["maneuver"], ["ground-tests"], ["figure", "envelope"]].map((queryKey) =>
+          cache.invalidateQueries({ queryKey }),
+        ),
+      ),
+  });
+}
+
+export function useSaveView() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: SavedViewRequest) =>
+      body(api.POST("/api/v1/saved-views", { body: wanted })),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["saved-views"] }),
+  });
+}
+
+export function useForgetView() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (id: number) =>
+      body(api.DELETE("/api/v1/saved-views/{view_id}", { params: { path: { view_id: id } } })),
+    onSettled: () => cache.invalidateQueries({ queryKey: ["saved-views"] }),
   });
 }
 

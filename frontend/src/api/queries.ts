@@ -1,7 +1,13 @@
 /** What pages read: one query per resource. Pages and tests share these keys. */
 import { infiniteQueryOptions, keepPreviousData, queryOptions } from "@tanstack/react-query";
 import { address, api, body, json, type QueryValue } from "./client";
-import { isOver, type FigureSpec, type ManeuverFilters, type Method, type RunState } from "./types";
+import {
+  isOver,
+  type FigureSpec,
+  type ManeuverFilters,
+  type RunFilters,
+  type RunState,
+} from "./types";
 
 const POLL_MS = 500;
 
@@ -107,12 +113,53 @@ export const predictionsQuery = (aircraftId?: number) =>
       ).items,
   });
 
-export interface RunFilters {
-  maneuver_id?: number;
-  structure_id?: number;
-  method?: Method;
-  state?: RunState;
-}
+export const runListQuery = (filters: RunFilters, sort: string, limit = 50) =>
+  infiniteQueryOptions({
+    queryKey: ["runs", "list", filters, sort, limit],
+    queryFn: ({ pageParam, signal }) =>
+      body(
+        api.GET("/api/v1/runs", {
+          params: { query: { ...filters, sort, limit, after: pageParam } },
+          signal,
+        }),
+      ),
+    initialPageParam: undefined as string | undefined,
+    getNextPageParam: (page) => page.next ?? undefined,
+    placeholderData: keepPreviousData,
+    refetchInterval: (query) =>
+      query.state.data?.pages.some((page) => page.items.some((run) => !isOver(run.state))) === true
+        ? 4 * POLL_MS
+        : false,
+  });
+
+export const runFacetsQuery = (filters: RunFilters) =>
+  queryOptions({
+    queryKey: ["runs", "facets", filters],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/runs/facets", { params: { query: filters }, signal })),
+    placeholderData: keepPreviousData,
+  });
+
+export const maneuverFacetsQuery = (filters: ManeuverFilters) =>
+  queryOptions({
+    queryKey: ["maneuvers", "facets", filters],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/maneuvers/facets", { params: { query: filters }, signal })),
+    placeholderData: keepPreviousData,
+  });
+
+export const savedViewsQuery = (page: string) =>
+  queryOptions({
+    queryKey: ["saved-views", page],
+    queryFn: async ({ signal }) =>
+      (await body(api.GET("/api/v1/saved-views", { params: { query: { page } }, signal }))).items,
+  });
+
+export const glossaryQuery = queryOptions({
+  queryKey: ["nomenclature"],
+  queryFn: async ({ signal }) => (await body(api.GET("/api/v1/nomenclature", { signal }))).items,
+  staleTime: Infinity,
+});
 
 export const runsQuery = (filters: RunFilters) =>
   queryOptions({

@@ -62,6 +62,9 @@ export type Comparison = Received<"Comparison">;
 export type ComparisonRow = Received<"Row">;
 export type Source = Received<"Source">;
 
+export type SavedViewRequest = Schemas["SavedViewRequest"];
+export type GlossaryEntry = Received<"GlossaryEntry">;
+
 export type Method = Run["method"];
 export type RunState = Run["state"];
 
@@ -89,6 +92,10 @@ export interface FigureSpec {
   layout: Record<string, unknown>;
 }
 
+/** What can be done to many maneuvers or runs at once. */
+export type Action = Schemas["Action"];
+export type ManyOf = "maneuvers" | "runs";
+
 export interface ManeuverFilters {
   search?: string;
   flight_id?: number;
@@ -99,4 +106,19 @@ export interface ManeuverFilters {
   max_fuel?: number;
   method?: Method;
   state?: RunState;
+  tag?: string;
+  deleted?: boolean;
+}
+
+export interface RunFilters {
+  aircraft_id?: number;
+  flight_id?: number;
+  maneuver_id?: number;
+  structure_id?: number;
+  fta?: number;
+  method?: Method;
+  state?: RunState;
+  tag?: string;
+  search?: string;
+  deleted?: boolean;
 }

@@ -1,7 +1,13 @@
-import { AppShell, Group, Text } from "@mantine/core";
+import { AppShell, Group, Menu, Text, UnstyledButton } from "@mantine/core";
 import { Link, Outlet } from "@tanstack/react-router";
+import { VIEWS } from "../views";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { Health } from "./Health";
+import { Keyboard } from "./Keyboard";
+import { NoticeBar } from "./NoticeBar";
+
+const often = VIEWS.filter((view) => !("rare" in view));
+const rare = VIEWS.filter((view) => "rare" in view);
 
 /** Header with navigation around every page. */
 export function AppFrame() {
@@ -16,29 +22,30 @@ export function AppFrame() {
             flexsid
           </Text>
           <nav className="frame-nav" aria-label="Main">
-            <Link to="/" activeOptions={{ exact: true, includeSearch: false }}>
-              Campaign
-            </Link>
-            <Link to="/compare" activeOptions={{ includeSearch: false }}>
-              Compare
-            </Link>
-            <Link to="/model-structures" activeOptions={{ includeSearch: false }}>
-              Structures
-            </Link>
-            <Link to="/flutter" activeOptions={{ includeSearch: false }}>
-              Flutter
-            </Link>
-            <Link to="/jobs" activeOptions={{ includeSearch: false }}>
-              Jobs
-            </Link>
-            <Link to="/excitation" activeOptions={{ includeSearch: false }}>
-              Excitation
-            </Link>
-            <Link to="/aircraft" activeOptions={{ includeSearch: false }}>
-              Aircraft
-            </Link>
+            {often.map((view) => (
+              <Link
+                key={view.to}
+                to={view.to}
+                activeOptions={{ exact: view.to === "/", includeSearch: false }}
+              >
+                {view.label}
+              </Link>
+            ))}
+            <Menu position="bottom-start">
+              <Menu.Target>
+                <UnstyledButton className="frame-more">More</UnstyledButton>
+              </Menu.Target>
+              <Menu.Dropdown>
+                {rare.map((view) => (
+                  <Menu.Item key={view.to} component={Link} to={view.to}>
+                    {view.label}
+                  </Menu.Item>
+                ))}
+              </Menu.Dropdown>
+            </Menu>
           </nav>
           <Group ml="auto" gap="md" wrap="nowrap">
+            <Keyboard />
             <Health />
             <ColorSchemeToggle />
           </Group>
@@ -49,6 +56,7 @@ export function AppFrame() {
           <Outlet />
         </div>
       </AppShell.Main>
+      <NoticeBar />
     </AppShell>
   );
 }

@@ -1,10 +1,9 @@
-import { Button, Group, Input, Select } from "@mantine/core";
-import { useQuery } from "@tanstack/react-query";
+import { Button, Group, Input, Switch } from "@mantine/core";
 import type { ReactNode } from "react";
-import { flightsQuery } from "../api/queries";
-import { METHODS, STATES, type ManeuverFilters as ApiFilters } from "../api/types";
+import { METHODS, STATES, type Facets, type ManeuverFilters as ApiFilters } from "../api/types";
 import { integer, number } from "../lib/urlState";
 import type { CampaignView } from "../views";
+import { FacetSelect } from "./FacetSelect";
 import { FilterInput } from "./FilterInput";
 import { SearchIcon } from "./icons";
 
@@ -22,16 +21,18 @@ export function apiFilters(view: CampaignView): ApiFilters {
     max_fuel: fraction(view.max_fuel),
     method: view.method,
     state: view.state,
+    tag: view.tag,
+    deleted: view.deleted,
   };
 }
 
 interface Props {
   view: CampaignView;
+  choices: Facets["choices"] | undefined;
   onChange: (change: Partial<CampaignView>) => void;
 }
 
-export function ManeuverFilters({ view, onChange }: Props) {
-  const flights = useQuery(flightsQuery);
+export function ManeuverFilters({ view, choices, onChange }: Props) {
   const shown = (value: number | undefined) => (value === undefined ? "" : String(value));
   const range = (
     label: string,
@@ -73,30 +74,24 @@ export function ManeuverFilters({ view, onChange }: Props) {
           onChange({ search: search === "" ? undefined : search });
         }}
       />
-      <Select
+      <FacetSelect
         label="Flight"
-        placeholder="any"
-        w={84}
-        clearable
-        data-testid="filter-flight"
-        data={(flights.data ?? []).map((flight) => ({
-          value: String(flight.id),
-          label: String(flight.number),
-        }))}
-        value={view.flight === undefined ? null : String(view.flight)}
-        onChange={(flight) => {
-          onChange({ flight: integer(flight) });
+        width={88}
+        testId="filter-flight"
+        choices={choices?.flight_id}
+        value={view.flight?.toString()}
+        onChange={(value) => {
+          onChange({ flight: integer(value) });
         }}
       />
-      <FilterInput
+      <FacetSelect
         label="FTA"
-        placeholder="any"
-        w={62}
-        inputMode="numeric"
-        data-testid="filter-fta"
-        value={shown(view.fta)}
-        onCommit={(fta) => {
-          onChange({ fta: integer(fta) });
+        width={104}
+        testId="filter-fta"
+        choices={choices?.fta}
+        value={view.fta?.toString()}
+        onChange={(value) => {
+          onChange({ fta: integer(value) });
         }}
       />
       {range(
@@ -108,28 +103,43 @@ export function ManeuverFilters({ view, onChange }: Props) {
         "max_ratio",
       )}
       {range("Fuel in percent", "Fuel [%]", "min_fuel", "max_fuel")}
-      <Select
+      <FacetSelect
         label="Method"
-        placeholder="any"
-        w={84}
-        clearable
-        data-testid="filter-method"
-        data={[...METHODS]}
-        value={view.method ?? null}
-        onChange={(method) => {
-          onChange({ method: METHODS.find((one) => one === method) });
+        width={96}
+        testId="filter-method"
+        choices={choices?.method}
+        value={view.method}
+        onChange={(value) => {
+          onChange({ method: METHODS.find((one) => one === value) });
         }}
       />
-      <Select
+      <FacetSelect
         label="Run state"
-        placeholder="any"
-        w={112}
-        clearable
-        data-testid="filter-state"
-        data={[...STATES]}
-        value={view.state ?? null}
-        onChange={(state) => {
-          onChange({ state: STATES.find((one) => one === state) });
+        width={136}
+        testId="filter-state"
+        choices={choices?.state}
+        value={view.state}
+        onChange={(value) => {
+          onChange({ state: STATES.find((one) => one === value) });
+        }}
+      />
+      <FacetSelect
+        label="Tag"
+        width={110}
+        testId="filter-tag"
+        choices={choices?.tag}
+        value={view.tag}
+        onChange={(tag) => {
+          onChange({ tag });
+        }}
+      />
+      <Switch
+        label="Deleted"
+        mb={6}
+        checked={view.deleted === true}
+        data-testid="filter-deleted"
+        onChange={(event) => {
+          onChange({ deleted: event.currentTarget.checked || undefined, selected: undefined });
         }}
       />
       {active && (
@@ -147,6 +157,8 @@ export function ManeuverFilters({ view, onChange }: Props) {
               max_fuel: undefined,
               method: undefined,
               state: undefined,
+              tag: undefined,
+              deleted: undefined,
             });
           }}
         >

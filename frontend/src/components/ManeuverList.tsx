@@ -1,9 +1,11 @@
-import { Checkbox, Group } from "@mantine/core";
+import { Group } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
 import { METHODS, type ManeuverItem } from "../api/types";
 import { fixed, percent } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
 import { RunBadge } from "./RunBadge";
+import { selectColumn } from "./selectColumn";
+import { Tags } from "./Tags";
 
 interface Props {
   maneuvers: ManeuverItem[];
@@ -15,34 +17,8 @@ interface Props {
 
 /** Maneuvers with where they were flown and how far their estimation is. */
 export function ManeuverList({ maneuvers, selected, onSelect, sort, onSort }: Props) {
-  const every = maneuvers.length > 0 && maneuvers.every((one) => selected.includes(one.id));
   const columns: Column<ManeuverItem>[] = [
-    {
-      key: "select",
-      header: (
-        <Checkbox
-          aria-label="Select all shown maneuvers"
-          checked={every}
-          indeterminate={!every && maneuvers.some((one) => selected.includes(one.id))}
-          onChange={() => {
-            onSelect(every ? [] : maneuvers.map((one) => one.id));
-          }}
-        />
-      ),
-      render: (one) => (
-        <Checkbox
-          aria-label={`Select ${one.label}`}
-          checked={selected.includes(one.id)}
-          onChange={(event) => {
-            onSelect(
-              event.currentTarget.checked
-                ? [...selected, one.id]
-                : selected.filter((id) => id !== one.id),
-            );
-          }}
-        />
-      ),
-    },
+    selectColumn(maneuvers, selected, onSelect, (one) => one.label),
     {
       key: "label",
       header: "Maneuver",
@@ -116,6 +92,7 @@ export function ManeuverList({ maneuvers, selected, onSelect, sort, onSort }: Pr
         </Group>
       ),
     },
+    { key: "tags", header: "Tags", render: (one) => <Tags tags={one.tags} /> },
   ];
   return (
     <DataTable

@@ -13,7 +13,7 @@ interface Props {
 
 /** Where we are, what this is, what can be done with it. */
 export function PageHead({ title, trail = [], aside, actions }: Props) {
-  useDocumentTitle(title === "Campaign" ? "flexsid" : `${title} · flexsid`);
+  useDocumentTitle(title === "Start" ? "flexsid" : `${title} · flexsid`);
   return (
     <header>
       {trail.length > 0 && (

@@ -67,3 +67,7 @@ export function elapsed(from: string | null | undefined, to: string | null | und
   if (seconds < 60) return `${fixed(Math.max(0, seconds), seconds < 10 ? 2 : 1)} s`;
   return `${Math.floor(seconds / 60)} min ${String(Math.floor(seconds % 60)).padStart(2, "0")} s`;
 }
+
+/** `1 run`, `3 runs`. */
+export const count = (number: number, noun: string): string =>
+  `${number} ${noun}${number === 1 ? "" : "s"}`;

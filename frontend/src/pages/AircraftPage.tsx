@@ -21,7 +21,7 @@ export function AircraftPage() {
       <PageHead
         title="Aircraft"
         trail={[
-          <Link to="/" className="link" key="campaign">
+          <Link to="/campaign" className="link" key="campaign">
             Campaign
           </Link>,
         ]}

@@ -1,8 +1,9 @@
 import { Button, Group, Stack, Text } from "@mantine/core";
-import { useInfiniteQuery } from "@tanstack/react-query";
+import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
 import { useCallback } from "react";
-import { maneuversQuery } from "../api/queries";
+import { maneuverFacetsQuery, maneuversQuery } from "../api/queries";
+import { BulkActions } from "../components/BulkActions";
 import { ButtonLink } from "../components/ButtonLink";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
@@ -11,9 +12,11 @@ import { Loaded } from "../components/Loaded";
 import { apiFilters, ManeuverFilters } from "../components/ManeuverFilters";
 import { ManeuverList } from "../components/ManeuverList";
 import { PageHead } from "../components/PageHead";
+import { SavedViews } from "../components/SavedViews";
+import { count } from "../lib/format";
 import type { CampaignView } from "../views";
 
-const route = getRouteApi("/");
+const route = getRouteApi("/campaign");
 
 /** Every maneuver of the campaign, where it lies in the envelope and where it stands. */
 export function CampaignPage() {
@@ -22,6 +25,8 @@ export function CampaignPage() {
   const filters = apiFilters(view);
   const sort = view.sort ?? "id";
   const list = useInfiniteQuery(maneuversQuery(filters, sort));
+  const facets = useQuery(maneuverFacetsQuery(filters));
+  const shown = list.data?.pages.flatMap((page) => page.items) ?? [];
   const selected = view.selected ?? [];
   const change = useCallback(
     (part: Partial<CampaignView>) =>
@@ -37,13 +42,19 @@ export function CampaignPage() {
         actions={
           <>
             {selected.length > 0 && (
-              <Selection
+              <BulkActions
+                what="maneuvers"
                 ids={selected}
+                tags={(facets.data?.choices.tag ?? []).map((tag) => tag.value)}
+                deleted={view.deleted === true}
                 onClear={() => {
                   change({ selected: undefined });
                 }}
-              />
+              >
+                <NewRuns ids={selected} />
+              </BulkActions>
             )}
+            <SavedViews page="campaign" />
             <ButtonLink variant="default" to="/import" data-testid="import">
               Import
             </ButtonLink>
@@ -53,27 +64,26 @@ export function CampaignPage() {
       <GroundTestAlarm />
       <div className="campaign">
         <Stack gap="sm">
-          <ManeuverFilters view={view} onChange={change} />
+          <ManeuverFilters view={view} choices={facets.data?.choices} onChange={change} />
           <div className="panel">
             <Loaded query={list} rows={12}>
-              {({ pages }) => {
-                const maneuvers = pages.flatMap((page) => page.items);
-                return maneuvers.length === 0 ? (
+              {() =>
+                shown.length === 0 ? (
                   <Nothing filtered={filtered} />
                 ) : (
                   <ManeuverList
-                    maneuvers={maneuvers}
+                    maneuvers={shown}
                     selected={selected}
                     onSelect={(ids) => {
-                      change({ selected: ids });
+                      change({ selected: ids.length > 0 ? ids : undefined });
                     }}
                     sort={sort}
                     onSort={(next) => {
                       change({ sort: next === "id" ? undefined : next });
                     }}
                   />
-                );
-              }}
+                )
+              }
             </Loaded>
           </div>
           <Group justify="space-between">
@@ -83,7 +93,8 @@ export function CampaignPage() {
               aria-live="polite"
               data-testid="maneuver-count"
             >
-              {list.data !== undefined && countText(list.data.pages, list.hasNextPage)}
+              {list.data !== undefined &&
+                `${shown.length} of ${count(facets.data?.total ?? shown.length, "maneuver")}`}
             </Text>
             {list.hasNextPage && (
               <Button
@@ -111,31 +122,18 @@ export function CampaignPage() {
   );
 }
 
-function countText(pages: { items: unknown[] }[], more: boolean): string {
-  const count = pages.reduce((sum, page) => sum + page.items.length, 0);
-  return `${more ? "First " : ""}${count} ${count === 1 ? "maneuver" : "maneuvers"}`;
-}
-
-function Selection({ ids, onClear }: { ids: number[]; onClear: () => void }) {
+function NewRuns({ ids }: { ids: number[] }) {
   const [first, ...also] = ids;
   if (first === undefined) return null;
   return (
-    <>
-      <Text size="sm" className="quiet numbers">
-        {ids.length} selected
-      </Text>
-      <Button variant="subtle" onClick={onClear}>
-        Clear selection
-      </Button>
-      <ButtonLink
-        to="/maneuvers/$id/new-run"
-        params={{ id: first }}
-        search={{ also: also.length > 0 ? also : undefined }}
-        data-testid="run-selected"
-      >
-        New runs
-      </ButtonLink>
-    </>
+    <ButtonLink
+      to="/maneuvers/$id/new-run"
+      params={{ id: first }}
+      search={{ also: also.length > 0 ? also : undefined }}
+      data-testid="run-selected"
+    >
+      New runs
+    </ButtonLink>
   );
 }
 

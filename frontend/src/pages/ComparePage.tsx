@@ -32,7 +32,7 @@ export function ComparePage() {
       <PageHead
         title="Compare"
         trail={[
-          <Link to="/" className="link" key="campaign">
+          <Link to="/campaign" className="link" key="campaign">
             Campaign
           </Link>,
         ]}

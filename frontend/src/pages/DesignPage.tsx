@@ -49,7 +49,7 @@ function OneDesign({ design }: { design: Design }) {
       <PageHead
         title={design.name}
         trail={[
-          <Link to="/" className="link" key="campaign">
+          <Link to="/campaign" className="link" key="campaign">
             Campaign
           </Link>,
           <Link to="/excitation" className="link" key="excitation">

@@ -146,7 +146,7 @@ export function ExcitationPage() {
       <PageHead
         title="Excitation"
         trail={[
-          <Link to="/" className="link" key="campaign">
+          <Link to="/campaign" className="link" key="campaign">
             Campaign
           </Link>,
         ]}

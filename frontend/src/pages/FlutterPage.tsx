@@ -40,7 +40,7 @@ export function FlutterPage() {
       <PageHead
         title="Flutter"
         trail={[
-          <Link to="/" className="link" key="campaign">
+          <Link to="/campaign" className="link" key="campaign">
             Campaign
           </Link>,
         ]}

@@ -21,7 +21,7 @@ export function ImportPage() {
       <PageHead
         title="Import"
         trail={[
-          <Link key="campaign" to="/">
+          <Link key="campaign" to="/campaign">
             Campaign
           </Link>,
         ]}

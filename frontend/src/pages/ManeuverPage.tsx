@@ -43,10 +43,15 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
       <PageHead
         title={maneuver.label}
         trail={[
-          <Link to="/" className="link" key="campaign">
+          <Link to="/campaign" className="link" key="campaign">
             Campaign
           </Link>,
-          <Link to="/" search={{ flight: maneuver.flight_id }} className="link" key="flight">
+          <Link
+            to="/campaign"
+            search={{ flight: maneuver.flight_id }}
+            className="link"
+            key="flight"
+          >
             Flight {maneuver.flight_number}
           </Link>,
         ]}

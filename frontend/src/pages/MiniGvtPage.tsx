@@ -31,10 +31,10 @@ function OneTest({ test }: { test: GroundTest }) {
       <PageHead
         title={`Mini-GVT of flight ${test.flight_number}`}
         trail={[
-          <Link to="/" className="link" key="campaign">
+          <Link to="/campaign" className="link" key="campaign">
             Campaign
           </Link>,
-          <Link to="/" search={{ flight: test.flight_id }} className="link" key="flight">
+          <Link to="/campaign" search={{ flight: test.flight_id }} className="link" key="flight">
             Flight {test.flight_number}
           </Link>,
         ]}

@@ -259,7 +259,11 @@ function Head({ record, versions, shown, unsaved }: HeadProps) {
               });
             }}
           />
-          {unsaved && <Badge color="yellow" c="var(--mantine-color-text)" tt="none">not saved</Badge>}
+          {unsaved && (
+            <Badge color="yellow" c="var(--mantine-color-text)" tt="none">
+              not saved
+            </Badge>
+          )}
         </>
       }
       actions={

@@ -28,7 +28,7 @@ export function ModelStructuresPage() {
       <PageHead
         title="Model structures"
         trail={[
-          <Link to="/" className="link" key="campaign">
+          <Link to="/campaign" className="link" key="campaign">
             Campaign
           </Link>,
         ]}

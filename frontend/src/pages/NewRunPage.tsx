@@ -158,7 +158,7 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
       <PageHead
         title={like ? `Run ${like.id} again with changes` : "New run"}
         trail={[
-          <Link to="/" className="link" key="campaign">
+          <Link to="/campaign" className="link" key="campaign">
             Campaign
           </Link>,
           <Link to="/maneuvers/$id" params={{ id: maneuver.id }} className="link" key="maneuver">

@@ -9,7 +9,7 @@ export function NotFoundPage() {
       <Empty title="This address leads nowhere">
         It may have been mistyped.{" "}
         <Link to="/" className="link">
-          Go to the campaign
+          Go to the start
         </Link>
         .
       </Empty>

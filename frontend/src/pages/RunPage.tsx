@@ -45,7 +45,7 @@ function OneRun({ run }: { run: Run }) {
       <PageHead
         title={`${METHOD_NAMES[run.method]}, run ${run.id}`}
         trail={[
-          <Link to="/" className="link" key="campaign">
+          <Link to="/campaign" className="link" key="campaign">
             Campaign
           </Link>,
           <Link

@@ -15,7 +15,13 @@ router = APIRouter(prefix="/nomenclature", tags=["nomenclature"])
 async def list_nomenclature() -> Json:
     """List every quantity with its unit and meaning."""
     entries = [
-        GlossaryEntry(symbol=s.symbol, unit=s.unit, label=s.label, meaning=s.meaning)
+        GlossaryEntry(
+            symbol=s.symbol,
+            unit=s.unit,
+            display_unit=s.display_unit,
+            label=s.label,
+            meaning=s.meaning,
+        )
         for s in GLOSSARY
     ]
     return Json(Glossary(items=entries))

@@ -1,0 +1,107 @@
+import { Link } from "@tanstack/react-router";
+import type { RunItem } from "../api/types";
+import { dateTime, fixed } from "../lib/format";
+import { DataTable, type Column } from "./DataTable";
+import { StateBadge } from "./RunBadge";
+import { selectColumn } from "./selectColumn";
+import { Tags } from "./Tags";
+
+interface Props {
+  runs: RunItem[];
+  selected: number[];
+  onSelect: (ids: number[]) => void;
+  sort: string;
+  onSort: (sort: string) => void;
+}
+
+const columns: Column<RunItem>[] = [
+  {
+    key: "run",
+    header: "Run",
+    sort: "id",
+    render: (run) => (
+      <Link to="/runs/$id" params={{ id: run.id }} className="link">
+        {run.method} run {run.id}
+      </Link>
+    ),
+  },
+  {
+    key: "state",
+    header: "State",
+    sort: "state",
+    render: (run) => <StateBadge state={run.state} />,
+  },
+  {
+    key: "maneuver",
+    header: "Maneuver",
+    sort: "maneuver_label",
+    render: (run) => (
+      <Link to="/maneuvers/$id" params={{ id: run.maneuver_id }} className="link">
+        {run.maneuver_label}
+      </Link>
+    ),
+  },
+  {
+    key: "flight",
+    header: "Flight",
+    sort: "flight_number",
+    numeric: true,
+    render: (run) => run.flight_number,
+  },
+  {
+    key: "ratio",
+    header: (
+      <>
+        V/V<sub>f</sub>
+      </>
+    ),
+    sort: "airspeed_ratio",
+    numeric: true,
+    render: (run) => fixed(run.airspeed_ratio, 3),
+  },
+  { key: "modes", header: "Modes", render: (run) => run.modes.join(", ") || "rigid" },
+  {
+    key: "outcome",
+    header: "Outcome",
+    render: (run) => run.outcome ?? run.error_code ?? "",
+  },
+  {
+    key: "fit",
+    header: <span title="R² of the output that is fitted worst">Worst R²</span>,
+    numeric: true,
+    render: (run) => fixed(run.worst_r_squared, 3),
+  },
+  {
+    key: "warnings",
+    header: "Doubts",
+    numeric: true,
+    render: (run) => run.n_warnings ?? "",
+  },
+  { key: "tags", header: "Tags", render: (run) => <Tags tags={run.tags} /> },
+  { key: "author", header: "Author", sort: "author", render: (run) => run.author },
+  {
+    key: "at",
+    header: "Requested",
+    sort: "created_at",
+    numeric: true,
+    render: (run) => dateTime(run.created_at),
+  },
+];
+
+/** Runs with what they were asked and how well they went. */
+export function RunList({ runs, selected, onSelect, sort, onSort }: Props) {
+  const select = selectColumn(runs, selected, onSelect, (run) => `${run.method} run ${run.id}`);
+  return (
+    <DataTable
+      label="Runs"
+      testId="run-list"
+      columns={[select, ...columns]}
+      rows={runs}
+      rowKey={(run) => run.id}
+      rowTestId={(run) => `run-row-${run.id}`}
+      isSelected={(run) => selected.includes(run.id)}
+      sort={sort}
+      onSort={onSort}
+    />
+  );
+}

@@ -1,0 +1,68 @@
+import { useQuery } from "@tanstack/react-query";
+import { getRouteApi } from "@tanstack/react-router";
+import { glossaryQuery } from "../api/queries";
+import type { GlossaryEntry } from "../api/types";
+import { DataTable, type Column } from "../components/DataTable";
+import { Empty } from "../components/Empty";
+import { FilterInput } from "../components/FilterInput";
+import { SearchIcon } from "../components/icons";
+import { Loaded } from "../components/Loaded";
+import { PageHead } from "../components/PageHead";
+
+const route = getRouteApi("/glossary");
+
+const columns: Column<GlossaryEntry>[] = [
+  { key: "symbol", header: "Symbol", render: (one) => <code>{one.symbol}</code> },
+  { key: "label", header: "In tables", render: (one) => one.label },
+  { key: "unit", header: "Unit stored", render: (one) => one.unit },
+  { key: "display_unit", header: "Unit shown", render: (one) => one.display_unit },
+  { key: "meaning", header: "Meaning", render: (one) => one.meaning },
+];
+
+/** What every symbol of the workbench stands for, with its unit. */
+export function GlossaryPage() {
+  const { search = "" } = route.useSearch();
+  const navigate = route.useNavigate();
+  const glossary = useQuery(glossaryQuery);
+  const wanted = search.toLowerCase();
+  return (
+    <>
+      <PageHead
+        title="Glossary"
+        actions={
+          <FilterInput
+            aria-label="Search the glossary"
+            placeholder="Symbol or meaning"
+            w={220}
+            leftSection={<SearchIcon size={12} />}
+            data-testid="filter-search"
+            value={search}
+            onCommit={(text) =>
+              void navigate({ search: { search: text === "" ? undefined : text }, replace: true })
+            }
+          />
+        }
+      />
+      <div className="panel">
+        <Loaded query={glossary} rows={12}>
+          {(entries) => {
+            const shown = entries.filter((one) =>
+              `${one.symbol} ${one.meaning} ${one.unit}`.toLowerCase().includes(wanted),
+            );
+            return shown.length === 0 ? (
+              <Empty title="No such symbol">Clear the search to see all of them.</Empty>
+            ) : (
+              <DataTable
+                label="Glossary"
+                testId="glossary-table"
+                columns={columns}
+                rows={shown}
+                rowKey={(one) => one.symbol}
+              />
+            );
+          }}
+        </Loaded>
+      </div>
+    </>
+  );
+}

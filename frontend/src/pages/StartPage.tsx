@@ -1,0 +1,221 @@
+import { Stack, Text } from "@mantine/core";
+import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
+import { Link } from "@tanstack/react-router";
+import type { ReactNode } from "react";
+import { maneuverFacetsQuery, maneuversQuery, runFacetsQuery, runListQuery } from "../api/queries";
+import type { RunItem } from "../api/types";
+import { ButtonLink } from "../components/ButtonLink";
+import { GroundTestAlarm } from "../components/GroundTestAlarm";
+import { Loaded } from "../components/Loaded";
+import { PageHead } from "../components/PageHead";
+import { StateBadge } from "../components/RunBadge";
+import { Section } from "../components/Section";
+import { count, dateTime } from "../lib/format";
+
+const LINES = 6;
+
+/** What changed, what runs, what is wrong, and what to do next. */
+export function StartPage() {
+  const maneuvers = useQuery(maneuverFacetsQuery({}));
+  const runs = useQuery(runFacetsQuery({}));
+  const inState = (state: string) =>
+    runs.data?.choices.state?.find((choice) => choice.value === state)?.count ?? 0;
+  const total = maneuvers.data?.total ?? 0;
+
+  return (
+    <>
+      <PageHead title="Start" actions={<NextStep />} />
+      <GroundTestAlarm />
+      <ol className="way" aria-label="The way through">
+        <Step to="/campaign" name="Campaign" fact={count(total, "maneuver")} />
+        <Step to="/runs" name="Runs" fact={`${inState("succeeded")} succeeded`} />
+        <Step to="/compare" name="Compare" fact="methods, conditions, predictions" />
+        <Step to="/flutter" name="Flutter" fact="what the next test point risks" />
+      </ol>
+      <div className="halves">
+        <Section title="What runs" note={activity(inState("running"), inState("queued"))}>
+          <Runs filters={{ state: "running" }} sort="-id" none="Nothing is being estimated." />
+          {inState("queued") > 0 && (
+            <Text size="sm" mt="xs">
+              <Link to="/jobs" className="link">
+                {count(inState("queued"), "job")} waiting
+              </Link>
+            </Text>
+          )}
+        </Section>
+        <Section title="What is wrong" note={count(inState("failed"), "run") + " failed"}>
+          <Runs filters={{ state: "failed" }} sort="-finished_at" none="No run has failed." />
+        </Section>
+        <Section title="What changed" note="Estimated last">
+          <Runs
+            filters={{ state: "succeeded" }}
+            sort="-finished_at"
+            none="Nothing has been estimated yet."
+          />
+        </Section>
+        <Section title="New in the campaign" note="Imported last">
+          <NewManeuvers />
+        </Section>
+      </div>
+    </>
+  );
+}
+
+function activity(running: number, queued: number): string {
+  return `${running} running, ${queued} queued`;
+}
+
+interface StepProps {
+  to: "/campaign" | "/runs" | "/compare" | "/flutter";
+  name: string;
+  fact: string;
+}
+
+function Step({ to, name, fact }: StepProps) {
+  return (
+    <li>
+      <Link to={to}>
+        <strong>{name}</strong>
+        <span className="quiet numbers">{fact}</span>
+      </Link>
+    </li>
+  );
+}
+
+/** The next sensible step, from where the workbench stands. */
+function NextStep() {
+  const untouched = useInfiniteQuery(maneuversQuery({}, "n_runs", 1));
+  const newest = useInfiniteQuery(runListQuery({ state: "succeeded" }, "-finished_at", LINES));
+  const maneuver = untouched.data?.pages[0]?.items[0];
+  const done = newest.data?.pages[0]?.items ?? [];
+  if (untouched.data === undefined || newest.data === undefined) return null;
+  if (maneuver === undefined) {
+    return (
+      <ButtonLink to="/import" data-testid="next-step">
+        Import a maneuver
+      </ButtonLink>
+    );
+  }
+  const [last] = done;
+  const together = done.filter((run) => run.maneuver_id === last?.maneuver_id);
+  return (
+    <>
+      {last !== undefined && (
+        <ButtonLink
+          to="/compare"
+          search={{
+            runs: together.map((run) => run.id),
+            predictions: [...new Set(together.flatMap((run) => run.prediction_id ?? []))],
+          }}
+          data-testid="next-compare"
+        >
+          Compare runs of {last.maneuver_label}
+        </ButtonLink>
+      )}
+      {maneuver.n_runs === 0 && (
+        <ButtonLink
+          variant={last === undefined ? "filled" : "default"}
+          to="/maneuvers/$id/new-run"
+          params={{ id: maneuver.id }}
+          data-testid="next-step"
+        >
+          Estimate {maneuver.label}
+        </ButtonLink>
+      )}
+    </>
+  );
+}
+
+interface RunsProps {
+  filters: { state: RunItem["state"] };
+  sort: string;
+  none: string;
+}
+
+function Runs({ filters, sort, none }: RunsProps) {
+  const list = useInfiniteQuery({
+    ...runListQuery(filters, sort, LINES),
+    refetchInterval: filters.state === "running" ? 2000 : 10_000,
+  });
+  return (
+    <Loaded query={list} rows={3}>
+      {({ pages }) => (
+        <Lines
+          none={none}
+          lines={(pages[0]?.items ?? []).map((run) => ({
+            key: run.id,
+            what: (
+              <>
+                <Link to="/runs/$id" params={{ id: run.id }} className="link">
+                  {run.method} run {run.id}
+                </Link>
+                <span className="quiet">
+                  {run.maneuver_label}
+                  {run.error_code !== null && `, ${run.error_code}`}
+                  {run.outcome !== null && `, ${run.outcome}`}
+                </span>
+              </>
+            ),
+            when:
+              run.finished_at === null ? (
+                <StateBadge state={run.state} />
+              ) : (
+                dateTime(run.finished_at)
+              ),
+          }))}
+        />
+      )}
+    </Loaded>
+  );
+}
+
+function NewManeuvers() {
+  const list = useInfiniteQuery(maneuversQuery({}, "-created_at", LINES));
+  return (
+    <Loaded query={list} rows={3}>
+      {({ pages }) => (
+        <Lines
+          none="No maneuver yet; import one, or fill the workbench by flexsid demo."
+          lines={(pages[0]?.items ?? []).map((one) => ({
+            key: one.id,
+            what: (
+              <>
+                <Link to="/maneuvers/$id" params={{ id: one.id }} className="link">
+                  {one.label}
+                </Link>
+                <span className="quiet">{count(one.n_runs, "run")}</span>
+              </>
+            ),
+            when: dateTime(one.created_at),
+          }))}
+        />
+      )}
+    </Loaded>
+  );
+}
+
+interface Line {
+  key: number;
+  what: ReactNode;
+  when: ReactNode;
+}
+
+function Lines({ lines, none }: { lines: Line[]; none: string }) {
+  if (lines.length === 0) {
+    return (
+      <Text size="sm" className="quiet">
+        {none}
+      </Text>
+    );
+  }
+  return (
+    <Stack component="ul" gap={6} className="lines">
+      {lines.map((line) => (
+        <li key={line.key}>
+          <span className="line-what">{line.what}</span>
+          <span className="quiet numbers">{line.when}</span>
+        </li>
+      ))}
+    </Stack>
+  );
+}
