@@ -2548,13 +2548,15 @@ export interface components {
         };
         /**
          * GlossaryEntry
-         * @description One quantity of the glossary.
+         * @description One quantity of the glossary, with the unit that is stored and the one that people read.
          */
         GlossaryEntry: {
             /** Symbol */
             symbol: string;
             /** Unit */
             unit: string;
+            /** Display Unit */
+            display_unit: string;
             /** Label */
             label: string;
             /** Meaning */
