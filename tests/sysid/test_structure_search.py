@@ -9,12 +9,16 @@ import pytest
 from tests.sysid.conftest import OMEGA, Case, add_noise
 
 from flexsid.errors import BadInput
+from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.estimation.regression import Disturbance, regress
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.spectra.collinearity import near_dependencies
+from flexsid.sysid.structure.candidates import search_candidates
 from flexsid.sysid.structure.equation import equation_evidence, regression_evidence
 from flexsid.sysid.structure.evidence import look
+from flexsid.sysid.structure.likelihood import likelihood_evidence, reduced
 from flexsid.sysid.structure.search import search_equations
 from flexsid.sysid.structure.selection import Thresholds
 from flexsid.sysid.structure.stability import selection_frequency
@@ -143,3 +147,83 @@ def test_thresholds_that_would_never_end_are_refused():
         Thresholds(f_in=float("nan"))
     with pytest.raises(BadInput, match="at least one maneuver"):
         search_equations([])
+
+
+def output_error_of(case: Case, seed: int, share: float = 0.03):
+    u, y = case.spectra(seed)
+    return case.experiment(u, add_noise(y, share, np.random.default_rng(2000 + seed)))
+
+
+@pytest.mark.parametrize("n_modes", [1, 2])
+def test_output_error_finds_the_true_structure_from_all_terms(make_case, n_modes):
+    base = make_case(n_modes)
+    absent = tuple(name for name in ABSENT if name in base.truth.named())
+    case = without(base, absent)
+    for seed in range(6):
+        candidates = base.free(off=0.2, seed=seed)
+        found = search_candidates([output_error_of(case, seed)], candidates)
+        assert set(candidates.names) - set(found.best.chosen) == set(absent), seed
+        assert found.best.converged
+        assert found.best is found.candidates[-1]
+
+
+def test_terms_missing_at_the_start_come_in_by_their_score(make_case):
+    base = make_case(1)
+    case = without(base, ("CZ_etadot7", "Cm_bfs"))
+    candidates = case.free()
+    missing = {"CZ_etadot7", "Cm_bfs", "Cm_eta7", "CQ7_wf2s", "CZ_wf4s"}
+    begin = [name for name in candidates.names if name not in missing]
+    start = replace(candidates, start=case.truth.values.ravel() * 1.1)
+    found = search_candidates([output_error_of(case, 11)], start, begin)
+    assert set(candidates.names) - set(found.best.chosen) == {"CZ_etadot7", "Cm_bfs"}
+    assert found.candidates[0].chosen == tuple(begin)
+    assert "entered by the score" in found.candidates[1].why
+
+
+def test_what_is_foretold_of_a_change_is_what_the_refit_says(make_case):
+    case = without(make_case(1), ("CZ_etadot7", "Cm_bfs"))
+    experiment, candidates = output_error_of(case, 12), case.free()
+    full = maximize([experiment], candidates)
+    evidence = likelihood_evidence(experiment, candidates, full.values, full.values.size)
+    inside = np.ones(full.values.size, dtype=bool)
+    inside[candidates.names.index("Cm_bfs")] = False
+    fewer = maximize([experiment], reduced(candidates, inside, full.values))
+    rose = 2.0 * (fewer.steps[-1].cost - full.steps[-1].cost)
+    out = look(evidence, np.ones_like(inside))
+    assert out.change[~inside][0] == pytest.approx(rose, rel=0.1, abs=0.05)
+    theta = np.zeros(full.values.size)
+    theta[inside] = fewer.values
+    back = look(likelihood_evidence(experiment, candidates, theta, int(inside.sum())), inside)
+    assert back.change[~inside][0] == pytest.approx(rose, rel=0.1, abs=0.05)
+    assert back.values[~inside] == pytest.approx(full.values[~inside], rel=0.05)
+
+
+def test_several_maneuvers_share_a_structure_and_keep_their_values(make_case):
+    base = make_case(1)
+    absent = ("CZ_etadot7", "Cm_bfs")
+    maneuvers = [
+        output_error_of(without(base, absent, scale), seed, share=0.1)
+        for seed, scale in enumerate((0.8, 1.0, 1.2))
+    ]
+    found = search_candidates(maneuvers, base.free())
+    assert set(base.truth.named()) - set(found.best.chosen) == set(absent)
+    slopes = [dict(zip(e.names, e.values, strict=True)) for e in found.best.estimates]
+    assert [round(one["CZ_alpha"] / base.truth.named()["CZ_alpha"], 1) for one in slopes] == [
+        0.8, 1.0, 1.2,
+    ]  # fmt: skip
+
+
+def test_a_start_that_is_no_candidate_is_refused(make_case):
+    case = make_case(0, n_outputs=9)
+    with pytest.raises(BadInput, match="CZ_eta7 cannot be in the model"):
+        search_candidates([output_error_of(case, 1)], case.free(), ["CZ_eta7"])
+
+
+def test_nearly_dependent_terms_are_named_with_their_condition_index():
+    rng = np.random.default_rng(8)
+    X = rng.normal(size=(200, 5))
+    X[:, 4] = 100.0 * (X[:, 0] + X[:, 1] + 0.01 * rng.normal(size=200))
+    (found,) = near_dependencies(X.T @ X, ("a", "b", "c", "d", "e"))
+    assert set(found.shares) == {"a", "b", "e"}
+    assert found.index == pytest.approx(np.linalg.cond(X / np.linalg.norm(X, axis=0)), rel=1e-6)
+    assert near_dependencies(X[:, :4].T @ X[:, :4], ("a", "b", "c", "d")) == ()

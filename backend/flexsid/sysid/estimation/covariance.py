@@ -82,7 +82,7 @@ def covariance(
     inverse = scaled_inverse / outer
     middle = np.diag(prior_information)
     for final in lines:
-        middle = middle + inflation * _score_covariance(final)
+        middle = middle + inflation * score_covariance(final)
     corrected = 0.5 * inverse @ middle @ inverse
     return Covariance(0.5 * _symmetric(inverse), _symmetric(corrected), lacking)
 
@@ -103,7 +103,7 @@ def _invert(
     return (vectors / floored) @ vectors.T, vectors[:, values < _WEAKEST * values[-1]]
 
 
-def _score_covariance(final: FinalLines) -> Float[np.ndarray, "n_theta n_theta"]:
+def score_covariance(final: FinalLines) -> Float[np.ndarray, "n_theta n_theta"]:
     """Twice the covariance of Re sum J^H W nu for the residuals as they are."""
     experiment = final.form.model.experiment
     if experiment.source is not None and experiment.gain is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,3 +63,59 @@ def collinearity(
     grown = (vectors**2 / usable).sum(axis=1)
     inflation[~still] = np.where(grown > 1e8, np.inf, grown)
     return Collinearity(correlation, inflation, condition)
+
+
+_WEAK_INDEX = 10.0  # Belsley, Kuh and Welsch: weak from 5 to 10 on, strong from 30
+_LEAST_SHARE = 0.3
+
+
+@dataclass(frozen=True, slots=True)
+class Dependency:
+    """A direction in which columns nearly cancel, and the terms that make it.
+
+    ``index`` is the strongest direction's size over this one's; ``shares`` by term is the
+    part of its variance that the direction makes, for those that owe it at least 0.3.
+    """
+
+    index: float
+    shares: dict[str, float]
+
+
+def near_dependencies(
+    gram: Float[np.ndarray, "n n"], names: Sequence[str], least: float = _WEAK_INDEX
+) -> tuple[Dependency, ...]:
+    """Condition indices from ``least`` on, with the terms involved, worst first.
+
+    Parameters
+    ----------
+    gram
+        Products of the columns with each other: a normal or information matrix.
+    names
+        Of the terms, in its order.
+    least
+        Smallest condition index told.
+
+    Notes
+    -----
+    Source: Belsley, Kuh and Welsch, Regression Diagnostics (1980): columns at unit length,
+    and variance-decomposition proportions. A direction that burdens only one term is no
+    dependency and is left out.
+    """
+    size = np.sqrt(np.maximum(np.diag(gram), 0.0))
+    moves = size > 0.0
+    if not moves.any():
+        return ()
+    unit = gram[np.ix_(moves, moves)] / np.outer(size[moves], size[moves])
+    values, vectors = np.linalg.eigh(0.5 * (unit + unit.T))
+    values = np.maximum(values, np.finfo(float).eps * values[-1])
+    burden = vectors**2 / values
+    shares = burden / burden.sum(axis=1, keepdims=True)
+    kept = [name for name, moving in zip(names, moves, strict=True) if moving]
+    found = []
+    for direction, value in enumerate(values):
+        index = float(np.sqrt(values[-1] / value))
+        involved = np.flatnonzero(shares[:, direction] >= _LEAST_SHARE)
+        if index >= least and involved.size > 1:
+            order = involved[np.argsort(-shares[involved, direction])]
+            found.append(Dependency(index, {kept[i]: float(shares[i, direction]) for i in order}))
+    return tuple(found)

@@ -15,6 +15,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 _COLLINEAR = 1e-9  # share of a term's information that the chosen ones leave
+_RIDGE = 1e-12  # of a term's information: keeps terms that say the same from being singular
+_SUREST = 1e-20  # of a term's variance for white residuals: keeps noise-free data finite
 _COMMON = 0.5  # standard errors of one maneuver that all may be wrong alike
 
 
@@ -43,12 +45,15 @@ class Evidence:
     scatter: Float[np.ndarray, "p p"]
     total: float
     n_data: float
-    parts: Parts
+    parts: Parts | None = None
 
     def thinned(self, crowding: float) -> Evidence:
         """The same evidence where so many lines share the resolution of the record."""
         share = 1.0 / crowding
         parts = self.parts
+        thin = None
+        if parts is not None:
+            thin = Parts(share * parts.information, share * parts.moment, share * parts.total)
         return replace(
             self,
             information=share * self.information,
@@ -56,12 +61,13 @@ class Evidence:
             scatter=share * self.scatter,
             total=share * self.total,
             n_data=share * self.n_data,
-            parts=Parts(share * parts.information, share * parts.moment, share * parts.total),
+            parts=thin,
         )
 
     def drawn(self, counts: Float[np.ndarray, " n_parts"]) -> Evidence:
         """The evidence of a record in which every comb of lines stands so many times."""
         parts = self.parts
+        assert parts is not None, "evidence was gathered without its parts"
         return replace(
             self,
             information=np.tensordot(counts, parts.information, axes=1),
@@ -74,12 +80,14 @@ class Evidence:
 class Look:
     """Every term with a subset chosen: its value, or the one it would take as the next.
 
-    ``variance`` is infinite for a term that the chosen ones already say; ``rest`` is the
-    squared sum of residuals that the subset leaves.
+    ``variance`` is infinite for a term that the chosen ones already say; ``change`` is what
+    dropping a chosen term adds to the squared residuals, or entering another takes off;
+    ``rest`` is the squared sum of residuals that the subset leaves.
     """
 
     values: Float[np.ndarray, " p"]
     variance: Float[np.ndarray, " p"]
+    change: Float[np.ndarray, " p"]
     rest: float
 
 
@@ -96,19 +104,19 @@ def look(evidence: Evidence, chosen: Bool[np.ndarray, " p"]) -> Look:
     left = np.where(moves, 1.0, 0.0)
     rest = evidence.total
     if inside.size:
-        solved = np.linalg.solve(
-            N[np.ix_(inside, inside)], np.column_stack([np.eye(inside.size), N[inside]])
-        )
+        among = N[np.ix_(inside, inside)] + _RIDGE * np.eye(inside.size)
+        solved = np.linalg.solve(among, np.column_stack([np.eye(inside.size), N[inside]]))
         inverse, others = solved[:, : inside.size], solved[:, inside.size :][:, outside]
         A[np.ix_(inside, inside)] = inverse
         A[np.ix_(outside, inside)] = -others.T
         left[outside] -= np.sum(N[np.ix_(inside, outside)] * others, axis=0)
         rest -= float(m[inside] @ inverse @ m[inside])
-    left[inside] = 1.0
+    left[inside] = 1.0 / np.diag(A)[inside]
     free = left > _COLLINEAR
-    A /= np.where(free, left, 1.0)[:, None]
-    variance = np.where(free, np.sum((A @ S) * A, axis=1), np.inf)
-    return Look(np.where(free, A @ m, 0.0) / scale, variance / scale**2, rest)
+    A[outside] /= np.where(free, left, 1.0)[outside, None]
+    variance = np.where(free, np.maximum(np.sum((A @ S) * A, axis=1), _SUREST), np.inf)
+    values = np.where(free, A @ m, 0.0)
+    return Look(values / scale, variance / scale**2, values**2 * left, rest)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,8 +12,10 @@ from flexsid.sysid.structure.selection import (
     Selection,
     Step,
     Thresholds,
+    Walk,
     criteria_of,
-    finish,
+    selection_at,
+    walk,
 )
 
 
@@ -54,4 +56,5 @@ def orthogonal_functions(
         path.append(Step("enter", names[entering], f, criteria))
         if criteria.pse < least:
             best, least, kept = chosen.copy(), criteria.pse, len(path)
-    return finish("orthogonal functions", evidences, best, path[:kept], thresholds)
+    end = walk(evidences, Walk(best, tuple(path[:kept])), thresholds, enter=False)
+    return selection_at("orthogonal functions", evidences, end, thresholds)

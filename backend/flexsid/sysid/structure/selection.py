@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from flexsid.errors import BadInput
-from flexsid.sysid.structure.evidence import Evidence, Support, support
+from flexsid.sysid.structure.evidence import Evidence, support
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,32 +122,76 @@ def criteria_of(
     )
 
 
-def finish(
-    method: str,
+@dataclass(frozen=True, slots=True)
+class Walk:
+    """Where a walk over the terms stands, and the steps that led there."""
+
+    chosen: Bool[np.ndarray, " p"]
+    path: tuple[Step, ...] = ()
+
+
+def walk(
     evidences: Sequence[Evidence],
-    chosen: Bool[np.ndarray, " p"],
-    path: Sequence[Step],
+    start: Walk,
     thresholds: Thresholds,
-) -> Selection:
-    """Drop what the others made superfluous, and tell every term's standing."""
-    path = list(path)
+    *,
+    forced: Bool[np.ndarray, " p"] | None = None,
+    enter: bool = True,
+) -> Walk:
+    """Drop the weakest term that is not supported, else enter the strongest that is.
+
+    Parameters
+    ----------
+    evidences
+        Of the same candidates, one per maneuver.
+    start
+        The terms to start from; the steps go on behind its path.
+    thresholds
+        What a term must show.
+    forced
+        Terms that stay whatever they show.
+    enter
+        Whether terms may enter at all.
+
+    Notes
+    -----
+    A term that was dropped twice does not come back, so that the walk ends.
+    """
+    names = evidences[0].names
+    free = np.ones(len(names), dtype=bool) if forced is None else ~forced
+    chosen, path = start.chosen | ~free, list(start.path)
+    dropped = np.zeros(len(names), dtype=int)
     now = support(evidences, chosen)
-    while chosen.any():
-        weakest = _weakest(now, chosen, thresholds)
-        if weakest is None:
-            break
+    while True:
+        loose = chosen & free & ~now.held_by(thresholds.f_out)
+        ready = ~chosen & (dropped < 2) & now.held_by(thresholds.f_in)
+        if loose.any():
+            moved, action = int(np.argmin(np.where(loose, now.f, np.inf))), "drop"
+            dropped[moved] += 1
+        elif enter and ready.any():
+            moved, action = int(np.argmax(np.where(ready, now.gain, -1.0))), "enter"
+        else:
+            return Walk(chosen, tuple(path))
+        f = float(now.f[moved])
         chosen = chosen.copy()
-        chosen[weakest] = False
-        f = float(now.f[weakest])
+        chosen[moved] = action == "enter"
         now = support(evidences, chosen)
-        criteria = criteria_of(evidences, chosen, now.rest, thresholds)
-        path.append(Step("drop", evidences[0].names[weakest], f, criteria))
+        path.append(
+            Step(action, names[moved], f, criteria_of(evidences, chosen, now.rest, thresholds))
+        )
+
+
+def selection_at(
+    method: str, evidences: Sequence[Evidence], end: Walk, thresholds: Thresholds
+) -> Selection:
+    """Tell every term's standing where a walk ended."""
+    now = support(evidences, end.chosen)
     share = np.mean(now.each_f > thresholds.f_in, axis=0)
     terms = tuple(
         Term(*row)
         for row in zip(
             evidences[0].names,
-            chosen.tolist(),
+            end.chosen.tolist(),
             now.values.tolist(),
             now.std_errors.tolist(),
             now.f.tolist(),
@@ -155,12 +199,5 @@ def finish(
             strict=True,
         )
     )
-    criteria = criteria_of(evidences, chosen, now.rest, thresholds)
-    return Selection(method, tuple(path), terms, criteria)
-
-
-def _weakest(now: Support, chosen: Bool[np.ndarray, " p"], thresholds: Thresholds) -> int | None:
-    loose = chosen & ~now.held_by(thresholds.f_out)
-    if not loose.any():
-        return None
-    return int(np.argmin(np.where(loose, now.f, np.inf)))
+    criteria = criteria_of(evidences, end.chosen, now.rest, thresholds)
+    return Selection(method, end.path, terms, criteria)

@@ -35,11 +35,11 @@ def selection_frequency(
     maneuver for itself, so that correlation between neighbours stays as it is.
     """
     rng = np.random.default_rng(seed)
+    sizes = [0 if one.parts is None else one.parts.total.size for one in evidences]
     hits = np.zeros(len(evidences[0].names))
     for _ in range(n_draws):
         drawn = []
-        for one in evidences:
-            n_parts = one.parts.total.size
+        for one, n_parts in zip(evidences, sizes, strict=True):
             counts = np.bincount(rng.integers(n_parts, size=n_parts), minlength=n_parts)
             drawn.append(one.drawn(counts.astype(float)))
         hits += [term.chosen for term in search(drawn).terms]

@@ -12,8 +12,10 @@ from flexsid.sysid.structure.selection import (
     Selection,
     Step,
     Thresholds,
+    Walk,
     criteria_of,
-    finish,
+    selection_at,
+    walk,
 )
 
 
@@ -29,60 +31,31 @@ def stepwise_regression(evidences: Sequence[Evidence], thresholds: Thresholds = 
 
     Notes
     -----
-    Source: Klein and Morelli, stepwise regression with partial F. Departure: the scatter
-    of a term is that of the residuals as they are, coloured or not, with all candidates.
-    A term that had to leave does not come back, so that the search ends.
+    Source: Klein and Morelli, stepwise regression with partial F. Departures: the scatter
+    of a term is that of the residuals as they are, coloured or not, with all candidates;
+    and when nothing more enters, all candidates come back in and the weak ones leave
+    again. The end with the lower predicted squared error is taken: a term that stands in
+    for another one early on can keep it out for good.
     """
-    names = evidences[0].names
-    chosen = np.zeros(len(names), dtype=bool)
-    barred = np.zeros(len(names), dtype=bool)
-    path: list[Step] = []
-    while True:
-        now = support(evidences, chosen)
-        ready = ~chosen & ~barred & now.held_by(thresholds.f_in)
-        if not ready.any():
-            break
-        entering = int(np.argmax(np.where(ready, now.gain, -1.0)))
-        chosen[entering] = True
-        path.append(_step("enter", evidences, chosen, entering, now.f[entering], thresholds))
-        while True:
-            now = support(evidences, chosen)
-            loose = chosen & ~now.held_by(thresholds.f_out)
-            loose[entering] = False
-            if not loose.any():
-                break
-            leaving = int(np.argmin(np.where(loose, now.f, np.inf)))
-            chosen[leaving], barred[leaving] = False, True
-            path.append(_step("drop", evidences, chosen, leaving, now.f[leaving], thresholds))
-    forward = finish("stepwise", evidences, chosen, path, thresholds)
-    backward = _backward(evidences, forward, thresholds)
-    return min((forward, backward), key=lambda end: end.criteria.pse)
+    nothing = Walk(np.zeros(len(evidences[0].names), dtype=bool))
+    forward = walk(evidences, nothing, thresholds)
+    backward = walk(evidences, _with_all(evidences, forward, thresholds), thresholds)
+    ends = [selection_at("stepwise", evidences, end, thresholds) for end in (forward, backward)]
+    return min(ends, key=lambda end: end.criteria.pse)
 
 
-def _backward(
-    evidences: Sequence[Evidence], forward: Selection, thresholds: Thresholds
-) -> Selection:
-    """Go on with all candidates back in, and drop the weak ones one by one."""
-    chosen = np.array([term.chosen for term in forward.terms])
-    path = list(forward.path)
+def _with_all(evidences: Sequence[Evidence], at: Walk, thresholds: Thresholds) -> Walk:
+    """Go on with every candidate that the data tell apart."""
+    chosen, path = at.chosen.copy(), list(at.path)
+    now = support(evidences, chosen)
     while not chosen.all():
-        now = support(evidences, chosen)
-        entering = int(np.argmax(np.where(chosen, -1.0, now.gain)))
-        if now.gain[entering] <= 0.0:
+        gain = np.where(chosen, -1.0, now.gain)
+        entering = int(np.argmax(gain))
+        if gain[entering] <= 0.0:
             break
+        f = float(now.f[entering])
         chosen[entering] = True
-        path.append(_step("enter", evidences, chosen, entering, now.f[entering], thresholds))
-    return finish("stepwise", evidences, chosen, path, thresholds)
-
-
-def _step(
-    action: str,
-    evidences: Sequence[Evidence],
-    chosen: np.ndarray,
-    term: int,
-    f: float,
-    thresholds: Thresholds,
-) -> Step:
-    rest = support(evidences, chosen).rest
-    criteria = criteria_of(evidences, chosen, rest, thresholds)
-    return Step(action, evidences[0].names[term], float(f), criteria)
+        now = support(evidences, chosen)
+        criteria = criteria_of(evidences, chosen, now.rest, thresholds)
+        path.append(Step("enter", evidences[0].names[entering], f, criteria))
+    return Walk(chosen, tuple(path))

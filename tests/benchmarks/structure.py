@@ -1,0 +1,101 @@
+"""How fast structures are searched, as ratios measured in one run.
+
+    python tests/benchmarks/structure.py
+
+prints one JSON line per figure. One BLAS thread, one process.
+"""
+
+from __future__ import annotations
+
+import os
+
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[_name] = "1"
+
+import time
+from dataclasses import replace
+
+import numpy as np
+from estimation import as_experiment, fit, free_all, make_problem, say, timed
+
+from flexsid.demo.flex28 import load_truth
+from flexsid.sysid.estimation.likelihood import maximize
+from flexsid.sysid.structure.candidates import search_candidates
+from flexsid.sysid.structure.evidence import Look, look
+from flexsid.sysid.structure.likelihood import likelihood_evidence, reduced
+
+
+def main() -> None:
+    """Measure and print everything."""
+    print_single_changes()
+    print_search()
+
+
+def print_single_changes() -> None:
+    """Every single change of a 90-parameter output-error model, against fits of it."""
+    problem, table = make_problem(load_truth(), n_modes=4, n_lines=65)
+    parameters = free_all(problem, problem.start)
+    experiment = as_experiment(problem)
+    estimate, fit_s = timed(lambda: fit(problem, parameters), repeat=21)
+    everything = np.ones(parameters.start.size, dtype=bool)
+
+    def judge() -> Look:
+        evidence = likelihood_evidence(
+            experiment, parameters, estimate.values, parameters.start.size
+        )
+        return look(evidence, everything)
+
+    now, seconds = timed(judge, repeat=21)
+    partial_f = now.values**2 / now.variance
+    began = time.process_time()
+    ratios = []
+    for term in range(parameters.start.size):
+        kept = everything.copy()
+        kept[term] = False
+        fewer = maximize([experiment], reduced(parameters, kept, estimate.values))
+        ratios.append(2.0 * (fewer.steps[-1].cost - estimate.steps[-1].cost))
+    refits_s = time.process_time() - began
+    weak = partial_f < 1e3  # where the choice is made; stronger terms leave the quadratic
+    agreement = np.array(ratios)[weak] / now.change[weak]
+    say(
+        "single_changes_vs_fit",
+        seconds / fit_s,
+        "one converged fit",
+        all_changes_ms=1e3 * seconds,
+        fit_ms=1e3 * fit_s,
+        refitting_each_vs_fit=refits_s / fit_s,
+        parameters=table.values.size,
+        likelihood_ratio_over_foretold=float(np.median(agreement)),
+    )
+
+
+def print_search() -> None:
+    """A whole search from all 90 terms, 30 of them absent, against one fit of all."""
+    problem, table = make_problem(load_truth(), n_modes=4, n_lines=325)
+    rng = np.random.default_rng(3)
+    values = table.values.ravel().copy()
+    absent = rng.choice(values.size, 30, replace=False)
+    values[absent] = 0.0
+    truth = free_all(problem, values)
+    y = problem.model.response(truth.base, problem.omega) @ problem.inputs[:, :, None]
+    y = y[:, :, 0] * problem.instrument(1j * problem.omega[:, None])
+    level = 0.01 * np.sqrt(np.mean(np.abs(y) ** 2, axis=0) / 2.0)
+    z = y + level * (rng.normal(size=y.shape) + 1j * rng.normal(size=y.shape))
+    problem = replace(problem, measured=z)
+    parameters = free_all(problem, problem.start)
+    _, fit_s = timed(lambda: fit(problem, parameters), repeat=5)
+    found, seconds = timed(lambda: search_candidates([as_experiment(problem)], parameters), 5)
+    expected = {parameters.names[i] for i in range(values.size) if i not in absent}
+    say(
+        "structure_search_vs_fit",
+        seconds / fit_s,
+        "one converged fit with all terms",
+        search_ms=1e3 * seconds,
+        fit_ms=1e3 * fit_s,
+        fits=len(found.candidates),
+        wrong_terms=len(expected ^ set(found.best.chosen)),
+    )
+
+
+if __name__ == "__main__":
+    main()
