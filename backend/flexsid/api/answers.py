@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from flexsid.nomenclature import describe
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.conditioning import ConditioningStep
 from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.ground_test import GroundTest
 from flexsid.records.maneuver import Channel, Maneuver
@@ -26,7 +27,9 @@ from flexsid.records.run import (
 )
 from flexsid.records.saved_view import SavedView
 from flexsid.storage.maneuver_list import ManeuverItem
+from flexsid.storage.quality_list import QualityItem
 from flexsid.storage.run_list import RunItem
+from flexsid.workflow.assessing import Assessing
 from flexsid.workflow.describing import FoundField, FoundFile, Proposal
 from flexsid.workflow.uploads import Upload
 
@@ -73,6 +76,23 @@ class FlightChannelList:
     """Channels of a whole flight."""
 
     items: list[FlightChannel]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConditioningList:
+    """Corrections of the channels of a maneuver."""
+
+    items: list[ConditioningStep]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QualityList:
+    """A page of the quality of a campaign; ``counts`` are maneuvers by verdict."""
+
+    items: list[QualityItem]
+    counts: dict[str, int]
+    assessing: Assessing
+    next: str | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -23,6 +23,7 @@ from flexsid.api.page import add_page
 from flexsid.api.routes import (
     aircraft,
     comparisons,
+    conditioning,
     designs,
     figures,
     flights,
@@ -36,6 +37,7 @@ from flexsid.api.routes import (
     model_structures,
     nomenclature,
     predictions,
+    quality,
     runs,
     saved_views,
     uploads,
@@ -46,6 +48,7 @@ from flexsid.settings import Settings
 from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
+from flexsid.workflow.assessing import Assessments
 from flexsid.workflow.ingest import BringAlong
 from flexsid.workflow.uploads import Uploads
 
@@ -81,16 +84,19 @@ def create_app(
         dispatcher.start()
         received = Uploads(store, _upload_folder(settings.database), bring_along)
         received.start()
+        assessments = Assessments(store, settings.database)
         app.state.context = Context(
             store=store,
             dispatcher=dispatcher,
             migration=migration,
             bring_along=bring_along,
             uploads=received,
+            assessments=assessments,
         )
         try:
             yield
         finally:
+            assessments.stop()
             received.stop()
             dispatcher.stop()
             store.close()
@@ -112,6 +118,8 @@ def create_app(
         flights,
         ground_tests,
         maneuvers,
+        conditioning,
+        quality,
         mappings,
         uploads,
         modal_tables,

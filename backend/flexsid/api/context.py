@@ -9,6 +9,7 @@ from fastapi import Depends, Request
 
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.storage.store import Store
+from flexsid.workflow.assessing import Assessments
 from flexsid.workflow.ingest import BringAlong
 from flexsid.workflow.uploads import Uploads
 
@@ -22,6 +23,7 @@ class Context:
     migration: str
     bring_along: BringAlong | None
     uploads: Uploads
+    assessments: Assessments
 
 
 # Asynchronous, so that no thread is spent on handing over a reference.

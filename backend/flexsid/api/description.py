@@ -38,6 +38,8 @@ _EXAMPLES: dict[str, Any] = {
     "next_m_s": 45.0,
     "upload_id": "5b0c2a",
     "version": 1,
+    "step_id": 1,
+    "quantities": "CZ,etaddot7",
 }
 
 _STRUCTURE = {"modes": [7, 9], "inputs": ["bfs", "wf1s"], "outputs": ["q", "az_egi"]}
@@ -76,6 +78,8 @@ _BODIES: dict[str, Any] = {
         "peaks": [0.0175, 0.035, 0.07],
         "effort": "quick",
     },
+    "take_conditioning": {"items": [{"channel": "q", "kind": "delay", "delay_s": 0.004}]},
+    "assess_maneuvers": {"maneuver_ids": [1]},
     "add_mapping": {"name": "recorder A", "text": _MAPPING},
     "check_upload": {"mapping": _MAPPING},
     "preview_upload": {"mapping": _MAPPING, "channels": ["bfs"]},

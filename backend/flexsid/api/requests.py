@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
 
+from flexsid.records.conditioning import Correction, StepKind
 from flexsid.records.model_structure import FixedTo, HeldBy, Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.records.saved_view import SavedView
@@ -236,3 +237,56 @@ class SavedViewRequest:
     def record(self) -> SavedView:
         """Return what is kept."""
         return SavedView(page=self.page, name=self.name, search=self.search, author=self.author)
+
+
+Sample = Annotated[int, Field(strict=True, ge=0, le=LARGEST_ID)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CorrectionRequest:
+    """One correction; see ``Correction``."""
+
+    channel: Name
+    kind: StepKind
+    delay_s: Delay = 0.0
+    scale: Number = 1.0
+    bias: Number = 0.0
+    stretches: Annotated[tuple[tuple[Sample, Sample], ...], Field(max_length=1000)] = ()
+    std: Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)] | None = None
+    basis: Annotated[str, Field(max_length=500)] = ""
+
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConditioningRequest:
+    """Corrections to take together."""
+
+    items: Annotated[tuple[CorrectionRequest, ...], Field(min_length=1, max_length=1000)]
+
+    __pydantic_config__ = _STRICT
+
+    def corrections(self) -> list[Correction]:
+        """Return what was asked for."""
+        return [
+            Correction(
+                channel=one.channel,
+                kind=one.kind,
+                delay_s=one.delay_s,
+                scale=one.scale,
+                bias=one.bias,
+                stretches=one.stretches,
+                std=one.std,
+                basis=one.basis,
+            )
+            for one in self.items
+        ]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AssessRequest:
+    """Maneuvers to look at; all that nobody has looked at where none is named."""
+
+    maneuver_ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=10_000)] | None = None
+
+    __pydantic_config__ = _STRICT

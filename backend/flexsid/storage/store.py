@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import Any, Unpack
 
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.conditioning import ConditioningStep
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.maneuver import Channel, Maneuver
@@ -14,6 +15,7 @@ from flexsid.records.mapping import StoredMapping
 from flexsid.records.modal_table import ModalTable
 from flexsid.records.model_structure import ModelStructure, StructureVersion
 from flexsid.records.prediction import Prediction
+from flexsid.records.quality import ManeuverQuality
 from flexsid.records.run import EstimationRun
 from flexsid.records.saved_view import SavedView
 from flexsid.storage import tables
@@ -50,6 +52,12 @@ class Store:
         self.channels = Repository(database, tables.channels, Channel, "channel")
         self.flight_channels = Repository(
             database, tables.flight_channels, FlightChannel, "channel of a flight"
+        )
+        self.conditioning = Repository(
+            database, tables.conditioning_steps, ConditioningStep, "conditioning step"
+        )
+        self.qualities = Repository(
+            database, tables.maneuver_quality, ManeuverQuality, "quality of a maneuver"
         )
         self.mappings = Repository(database, tables.mappings, StoredMapping, "mapping")
         self.modal_tables = Repository(database, tables.modal_tables, ModalTable, "modal table")

@@ -177,6 +177,31 @@ mappings = _table(
     sa.Column("created_at", UtcDateTime, nullable=False),
 )
 
+conditioning_steps = _table(
+    "conditioning_steps",
+    _identity(),
+    _refers_to("maneuver_id", "maneuvers", ondelete="CASCADE"),
+    _text("channel"),
+    _json("correction"),
+    _text("author"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+    _text("undone_by", required=False),
+    sa.Column("undone_at", UtcDateTime),
+)
+
+maneuver_quality = _table(
+    "maneuver_quality",
+    _identity(),
+    _refers_to("maneuver_id", "maneuvers", index=False, ondelete="CASCADE"),
+    sa.Column("content_hash", sa.String(64), nullable=False),
+    _text("verdict"),
+    _text("summary"),
+    _json("figures"),
+    _json("report"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+    sa.UniqueConstraint("maneuver_id"),
+)
+
 modal_tables = _table(
     "modal_tables",
     _identity(),

@@ -15,6 +15,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import finite_fourier_transform, unit_lines
 from flexsid.units import to_si
+from flexsid.workflow.conditioning import conditioning_of
 
 _TRIM_S = 0.25  # shortest stretch before the excitation that counts as trim
 
@@ -79,9 +80,16 @@ def maneuver_lines(maneuver: Maneuver, band_hz: tuple[float, float] | None = Non
 
 
 def load_channels(
-    store: Store, maneuver_id: int, names: Sequence[str] | None = None
+    store: Store, maneuver_id: int, names: Sequence[str] | None = None, *, aligned: bool = True
 ) -> list[tuple[Channel, np.ndarray]]:
-    """Channels with their samples in SI.
+    """Channels with their samples in SI, conditioned.
+
+    Parameters
+    ----------
+    store, maneuver_id, names
+        Which channels, all by default.
+    aligned
+        Delays that were decided are undone; who asks for none undoes them in the spectra.
 
     Raises
     ------
@@ -98,10 +106,16 @@ def load_channels(
             code="unknown-channel",
             channel=missing[0],
         )
-    return [
-        (channel, to_si(samples, channel.unit))
-        for channel, samples in (found[name] for name in wanted)
-    ]
+    steps = conditioning_of(store, maneuver_id)
+    result = []
+    for channel, samples in (found[name] for name in wanted):
+        values = to_si(samples, channel.unit)
+        if channel.name in steps:
+            one = steps[channel.name]
+            correct = one.aligned if aligned else one.corrected
+            values = correct(np.asarray(values, dtype=float), channel.rate_hz)
+        result.append((channel, values))
+    return result
 
 
 def maneuver_spectra(
@@ -126,7 +140,7 @@ def spectra_of(
     names: tuple[str, ...],
     lines: Lines,
 ) -> FrequencyData:
-    """Transform channels and combinations of a loaded maneuver."""
+    """Transform channels and combinations of a loaded maneuver, conditioned."""
     assert maneuver.id is not None
     combinations = {c.name: c.terms for c in aircraft.combinations}
     recorded = {c.name for c in store.channels.find(maneuver_id=maneuver.id)}
@@ -138,7 +152,7 @@ def spectra_of(
     attitudes = {s.name for s in aircraft.sensors if s.kind is SensorKind.ATTITUDE}
     spectra: dict[str, np.ndarray] = {}
     by_clock: dict[tuple[float, float, int], list[tuple[Channel, np.ndarray]]] = {}
-    for channel, samples in load_channels(store, maneuver.id, needed):
+    for channel, samples in load_channels(store, maneuver.id, needed, aligned=False):
         clock = (channel.rate_hz, channel.start_s, channel.n_samples)
         by_clock.setdefault(clock, []).append((channel, samples))
     for (rate_hz, start_s, _), group in by_clock.items():
@@ -146,6 +160,9 @@ def spectra_of(
         settles = np.array([channel.name in attitudes for channel, _ in group])
         transform = _transform(samples, rate_hz, start_s, maneuver, lines, settles)
         spectra.update({c.name: transform[:, k] for k, (c, _) in enumerate(group)})
+    for name, one in conditioning_of(store, maneuver.id).items():
+        if one.delay_s and name in spectra:
+            spectra[name] = spectra[name] * np.exp(1j * lines.omega * one.delay_s)
     columns = [sum(w * spectra[part] for part, w in parts[name]) for name in names]
     values = np.reshape(np.array(columns, dtype=complex), (len(names), lines.omega.size)).T
     return FrequencyData(lines.omega, values, names)

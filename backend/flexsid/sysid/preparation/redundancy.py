@@ -250,3 +250,37 @@ def widened(faults: Faults, others: Sequence[Faults]) -> Faults:
         delay_std = delay_std + np.max([(o.delay_s - faults.delay_s) ** 2 for o in others], axis=0)
         scale_std = scale_std + np.max([(o.scale - faults.scale) ** 2 for o in others], axis=0)
     return replace(faults, delay_std=np.sqrt(delay_std), scale_std=np.sqrt(scale_std))
+
+
+def agreement(
+    model: AeroelasticModel,
+    outputs: FrequencyData,
+    instruments: Complex[np.ndarray, "n_omega n_y"],
+    noise: Float[np.ndarray, " n_y"],
+) -> Float[np.ndarray, " n_y"]:
+    """Coherence of each sensor with what all others say that it should read.
+
+    Parameters
+    ----------
+    model, outputs, instruments
+        As for ``find_faults``.
+    noise
+        Standard deviation of each output's spectral noise. [output unit * s]
+
+    Returns
+    -------
+    array
+        From 0 to 1; NaN where the others say nothing of a sensor, which may then be right.
+    """
+    z = outputs.pick(model.outputs).values / noise
+    rows = instruments[:, :, None] * model.sensors.response(outputs.omega) / noise[:, None]
+    size = np.linalg.norm(rows, axis=1)
+    q, _ = np.linalg.qr(rows / np.where(size > 0, size, 1.0)[:, None, :])
+    seen = np.matmul(q, np.matmul(q.conj().transpose(0, 2, 1), z[:, :, None]))[:, :, 0]
+    own = np.sum(np.abs(q) ** 2, axis=2)
+    others = z - (z - seen) / np.maximum(1.0 - own, 1e-9)
+    told = own < 1.0 - 1e-6
+    cross = np.abs(np.sum(np.where(told, z.conj() * others, 0.0), axis=0)) ** 2
+    power = np.sum(np.where(told, np.abs(z) ** 2, 0.0), axis=0)
+    power = power * np.sum(np.where(told, np.abs(others) ** 2, 0.0), axis=0)
+    return np.where(power > 0, cross / np.where(power > 0, power, 1.0), np.nan)

@@ -175,3 +175,35 @@ def _add_structural(
         gradient[:, index] = -force * 2.0 * z[i] * w[i] * etadot
         if extra.kind == "omega":
             gradient[:, index] -= force * 2.0 * w[i] ** 2 * eta
+
+
+def separation_factor(A: Float[np.ndarray, "n_x n_x"], n_modes: int) -> float | None:
+    """Lowest structural over highest rigid-body frequency of a model.
+
+    Parameters
+    ----------
+    A
+        State matrix in [alpha, q, theta, eta..., etadot...].
+    n_modes
+        Number of structural modes.
+
+    Returns
+    -------
+    float or None
+        None without structural modes, or where no pole is of rigid or of structural motion.
+
+    Notes
+    -----
+    A pole is structural when modal states take the larger part in it. References 22 and 23
+    of the paper hold the motions apart from a factor of five on.
+    """
+    if n_modes == 0:
+        return None
+    dynamic = np.r_[0, 1, 3 : A.shape[0]]
+    values, right = np.linalg.eig(A[np.ix_(dynamic, dynamic)].astype(complex))
+    part = np.abs(np.linalg.inv(right).T * right)
+    rigid = part[:2].sum(axis=0) > 0.5 * part.sum(axis=0)
+    size = np.abs(values)
+    if not rigid.any() or rigid.all():
+        return None
+    return float(size[~rigid].min() / size[rigid].max())

@@ -1,6 +1,7 @@
 """Read from the store what figures draw: finished numbers, nothing drawn."""
 
 from flexsid.workflow.views.campaign import envelope
+from flexsid.workflow.views.channels import read_channels
 from flexsid.workflow.views.loops import loops
 from flexsid.workflow.views.maneuver import POINTS, spectrum, time_history
 from flexsid.workflow.views.plot_matrix import Domain, plot_matrix
@@ -27,6 +28,7 @@ __all__ = [
     "parameter_correlation",
     "plot_matrix",
     "poles",
+    "read_channels",
     "residual",
     "spectrum",
     "time_check",

@@ -13,6 +13,7 @@ from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.records.views import ChannelTrace
 from flexsid.storage.store import Store
 from flexsid.units import si_unit, to_si
+from flexsid.workflow.conditioning import Conditioning, conditioning_of
 from flexsid.workflow.interval import samples_between
 
 Interval = tuple[float, float]
@@ -39,7 +40,8 @@ def read_channels(
     parts = _find(store, maneuver, names)
     needed = {channel.array for terms in parts.values() for channel, _ in terms}
     samples = store.arrays.get_many(needed)
-    return tuple(_trace(name, terms, samples, interval_s) for name, terms in parts.items())
+    steps = conditioning_of(store, maneuver.id)
+    return tuple(_trace(name, terms, samples, steps, interval_s) for name, terms in parts.items())
 
 
 def sampling(
@@ -88,6 +90,7 @@ def _trace(
     name: str,
     parts: _Parts,
     samples: dict[str, np.ndarray],
+    steps: dict[str, Conditioning],
     interval_s: Interval | None,
 ) -> ChannelTrace:
     first, _ = parts[0]
@@ -95,7 +98,8 @@ def _trace(
     if interval_s is not None:
         window = samples_between(interval_s, first.start_s, first.rate_hz, first.n_samples)
     values = sum(
-        weight * to_si(samples[channel.array][window], channel.unit) for channel, weight in parts
+        weight * _conditioned(channel, samples[channel.array], steps, window)
+        for channel, weight in parts
     )
     index = np.arange(window.start, window.stop)
     return ChannelTrace(
@@ -105,6 +109,16 @@ def _trace(
         time_s=first.start_s + index / first.rate_hz,
         values=np.asarray(values),
     )
+
+
+def _conditioned(
+    channel: Channel, samples: np.ndarray, steps: dict[str, Conditioning], window: slice
+) -> np.ndarray:
+    """Samples of a window in SI with what was decided about the channel applied."""
+    if channel.name not in steps:
+        return to_si(samples[window], channel.unit)
+    values = np.asarray(to_si(samples, channel.unit), dtype=float)
+    return steps[channel.name].aligned(values, channel.rate_hz)[window]
 
 
 def on_one_clock(traces: Sequence[ChannelTrace]) -> tuple[ChannelTrace, ...]:

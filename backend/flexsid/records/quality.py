@@ -1,0 +1,144 @@
+"""Quality: what was found about one maneuver, from its channels to a verdict in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+
+
+class Verdict(StrEnum):
+    """Whether a maneuver may be estimated from."""
+
+    GOOD = "good"
+    DOUBTFUL = "doubtful"
+    BAD = "bad"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """One thing that an analyst should know; ``good`` is only information."""
+
+    severity: Verdict
+    about: str
+    channel: str | None
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FoundStretch:
+    """Samples that are a spike, a dropout or saturated, and when they begin. [s]"""
+
+    kind: str
+    first: int
+    stop: int
+    start_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChannelQuality:
+    """One channel; what cannot be told is None.
+
+    ``signal_to_noise_db`` is the median over the lines, ``coherence`` that with what all
+    other sensors say, ``noise_excess`` what it disagrees with them by over its known noise.
+    ``delay_s`` counts from the reference, ``scale`` is recorded over true, ``bias`` in SI.
+    At most fifty ``stretches`` are listed; ``n_stretches`` counts all.
+    """
+
+    name: str
+    role: str
+    unit: str
+    signal_to_noise_db: float | None = None
+    coherence: float | None = None
+    noise_excess: float | None = None
+    delay_s: float | None = None
+    delay_std: float | None = None
+    scale: float | None = None
+    scale_std: float | None = None
+    bias: float | None = None
+    bias_std: float | None = None
+    bias_basis: str = ""
+    saturated: float = 0.0  # share of samples
+    n_stretches: int = 0
+    stretches: tuple[FoundStretch, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Average:
+    """A condition channel over the maneuver; ``drift`` is its trend from start to end."""
+
+    name: str
+    unit: str
+    mean: float
+    std: float
+    smallest: float
+    largest: float
+    drift: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightConditionQuality:
+    """The flight condition with its spread, and whether one linear model holds over it.
+
+    ``separation_factor`` is the lowest structural over the highest rigid-body frequency of
+    the predicted model: from five on, rigid and elastic motion may be taken apart.
+    """
+
+    averages: tuple[Average, ...]
+    airspeed_ratio: float | None
+    fuel_fraction: float
+    fuel_change: float | None
+    airspeed_drift: float | None  # share of the mean
+    separation_factor: float | None
+    time_invariant: bool | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InputPair:
+    """Correlation of two inputs while the excitation ran."""
+
+    first: str
+    second: str
+    correlation: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Figures:
+    """The numbers that a campaign is sorted by."""
+
+    signal_to_noise_db: float | None = None
+    largest_skew_s: float | None = None
+    largest_skew_channel: str | None = None
+    least_coherence: float | None = None
+    n_stretches: int = 0
+    saturated: float = 0.0
+    max_input_correlation: float | None = None
+    fuel_change: float | None = None
+    airspeed_drift: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QualityReport:
+    """All that was found; ``not_checked`` says what could not be looked at, and why."""
+
+    channels: tuple[ChannelQuality, ...]
+    condition: FlightConditionQuality
+    inputs: tuple[InputPair, ...]
+    findings: tuple[Finding, ...]
+    skew_reference: str | None
+    skew_band_hz: tuple[float, float] | None
+    not_checked: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ManeuverQuality:
+    """What was found about a maneuver; ``content_hash`` tells what it rests on."""
+
+    maneuver_id: int
+    content_hash: str
+    verdict: Verdict
+    summary: str
+    figures: Figures
+    report: QualityReport
+    created_at: datetime | None = None
+    id: int | None = None

@@ -1,0 +1,164 @@
+"""Skews, scale factors and biases of a maneuver's channels from redundancy and kinematics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexsid.errors import NotIdentifiable
+from flexsid.records.aircraft import Sensor, SensorKind
+from flexsid.records.maneuver import Channel, Maneuver, Role
+from flexsid.storage.store import Store
+from flexsid.sysid.preparation.biases import Bias, climb_angle, gyro_bias, vane_bias
+from flexsid.sysid.preparation.redundancy import Faults, agreement, find_faults, widened
+from flexsid.sysid.preparation.resampling import resample
+from flexsid.sysid.signals import FrequencyData
+from flexsid.workflow.sensing import Sensing, motion_of
+from flexsid.workflow.transforms import load_channels
+
+_CALIBRATED = (SensorKind.GYRO, SensorKind.VANE)
+_MORE_MODES = 2  # beyond the choice: what they would change widens the errors
+_SETTLED_S = 0.5  # without a known excitation, so much of the record is trim
+_TELLING = 0.05  # [s]: a standard error above says that nothing is known
+
+
+@dataclass(frozen=True, slots=True)
+class SensorFaults:
+    """What redundancy tells: faults, coherence and excess noise by sensor."""
+
+    faults: Faults
+    coherence: np.ndarray
+    noise_excess: np.ndarray
+
+    def told(self, name: str) -> bool:
+        """Whether the delay of a sensor is known at all."""
+        return bool(self.faults.delay_std[self.faults.names.index(name)] < _TELLING)
+
+
+def sensor_faults(sensing: Sensing) -> SensorFaults:
+    """Find delays of all sensors, and scale factors of gyros and vanes.
+
+    Modes are chosen when the delays are undone, for a delay looks like a mode left out;
+    what more modes would give widens the standard errors.
+
+    Raises
+    ------
+    NotIdentifiable
+        If the sensors are not redundant.
+    """
+    lines = sensing.measured
+    names = sensing.model.outputs
+    kinds = {o.name: o.kind for o in sensing.outputs}
+    scaled = tuple(n for n in names if kinds[n] in _CALIBRATED)
+    if all(kind in _CALIBRATED for kind in kinds.values()):
+        scaled = ()
+    reference = _reference(sensing)
+    first = find_faults(sensing.model, lines.outputs, lines.instruments, reference, scaled)
+    seen = np.where(first.delay_std < _TELLING, first.delay_s, 0.0)
+    straight = np.exp(1j * np.outer(lines.omega, seen)) / first.scale
+    values = lines.outputs.pick(names).values * straight
+    outputs = FrequencyData(lines.omega, values, names)
+    undone = replace(sensing, measured=replace(lines, outputs=outputs))
+    model, motion = motion_of(undone)
+    count = len(model.modes.numbers)
+    same = model.modes.numbers == sensing.model.modes.numbers
+    best = (
+        first if same else find_faults(model, lines.outputs, lines.instruments, reference, scaled)
+    )
+    others = []
+    for more in range(1, _MORE_MODES + 1):
+        if count + more > len(sensing.modes):
+            break
+        richer = sensing.with_modes(sensing.modes[: count + more])
+        try:
+            others.append(find_faults(richer, lines.outputs, lines.instruments, reference, scaled))
+        except NotIdentifiable:
+            break
+    coherence = agreement(model, undone.measured.outputs, lines.instruments, motion.noise)
+    return SensorFaults(widened(best, others), coherence, motion.noise / sensing.noise)
+
+
+def biases(store: Store, sensing: Sensing, faults: Faults | None) -> dict[str, Bias]:
+    """Biases of gyros and vanes against attitude, or against trim where none is recorded."""
+    maneuver = sensing.maneuver
+    channels = {c.name: c for c in store.channels.find(maneuver_id=maneuver.id)}
+    of_kind = {
+        kind: [s for s in sensing.aircraft.sensors if s.kind is kind and s.name in channels]
+        for kind in (SensorKind.GYRO, SensorKind.VANE, SensorKind.ATTITUDE)
+    }
+    attitude = next((s for s in of_kind[SensorKind.ATTITUDE] if s.axis == "y"), None)
+    climb = _climb(store, maneuver)
+    found: dict[str, Bias] = {}
+    for sensor in (*of_kind[SensorKind.GYRO], *of_kind[SensorKind.VANE]):
+        if sensor.axis != "y":
+            continue
+        channel, values = _load(store, maneuver, sensor)
+        trim = _trim(maneuver, channel)
+        if trim.stop - trim.start < 4:
+            continue
+        scale, std = _scale(faults, sensor.name)
+        level = None if attitude is None else _on_clock(store, maneuver, attitude, channel)
+        if sensor.kind is SensorKind.GYRO:
+            found[sensor.name] = gyro_bias(values, level, channel.rate_hz, trim, scale, std)
+        elif level is not None:
+            found[sensor.name] = vane_bias(values, level, climb, trim, scale, std)
+    return {name: bias for name, bias in found.items() if np.isfinite(bias.std)}
+
+
+def _reference(sensing: Sensing) -> str:
+    """Accelerometer nearest the c.g. that sees heave: what the others are timed against."""
+    x = sensing.maneuver.condition.x_cg_m
+    heave = [
+        o.terms[0][0]
+        for o in sensing.outputs
+        if o.kind is SensorKind.ACCELEROMETER and o.terms[0][0].axis == "z"
+    ]
+    if not heave:
+        return sensing.outputs[0].name
+    return min(heave, key=lambda s: np.hypot(s.location_m[0] - x, s.location_m[1])).name
+
+
+def _scale(faults: Faults | None, name: str) -> tuple[float, float]:
+    if faults is None or name not in faults.names:
+        return 1.0, 0.0
+    place = faults.names.index(name)
+    return float(faults.scale[place]), float(faults.scale_std[place])
+
+
+def _trim(maneuver: Maneuver, channel: Channel) -> slice:
+    """Samples before the excitation."""
+    excitation = maneuver.excitation
+    stop_s = channel.start_s + _SETTLED_S if excitation is None else excitation.start_s
+    count = min(channel.n_samples, max(0, int((stop_s - channel.start_s) * channel.rate_hz)))
+    return slice(0, count)
+
+
+def _climb(store: Store, maneuver: Maneuver) -> Bias:
+    """Flight path angle from altitude where it was recorded, else as the condition has it."""
+    assert maneuver.id is not None
+    known = store.channels.find(maneuver_id=maneuver.id, role=Role.CONDITION, name="altitude")
+    if not known:
+        gamma = maneuver.condition.gamma_rad
+        return Bias(value=gamma, std=0.0, basis=f"gamma taken as {np.degrees(gamma):.2f} deg")
+    ((channel, values),) = load_channels(store, maneuver.id, ["altitude"])
+    return climb_angle(
+        np.asarray(values, dtype=float), channel.rate_hz, maneuver.condition.airspeed_m_s
+    )
+
+
+def _load(store: Store, maneuver: Maneuver, sensor: Sensor) -> tuple[Channel, np.ndarray]:
+    assert maneuver.id is not None
+    ((channel, values),) = load_channels(store, maneuver.id, [sensor.name])
+    return channel, np.asarray(values, dtype=float)
+
+
+def _on_clock(store: Store, maneuver: Maneuver, sensor: Sensor, clock: Channel) -> np.ndarray:
+    """Samples of a sensor on the clock of another channel."""
+    channel, values = _load(store, maneuver, sensor)
+    same = (channel.rate_hz, channel.start_s, channel.n_samples)
+    if same == (clock.rate_hz, clock.start_s, clock.n_samples):
+        return values
+    return resample(
+        values, channel.rate_hz, channel.start_s, clock.rate_hz, clock.start_s, clock.n_samples
+    )

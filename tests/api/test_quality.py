@@ -1,0 +1,76 @@
+"""Quality over REST: one maneuver, a campaign, and the corrections that are decided on."""
+
+from __future__ import annotations
+
+import time
+
+from fastapi.testclient import TestClient
+from pydantic import TypeAdapter
+
+from flexsid.api import answers
+from flexsid.records.quality import ManeuverQuality
+
+API = "/api/v1"
+
+
+def test_a_campaign_is_looked_at_once_and_then_listed(client: TestClient):
+    before = client.get(f"{API}/quality").json()
+    assert before["counts"] == {"good": 0, "doubtful": 0, "bad": 0, "missing": 1}
+    assert before["items"][0]["verdict"] is None
+    begun = client.post(f"{API}/quality/assess", json={})
+    assert begun.status_code == 202
+    deadline = time.monotonic() + 60.0
+    while client.get(f"{API}/quality").json()["assessing"]["running"]:
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+    answer = client.get(f"{API}/quality?verdict=good&sort=-signal_to_noise_db&search=flow")
+    TypeAdapter(answers.QualityList).validate_json(answer.content)
+    (item,) = answer.json()["items"]
+    assert item["verdict"] == "good"
+    assert item["figures"]["signal_to_noise_db"] > 15.0
+    assert answer.json()["assessing"]["failed"] == 0
+    one = client.get(f"{API}/maneuvers/1/quality")
+    found = TypeAdapter(ManeuverQuality).validate_json(one.content)
+    assert found.summary == item["summary"]
+    assert client.get(f"{API}/quality?verdict=missing").json()["items"] == []
+    assert client.get(f"{API}/quality?sort=colour").status_code == 422
+    assert client.post(f"{API}/quality/assess", json={"maneuver_ids": [99]}).status_code == 404
+    assert client.delete(f"{API}/quality/assess").json()["running"] is False
+
+
+def test_corrections_are_taken_whole_listed_and_undone(client: TestClient):
+    address = f"{API}/maneuvers/1/conditioning"
+    spectra = f"{API}/figures/spectrum?maneuver_id=1&channels=q&format=csv"
+    before = client.get(spectra).text
+    calibration = {"channel": "q", "kind": "calibration", "scale": 2.0}
+    refused = client.post(
+        address, json={"items": [calibration, {"channel": "no", "kind": "delay", "delay_s": 0.1}]}
+    )
+    assert refused.status_code == 422
+    assert refused.json()["code"] == "unknown-channel"
+    assert client.get(address).json()["items"] == []
+    taken = client.post(
+        address, json={"items": [calibration]}, headers={"X-Flexsid-Analyst": "Eva"}
+    )
+    assert taken.status_code == 201
+    (step,) = taken.json()["items"]
+    assert step["author"] == "Eva"
+    assert client.get(spectra).text != before
+    again = client.post(address, json={"items": [calibration]})
+    assert again.status_code == 409
+    undone = client.delete(f"{address}/{step['id']}")
+    assert undone.json()["undone_at"] is not None
+    assert client.get(spectra).text == before
+    assert len(client.get(address).json()["items"]) == 1
+    assert client.delete(f"{address}/{step['id']}").status_code == 409
+    assert client.delete(f"{API}/maneuvers/2/conditioning/{step['id']}").status_code == 404
+
+
+def test_reconstruction_is_drawn_in_time_and_line_by_line(client: TestClient):
+    for question in ("", "&quantities=CZ,Cm,eta7&modes=7,9", "&domain=frequency"):
+        answer = client.get(f"{API}/figures/reconstruction?maneuver_id=1{question}")
+        assert answer.status_code == 200
+        assert answer.json()["data"]
+    unknown = client.get(f"{API}/figures/reconstruction?maneuver_id=1&quantities=nothing")
+    assert unknown.json()["code"] == "unknown-quantity"
+    assert "CQ7" in unknown.json()["detail"]

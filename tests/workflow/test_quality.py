@@ -1,0 +1,212 @@
+"""Faults put on the channels of a flown maneuver are found, told, corrected and undone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flights import FlownManeuver, fly
+from flexsid.errors import BadInput, Conflict, UnknownRecord
+from flexsid.records.conditioning import Correction, StepKind
+from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Maneuver, Role
+from flexsid.records.quality import Verdict
+from flexsid.storage.store import Store
+from flexsid.sysid.preparation.resampling import resample
+from flexsid.workflow import views
+from flexsid.workflow.conditioning import take_steps, undo_step
+from flexsid.workflow.quality import is_assessed, quality
+from flexsid.workflow.transforms import maneuver_spectra
+
+Change = Callable[[str, np.ndarray, float], np.ndarray]
+
+
+@pytest.fixture(scope="module")
+def flown() -> FlownManeuver:
+    return fly(airspeed_ratio=0.65, fta=506, seed=21)
+
+
+@pytest.fixture
+def keep(store: Store, flown: FlownManeuver) -> Callable[[Change], Maneuver]:
+    """Keep the maneuver with its sensors changed."""
+    aircraft = add_aircraft(store)
+    assert aircraft.id is not None
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=70))
+    assert flight.id is not None
+    number = flight.id
+
+    def changed(change: Change) -> Maneuver:
+        channels = tuple(
+            replace(c, samples=change(c.name, c.samples.astype(float), c.rate_hz))
+            if c.role in (Role.OUTPUT, Role.INPUT)
+            else c
+            for c in flown.channels
+        )
+        return add_maneuver(store, replace(flown, channels=channels), number)
+
+    return changed
+
+
+def late(samples: np.ndarray, rate_hz: float, delay_s: float) -> np.ndarray:
+    band = (0.0, 0.625 * rate_hz)
+    return resample(samples, rate_hz, 0.0, rate_hz, -delay_s, samples.size, None, band)
+
+
+def test_a_sound_maneuver_is_good_and_looked_at_once(store: Store, keep):
+    maneuver = keep(lambda name, x, rate_hz: x)
+    assert not is_assessed(store, maneuver)
+    first = quality(store, maneuver.id)
+    assert first.verdict is Verdict.GOOD
+    assert "dB above noise" in first.summary
+    assert first.figures.n_stretches == 0
+    assert is_assessed(store, maneuver)
+    assert quality(store, maneuver.id) == first
+    condition = first.report.condition
+    assert condition.time_invariant
+    assert condition.separation_factor == pytest.approx(2.1, abs=0.3)
+    assert {a.name for a in condition.averages} >= {"airspeed", "fuel_fraction", "thrust"}
+
+
+def test_skews_scale_factors_and_biases_on_every_sensor_come_back(store: Store, keep):
+    rng = np.random.default_rng(3)
+    delays: dict[str, float] = {}
+    wrong = {"alpha": (1.06, 0.02), "q": (0.96, -0.01)}
+
+    def spoil(name: str, x: np.ndarray, rate_hz: float) -> np.ndarray:
+        if name in ("bfs", "wf1s", "wf2s", "wf3s", "wf4s"):
+            return x
+        delays[name] = float(rng.uniform(0.0, 0.02))
+        scale, bias = wrong.get(name, (1.0, 0.0))
+        return scale * late(x, rate_hz, delays[name]) + bias
+
+    maneuver = keep(spoil)
+    found = quality(store, maneuver.id)
+    assert found.verdict is Verdict.DOUBTFUL
+    channels = {c.name: c for c in found.report.channels}
+    reference = found.report.skew_reference
+    assert reference is not None
+    assert found.report.skew_band_hz == pytest.approx((0.25, 13.75), abs=0.05)
+    told = 0
+    for name, delay in delays.items():
+        c = channels[name]
+        if c.delay_s is None or c.delay_std is None:
+            continue
+        told += 1
+        error = abs(c.delay_s - (delay - delays[reference]))
+        assert error < max(1e-3, 3.0 * c.delay_std), name
+    # lateral accelerometers on the centre line see nothing of symmetric motion
+    assert {n for n in delays if channels[n].delay_s is None} == {"ay_egi", "ay_cf"}
+    for name, (scale, bias) in wrong.items():
+        c = channels[name]
+        assert c.scale is not None
+        assert c.scale_std is not None
+        assert c.bias is not None
+        assert c.bias_std is not None
+        assert abs(c.scale - scale) < 3.0 * c.scale_std < 0.05
+        assert abs(c.bias - bias) < 3.0 * c.bias_std + 1e-4
+
+    before = maneuver_spectra(store, maneuver.id, ["az_ofr"])
+    steps = take_steps(
+        store,
+        maneuver.id,
+        [
+            Correction(channel=c.name, kind=StepKind.DELAY, delay_s=c.delay_s, std=c.delay_std)
+            for c in channels.values()
+            if c.delay_s
+        ]
+        + [
+            Correction(
+                channel=n,
+                kind=StepKind.CALIBRATION,
+                scale=channels[n].scale or 1.0,
+                bias=channels[n].bias or 0.0,
+            )
+            for n in wrong
+        ],
+        author="Eva",
+    )
+    assert not is_assessed(store, maneuver)
+    corrected = quality(store, maneuver.id)
+    assert corrected.verdict is Verdict.GOOD
+    after = maneuver_spectra(store, maneuver.id, ["az_ofr"])
+    turned = np.exp(1j * after.omega * (channels["az_ofr"].delay_s or 0.0))[:, None]
+    assert np.allclose(after.values, before.values * turned)
+    (trace,) = views.read_channels(store, maneuver, ["alpha"])
+    assert np.abs(trace.values[:200].mean() - maneuver.condition.alpha_rad) < 0.01
+
+    for step in steps:
+        undone = undo_step(store, maneuver.id, step.id or 0, author="Max")
+        assert undone.undone_by == "Max"
+    assert np.array_equal(maneuver_spectra(store, maneuver.id, ["az_ofr"]).values, before.values)
+    assert len(store.conditioning.find(maneuver_id=maneuver.id)) == len(steps)
+    with pytest.raises(Conflict, match="undone already"):
+        undo_step(store, maneuver.id, steps[0].id or 0)
+
+
+def test_spikes_dropouts_and_saturation_are_told_and_repaired(store: Store, keep):
+    def spoil(name: str, x: np.ndarray, rate_hz: float) -> np.ndarray:
+        if name == "az_cf":
+            x[[2000, 4000]] += 3.0
+        if name == "s_bend1r":
+            x[3000:3030] = x[3000]
+        if name == "wf3s":
+            return np.clip(x, -0.6 * np.abs(x).max(), None)
+        return x
+
+    maneuver = keep(spoil)
+    found = quality(store, maneuver.id)
+    assert found.verdict is Verdict.BAD
+    about = {(f.about, f.channel): f for f in found.report.findings}
+    assert about["spikes", "az_cf"].severity is Verdict.DOUBTFUL
+    assert about["dropouts", "s_bend1r"].severity is Verdict.BAD
+    assert about["saturation", "wf3s"].severity is Verdict.BAD
+    spikes = next(c for c in found.report.channels if c.name == "az_cf").stretches
+    assert [(s.first, s.stop) for s in spikes] == [(2000, 2001), (4000, 4001)]
+    repair = Correction(
+        channel="az_cf",
+        kind=StepKind.REPAIR,
+        stretches=tuple((s.first, s.stop) for s in spikes),
+    )
+    (raw,) = views.read_channels(store, maneuver, ["az_cf"])
+    take_steps(store, maneuver.id, [repair])
+    (mended,) = views.read_channels(store, maneuver, ["az_cf"])
+    changed = np.flatnonzero(raw.values != mended.values)
+    assert changed.tolist() == [2000, 4000]
+    with pytest.raises(BadInput, match="leave the channel out"):
+        take_steps(
+            store,
+            maneuver.id,
+            [replace(repair, channel="s_bend1r", stretches=((3000, 3030),))],
+        )
+
+
+def test_impossible_corrections_are_refused_whole(store: Store, maneuver: Maneuver):
+    good = Correction(channel="q", kind=StepKind.DELAY, delay_s=0.004)
+    for wrong, words in (
+        (Correction(channel="nothing", kind=StepKind.DELAY, delay_s=0.001), "no channel"),
+        (Correction(channel="bfs", kind=StepKind.DELAY, delay_s=5.0), "none that a recorder has"),
+        (Correction(channel="bfs", kind=StepKind.DELAY, delay_s=float("nan")), "recorder has"),
+        (Correction(channel="bfs", kind=StepKind.CALIBRATION, scale=0.0), "impossible"),
+        (Correction(channel="bfs", kind=StepKind.REPAIR), "samples to replace"),
+    ):
+        with pytest.raises(BadInput, match=words):
+            take_steps(store, maneuver.id or 0, [good, wrong])
+    assert store.conditioning.find() == []
+    (kept,) = take_steps(store, maneuver.id or 0, [good])
+    with pytest.raises(Conflict, match="undo that first"):
+        take_steps(store, maneuver.id or 0, [good])
+    with pytest.raises(UnknownRecord):
+        undo_step(store, 99, kept.id or 0)
+
+
+def test_a_maneuver_without_modal_table_is_judged_by_what_is_there(
+    store: Store, maneuver: Maneuver
+):
+    found = quality(store, maneuver.id or 0)
+    assert found.report.not_checked
+    assert any("modal table" in reason for reason in found.report.not_checked)
+    assert {c.name for c in found.report.channels} == {"bfs", "q"}
