@@ -251,6 +251,114 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/maneuvers/{maneuver_id}/quality": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Quality
+         * @description Return what was found about a maneuver; looked at now if it never was.
+         */
+        get: operations["get_quality"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/maneuvers/{maneuver_id}/conditioning": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Conditioning
+         * @description List the corrections of a maneuver, those that were undone too.
+         */
+        get: operations["list_conditioning"];
+        put?: never;
+        /**
+         * Take Conditioning
+         * @description Take corrections, all or none; what was recorded is not changed.
+         */
+        post: operations["take_conditioning"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/maneuvers/{maneuver_id}/conditioning/{step_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Undo Conditioning
+         * @description Undo a correction; that it was there stays in the record.
+         */
+        delete: operations["undo_conditioning"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/quality": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Qualities
+         * @description List maneuvers with their verdict, the worst first; nothing is computed here.
+         */
+        get: operations["list_qualities"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/quality/assess": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Assess Maneuvers
+         * @description Begin to look at maneuvers: at these, or at all that nobody has looked at.
+         */
+        post: operations["assess_maneuvers"];
+        /**
+         * Stop Assessing
+         * @description Leave the maneuvers that were not looked at yet for another time.
+         */
+        delete: operations["stop_assessing"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/mappings": {
         parameters: {
             query?: never;
@@ -1670,6 +1778,48 @@ export interface components {
             /** Next */
             next?: string | null;
         };
+        /**
+         * AssessRequest
+         * @description Maneuvers to look at; all that nobody has looked at where none is named.
+         */
+        AssessRequest: {
+            /** Maneuver Ids */
+            maneuver_ids?: number[] | null;
+        };
+        /**
+         * Assessing
+         * @description How far the assessment of a campaign is.
+         */
+        Assessing: {
+            /** Running */
+            running: boolean;
+            /** Done */
+            done: number;
+            /** Total */
+            total: number;
+            /** Failed */
+            failed: number;
+        };
+        /**
+         * Average
+         * @description A condition channel over the maneuver; ``drift`` is its trend from start to end.
+         */
+        Average: {
+            /** Name */
+            name: string;
+            /** Unit */
+            unit: string;
+            /** Mean */
+            mean: number;
+            /** Std */
+            std: number;
+            /** Smallest */
+            smallest: number;
+            /** Largest */
+            largest: number;
+            /** Drift */
+            drift: number;
+        };
         /** Body_upload_files */
         Body_upload_files: {
             /**
@@ -1797,6 +1947,61 @@ export interface components {
             id?: number | null;
         };
         /**
+         * ChannelQuality
+         * @description One channel; what cannot be told is None.
+         *
+         *     ``signal_to_noise_db`` is the median over the lines, ``coherence`` that with what all
+         *     other sensors say, ``noise_excess`` what it disagrees with them by over its known noise.
+         *     ``delay_s`` counts from the reference, ``scale`` is recorded over true, ``bias`` in SI.
+         *     At most fifty ``stretches`` are listed; ``n_stretches`` counts all.
+         */
+        ChannelQuality: {
+            /** Name */
+            name: string;
+            /** Role */
+            role: string;
+            /** Unit */
+            unit: string;
+            /** Signal To Noise Db */
+            signal_to_noise_db?: number | null;
+            /** Coherence */
+            coherence?: number | null;
+            /** Noise Excess */
+            noise_excess?: number | null;
+            /** Delay S */
+            delay_s?: number | null;
+            /** Delay Std */
+            delay_std?: number | null;
+            /** Scale */
+            scale?: number | null;
+            /** Scale Std */
+            scale_std?: number | null;
+            /** Bias */
+            bias?: number | null;
+            /** Bias Std */
+            bias_std?: number | null;
+            /**
+             * Bias Basis
+             * @default
+             */
+            bias_basis: string;
+            /**
+             * Saturated
+             * @default 0
+             */
+            saturated: number;
+            /**
+             * N Stretches
+             * @default 0
+             */
+            n_stretches: number;
+            /**
+             * Stretches
+             * @default []
+             */
+            stretches: components["schemas"]["FoundStretch"][];
+        };
+        /**
          * Checked
          * @description What a mapping makes of an upload, with questions where a unit is doubtful.
          *
@@ -1912,6 +2117,127 @@ export interface components {
             thrust_n: number;
             /** Flutter Speed M S */
             flutter_speed_m_s?: number | null;
+        };
+        /**
+         * ConditioningList
+         * @description Corrections of the channels of a maneuver.
+         */
+        ConditioningList: {
+            /** Items */
+            items: components["schemas"]["ConditioningStep"][];
+        };
+        /**
+         * ConditioningRequest
+         * @description Corrections to take together.
+         */
+        ConditioningRequest: {
+            /** Items */
+            items: components["schemas"]["CorrectionRequest"][];
+        };
+        /**
+         * ConditioningStep
+         * @description A correction that was taken; a step that is undone stays in the record.
+         */
+        ConditioningStep: {
+            /** Maneuver Id */
+            maneuver_id: number;
+            correction: components["schemas"]["Correction"];
+            /** Channel */
+            channel: string;
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /** Created At */
+            created_at?: string | null;
+            /** Undone By */
+            undone_by?: string | null;
+            /** Undone At */
+            undone_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * Correction
+         * @description One correction of one channel; what does not belong to its kind stays as it is.
+         *
+         *     ``stretches`` are the first sample and the sample after the last of each repair.
+         *     ``std`` is the standard error of the delay [s] or of the scale factor [1].
+         */
+        Correction: {
+            /** Channel */
+            channel: string;
+            kind: components["schemas"]["StepKind"];
+            /**
+             * Delay S
+             * @default 0
+             */
+            delay_s: number;
+            /**
+             * Scale
+             * @default 1
+             */
+            scale: number;
+            /**
+             * Bias
+             * @default 0
+             */
+            bias: number;
+            /**
+             * Stretches
+             * @default []
+             */
+            stretches: [
+                number,
+                number
+            ][];
+            /** Std */
+            std?: number | null;
+            /**
+             * Basis
+             * @default
+             */
+            basis: string;
+        };
+        /**
+         * CorrectionRequest
+         * @description One correction; see ``Correction``.
+         */
+        CorrectionRequest: {
+            /** Channel */
+            channel: string;
+            kind: components["schemas"]["StepKind"];
+            /**
+             * Delay S
+             * @default 0
+             */
+            delay_s: number;
+            /**
+             * Scale
+             * @default 1
+             */
+            scale: number;
+            /**
+             * Bias
+             * @default 0
+             */
+            bias: number;
+            /**
+             * Stretches
+             * @default []
+             */
+            stretches: [
+                number,
+                number
+            ][];
+            /** Std */
+            std?: number | null;
+            /**
+             * Basis
+             * @default
+             */
+            basis: string;
         };
         /**
          * DerivativeValue
@@ -2282,6 +2608,49 @@ export interface components {
             };
         };
         /**
+         * Figures
+         * @description The numbers that a campaign is sorted by.
+         */
+        Figures: {
+            /** Signal To Noise Db */
+            signal_to_noise_db?: number | null;
+            /** Largest Skew S */
+            largest_skew_s?: number | null;
+            /** Largest Skew Channel */
+            largest_skew_channel?: string | null;
+            /** Least Coherence */
+            least_coherence?: number | null;
+            /**
+             * N Stretches
+             * @default 0
+             */
+            n_stretches: number;
+            /**
+             * Saturated
+             * @default 0
+             */
+            saturated: number;
+            /** Max Input Correlation */
+            max_input_correlation?: number | null;
+            /** Fuel Change */
+            fuel_change?: number | null;
+            /** Airspeed Drift */
+            airspeed_drift?: number | null;
+        };
+        /**
+         * Finding
+         * @description One thing that an analyst should know; ``good`` is only information.
+         */
+        Finding: {
+            severity: components["schemas"]["flexsid__records__quality__Verdict"];
+            /** About */
+            about: string;
+            /** Channel */
+            channel: string | null;
+            /** Text */
+            text: string;
+        };
+        /**
          * FirstOrder
          * @description Lag with unit static gain: wc / (s + wc).
          */
@@ -2420,6 +2789,29 @@ export interface components {
             items: components["schemas"]["FlightChannel"][];
         };
         /**
+         * FlightConditionQuality
+         * @description The flight condition with its spread, and whether one linear model holds over it.
+         *
+         *     ``separation_factor`` is the lowest structural over the highest rigid-body frequency of
+         *     the predicted model: from five on, rigid and elastic motion may be taken apart.
+         */
+        FlightConditionQuality: {
+            /** Averages */
+            averages: components["schemas"]["Average"][];
+            /** Airspeed Ratio */
+            airspeed_ratio: number | null;
+            /** Fuel Fraction */
+            fuel_fraction: number;
+            /** Fuel Change */
+            fuel_change: number | null;
+            /** Airspeed Drift */
+            airspeed_drift: number | null;
+            /** Separation Factor */
+            separation_factor: number | null;
+            /** Time Invariant */
+            time_invariant: boolean | null;
+        };
+        /**
          * FlightList
          * @description Flights.
          */
@@ -2525,6 +2917,20 @@ export interface components {
             n_fields: number;
         };
         /**
+         * FoundStretch
+         * @description Samples that are a spike, a dropout or saturated, and when they begin. [s]
+         */
+        FoundStretch: {
+            /** Kind */
+            kind: string;
+            /** First */
+            first: number;
+            /** Stop */
+            stop: number;
+            /** Start S */
+            start_s: number;
+        };
+        /**
          * Geometry
          * @description Reference dimensions of the wing.
          */
@@ -2581,7 +2987,7 @@ export interface components {
             fuel_after: number;
             /** Peaks */
             peaks: components["schemas"]["PeakChange"][];
-            verdict: components["schemas"]["Verdict"];
+            verdict: components["schemas"]["flexsid__records__ground_test__Verdict"];
             /** Message */
             message: string;
         };
@@ -2648,6 +3054,18 @@ export interface components {
             inputs: components["schemas"]["ComparedInput"][];
             /** Next */
             next?: string | null;
+        };
+        /**
+         * InputPair
+         * @description Correlation of two inputs while the excitation ran.
+         */
+        InputPair: {
+            /** First */
+            first: string;
+            /** Second */
+            second: string;
+            /** Correlation */
+            correlation: number;
         };
         /**
          * InputRequest
@@ -2910,6 +3328,25 @@ export interface components {
             items: components["schemas"]["ManeuverItem"][];
             /** Next */
             next?: string | null;
+        };
+        /**
+         * ManeuverQuality
+         * @description What was found about a maneuver; ``content_hash`` tells what it rests on.
+         */
+        ManeuverQuality: {
+            /** Maneuver Id */
+            maneuver_id: number;
+            /** Content Hash */
+            content_hash: string;
+            verdict: components["schemas"]["flexsid__records__quality__Verdict"];
+            /** Summary */
+            summary: string;
+            figures: components["schemas"]["Figures"];
+            report: components["schemas"]["QualityReport"];
+            /** Created At */
+            created_at?: string | null;
+            /** Id */
+            id?: number | null;
         };
         /**
          * MappedChannel
@@ -3276,7 +3713,7 @@ export interface components {
             amplitude_explained: number;
             /** Amplitude Std */
             amplitude_std: number | null;
-            verdict: components["schemas"]["Verdict"];
+            verdict: components["schemas"]["flexsid__records__ground_test__Verdict"];
         };
         /**
          * Pole
@@ -3420,6 +3857,71 @@ export interface components {
             origin: string;
             /** Fitting */
             fitting: string[];
+        };
+        /**
+         * QualityItem
+         * @description One line of the list; verdict, summary and figures are None until it was looked at.
+         */
+        QualityItem: {
+            /** Maneuver Id */
+            maneuver_id: number;
+            /** Label */
+            label: string;
+            /** Flight Id */
+            flight_id: number;
+            /** Flight Number */
+            flight_number: number;
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Aircraft Name */
+            aircraft_name: string;
+            /** Fta */
+            fta: number | null;
+            /** Airspeed Ratio */
+            airspeed_ratio: number | null;
+            /** Fuel Fraction */
+            fuel_fraction: number;
+            verdict: components["schemas"]["flexsid__records__quality__Verdict"] | null;
+            /** Summary */
+            summary: string | null;
+            figures: components["schemas"]["Figures"] | null;
+        };
+        /**
+         * QualityList
+         * @description A page of the quality of a campaign; ``counts`` are maneuvers by verdict.
+         */
+        QualityList: {
+            /** Items */
+            items: components["schemas"]["QualityItem"][];
+            /** Counts */
+            counts: {
+                [key: string]: number;
+            };
+            assessing: components["schemas"]["Assessing"];
+            /** Next */
+            next: string | null;
+        };
+        /**
+         * QualityReport
+         * @description All that was found; ``not_checked`` says what could not be looked at, and why.
+         */
+        QualityReport: {
+            /** Channels */
+            channels: components["schemas"]["ChannelQuality"][];
+            condition: components["schemas"]["FlightConditionQuality"];
+            /** Inputs */
+            inputs: components["schemas"]["InputPair"][];
+            /** Findings */
+            findings: components["schemas"]["Finding"][];
+            /** Skew Reference */
+            skew_reference: string | null;
+            /** Skew Band Hz */
+            skew_band_hz: [
+                number,
+                number
+            ] | null;
+            /** Not Checked */
+            not_checked: string[];
         };
         /**
          * RescaleRequest
@@ -3981,6 +4483,12 @@ export interface components {
          */
         Start: "best" | "prediction" | "residualized-prediction" | "equation-error" | "run";
         /**
+         * StepKind
+         * @description What a step corrects.
+         * @enum {string}
+         */
+        StepKind: "delay" | "calibration" | "repair";
+        /**
          * StoredMapping
          * @description A mapping under a name; ``text`` is the TOML as it was written.
          */
@@ -4286,12 +4794,6 @@ export interface components {
          */
         UploadState: "read" | "importing" | "imported" | "failed";
         /**
-         * Verdict
-         * @description What a pair of ground records says of the structure.
-         * @enum {string}
-         */
-        Verdict: "healthy" | "watch" | "alarm";
-        /**
          * Wish
          * @description What is wanted of a design; with its phases, the whole recipe.
          *
@@ -4340,6 +4842,18 @@ export interface components {
             /** Errors */
             errors?: components["schemas"]["FieldError"][] | null;
         };
+        /**
+         * Verdict
+         * @description What a pair of ground records says of the structure.
+         * @enum {string}
+         */
+        flexsid__records__ground_test__Verdict: "healthy" | "watch" | "alarm";
+        /**
+         * Verdict
+         * @description Whether a maneuver may be estimated from.
+         * @enum {string}
+         */
+        flexsid__records__quality__Verdict: "good" | "doubtful" | "bad";
         /**
          * Problem
          * @description Why a mapping does not do yet; ``key`` is its key or the channel meant.
@@ -4902,6 +5416,291 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_quality: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                maneuver_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ManeuverQuality"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_conditioning: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                maneuver_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ConditioningList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    take_conditioning: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Name of the analyst, percent-encoded UTF-8. */
+                "X-Flexsid-Analyst"?: string;
+            };
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                maneuver_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "items": [
+                 *         {
+                 *           "channel": "q",
+                 *           "kind": "delay",
+                 *           "delay_s": 0.004
+                 *         }
+                 *       ]
+                 *     }
+                 */
+                "application/json": components["schemas"]["ConditioningRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ConditioningList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    undo_conditioning: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Name of the analyst, percent-encoded UTF-8. */
+                "X-Flexsid-Analyst"?: string;
+            };
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                maneuver_id: number;
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                step_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ConditioningStep"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_qualities: {
+        parameters: {
+            query?: {
+                /** @example 1 */
+                aircraft_id?: number | null;
+                /** @example 1 */
+                flight_id?: number | null;
+                /** @description `missing` for maneuvers nobody has looked at. */
+                verdict?: ("good" | "doubtful" | "bad" | "missing") | null;
+                /** @example FLEX */
+                search?: string | null;
+                /**
+                 * @description `-` for falling order, then one of airspeed_drift, airspeed_ratio, flight_number, fuel_change, label, largest_skew_s, least_coherence, max_input_correlation, n_stretches, saturated, signal_to_noise_db, verdict.
+                 * @example -airspeed_ratio
+                 */
+                sort?: string;
+                /**
+                 * @description Most items to answer.
+                 * @example 100
+                 */
+                limit?: number;
+                /** @description `next` of the page before. */
+                after?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["QualityList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    assess_maneuvers: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "maneuver_ids": [
+                 *         1
+                 *       ]
+                 *     }
+                 */
+                "application/json": components["schemas"]["AssessRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Assessing"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    stop_assessing: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Assessing"];
+                };
             };
             /** @description Client Error */
             "4XX": {
@@ -7143,7 +7942,10 @@ export interface operations {
             query: {
                 /** @example 1 */
                 maneuver_id: number;
-                /** @description alpha, q, CZ, Cm, CQ7, eta7, etaddot7 ... by commas. */
+                /**
+                 * @description alpha, q, CZ, Cm, CQ7, eta7, etaddot7 ... by commas.
+                 * @example CZ,etaddot7
+                 */
                 quantities?: string | null;
                 /**
                  * @description Mode numbers; by default as many as move.
