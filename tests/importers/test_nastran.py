@@ -48,7 +48,7 @@ def test_decks_are_read_in_all_formats_and_local_systems_resolved(tmp_path):
     file.write_text(DECK)
     deck = read(bulk, file)
     assert deck["grid/id"].tolist() == [1, 2, 3, 4]
-    assert deck["grid/cd"].tolist() == [0, 1, 0, 0]
+    assert deck["grid/cd"].tolist() == [0, 1, 0, 2]  # blank is what GRDSET says
     assert deck["deck/include"].tolist() == ["../elsewhere.bdf"]  # named, never opened
     frames = Frames(group(deck, "grid"), group(deck, "frame"))
     places = frames.places()

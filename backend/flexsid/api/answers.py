@@ -13,7 +13,8 @@ from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.ground_test import GroundTest
 from flexsid.records.maneuver import Channel, Maneuver
 from flexsid.records.mapping import StoredMapping
-from flexsid.records.modal_table import ModalTable
+from flexsid.records.modal_table import FlutterSummary, ModalTable
+from flexsid.records.modal_views import ModeAtFuel, SensorSight
 from flexsid.records.model_structure import ModelStructure, Structure, StructureVersion
 from flexsid.records.prediction import Prediction
 from flexsid.records.run import (
@@ -246,6 +247,41 @@ class ModalTableList:
     """Modal tables."""
 
     items: list[ModalTable]
+    next: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModeList:
+    """Modes of a table at one fuel fraction, in order of frequency."""
+
+    modal_table_id: int
+    fuel: float
+    items: list[ModeAtFuel]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShapeAnswer:
+    """One mode as it is drawn; see ``DrawnShape``."""
+
+    modal_table_id: int
+    number: int
+    name: str
+    fuel: float
+    frequency_hz: float
+    n_nodes: int
+    nodes_m: list[tuple[float, float, float]]
+    displacement_m: list[tuple[float, float, float]]
+    lines: list[tuple[int, int]]
+    largest_m: float
+    span_m: float
+    sensors: list[SensorSight]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlutterSummaryList:
+    """Flutter summaries."""
+
+    items: list[FlutterSummary]
     next: str | None = None
 
 

@@ -40,6 +40,7 @@ from flexsid.api.routes import (
     quality,
     runs,
     saved_views,
+    structure_files,
     uploads,
 )
 from flexsid.jobs.dispatcher import Dispatcher
@@ -123,6 +124,7 @@ def create_app(
         mappings,
         uploads,
         modal_tables,
+        structure_files,
         predictions,
         model_structures,
         runs,

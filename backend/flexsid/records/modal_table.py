@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import datetime
 from enum import StrEnum
 
 
@@ -22,6 +23,14 @@ class ModalTable:
     ``shape`` (F, n, P, 6) translation [m] and rotation [rad] per unit eta in body
     axes, ``strain`` (F, n, G) per unit eta, ``nodes`` (K, 3) structural axes [m],
     ``node_shape`` (F, n, K, 6). Only ``omega`` or ``zeta`` must be there.
+
+    Of large structures the shapes at the nodes lie in the table ``modal_shapes``, one array
+    per fuel weight and mode; ``node_ids`` (K,), ``lines`` (L, 2) between rows of ``nodes``,
+    and ``shown`` (rows) and ``shown_lines`` what is drawn. ``order`` and ``sign`` (F, n) say
+    how each row follows from the first one, ``assurance`` (F, n) how surely.
+
+    Tables of one name are versions of each other. ``reasons`` tell why each mode is called
+    and judged as it is, ``notes`` what was said of the source when it was imported.
     """
 
     aircraft_id: int
@@ -34,5 +43,70 @@ class ModalTable:
     points: tuple[str, ...] = ()
     gauges: tuple[str, ...] = ()
     arrays: dict[str, str]
+    origin: str = ""
+    version: int = 1
+    reasons: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModeCorrection:
+    """What an analyst calls a mode, and whether it is symmetric, against the rule; and why."""
+
+    modal_table_id: int
+    number: int
+    name: str
+    symmetric: bool
+    reason: str
+    author: str = ""
+    created_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlutterPoint:
+    """Where a root of a flutter analysis loses its damping."""
+
+    root: int
+    airspeed_m_s: float
+    omega_rad_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlutterSummary:
+    """Roots of a flutter analysis (Nastran SOL 145) against airspeed.
+
+    ``arrays`` names ``root`` (N,), ``airspeed`` (N,) [m/s], ``damping`` (N,) structural
+    damping g [1], ``omega`` (N,) [rad/s] and, where printed, ``density`` (N,).
+    """
+
+    aircraft_id: int
+    name: str
+    points: tuple[FlutterPoint, ...]
+    arrays: dict[str, str]
+    notes: tuple[str, ...] = ()
+    origin: str = ""
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeasuredResponses:
+    """Frequency responses of a ground vibration test.
+
+    ``outputs`` and ``references`` name node and direction (``12+z``). ``arrays`` names
+    ``frequency`` (M,) [Hz], ``values`` (M, n_outputs, n_references), and where the geometry
+    is known ``nodes`` (n_outputs, 3) [m] and ``directions`` (n_outputs, 3), structural axes.
+    ``quantity`` is what the response is: displacement, velocity or acceleration per force.
+    """
+
+    aircraft_id: int
+    name: str
+    fuel: float
+    quantity: str
+    outputs: tuple[str, ...]
+    references: tuple[str, ...]
+    arrays: dict[str, str]
+    notes: tuple[str, ...] = ()
     origin: str = ""
     id: int | None = None

@@ -12,7 +12,12 @@ from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.maneuver import Channel, Maneuver
 from flexsid.records.mapping import StoredMapping
-from flexsid.records.modal_table import ModalTable
+from flexsid.records.modal_table import (
+    FlutterSummary,
+    MeasuredResponses,
+    ModalTable,
+    ModeCorrection,
+)
 from flexsid.records.model_structure import ModelStructure, StructureVersion
 from flexsid.records.prediction import Prediction
 from flexsid.records.quality import ManeuverQuality
@@ -28,6 +33,7 @@ from flexsid.storage.maneuver_list import (
     maneuver_facets,
     select_maneuvers,
 )
+from flexsid.storage.modal_shapes import ModalShapes
 from flexsid.storage.paging import Page
 from flexsid.storage.repository import Repository
 from flexsid.storage.run_list import RunFilters, RunItem, run_facets, select_runs
@@ -61,6 +67,16 @@ class Store:
         )
         self.mappings = Repository(database, tables.mappings, StoredMapping, "mapping")
         self.modal_tables = Repository(database, tables.modal_tables, ModalTable, "modal table")
+        self.modal_shapes = ModalShapes(database, self.arrays)
+        self.mode_corrections = Repository(
+            database, tables.mode_corrections, ModeCorrection, "correction of a mode"
+        )
+        self.flutter_summaries = Repository(
+            database, tables.flutter_summaries, FlutterSummary, "flutter summary"
+        )
+        self.measured_responses = Repository(
+            database, tables.measured_responses, MeasuredResponses, "set of measured responses"
+        )
         self.predictions = Repository(database, tables.predictions, Prediction, "prediction")
         self.model_structures = Repository(
             database, tables.model_structures, ModelStructure, "model structure"

@@ -216,6 +216,60 @@ modal_tables = _table(
     _json("gauges"),
     _json("arrays"),
     _text("origin"),
+    sa.Column("version", sa.Integer, nullable=False, server_default="1"),
+    sa.Column("reasons", sa.JSON, nullable=False, server_default="[]"),
+    sa.Column("notes", sa.JSON, nullable=False, server_default="[]"),
+)
+
+modal_shapes = sa.Table(
+    "modal_shapes",
+    metadata,
+    sa.Column(
+        "modal_table_id",
+        sa.Integer,
+        sa.ForeignKey("modal_tables.id", ondelete="CASCADE"),
+        primary_key=True,
+    ),
+    sa.Column("fuel", sa.Integer, primary_key=True),
+    sa.Column("mode", sa.Integer, primary_key=True),
+    sa.Column("array", sa.String(64), sa.ForeignKey("arrays.hash"), nullable=False, index=True),
+)
+
+mode_corrections = _table(
+    "mode_corrections",
+    _identity(),
+    _refers_to("modal_table_id", "modal_tables", ondelete="CASCADE"),
+    sa.Column("number", sa.Integer, nullable=False),
+    _text("name"),
+    sa.Column("symmetric", sa.Boolean, nullable=False),
+    _text("reason"),
+    _text("author"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+)
+
+flutter_summaries = _table(
+    "flutter_summaries",
+    _identity(),
+    _refers_to("aircraft_id", "aircraft"),
+    _text("name"),
+    _json("points"),
+    _json("arrays"),
+    _json("notes"),
+    _text("origin"),
+)
+
+measured_responses = _table(
+    "measured_responses",
+    _identity(),
+    _refers_to("aircraft_id", "aircraft"),
+    _text("name"),
+    _number("fuel"),
+    _text("quantity"),
+    _json("outputs"),
+    _json("references"),
+    _json("arrays"),
+    _json("notes"),
+    _text("origin"),
 )
 
 predictions = _table(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,8 +11,10 @@ from flexsid.records.modal_table import ModalKind, ModalTable
 from flexsid.storage.store import Store
 from flexsid.sysid.modes import ModeTable
 from flexsid.sysid.modes.table import align_modes, interpolate
+from flexsid.sysid.modes.tracking import Tracking
 
 ASSUMED_DAMPING = 0.02
+_READ = ("omega", "zeta", "mass", "shape", "strain", "order", "sign", "assurance")
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +49,8 @@ def find_modal_tables(
 
 def load_modes(store: Store, modal: ModalTable, damping: ModalTable | None) -> AircraftModes:
     """Read a modal table, align it over fuel and give it the damping of the GVT."""
-    arrays = store.arrays.get_many(
-        [modal.arrays[k] for k in ("omega", "zeta", "mass", "shape", "strain") if k in modal.arrays]
-    )
+    modal = corrected(store, modal)
+    arrays = store.arrays.get_many([modal.arrays[k] for k in _READ if k in modal.arrays])
 
     def read(name: str, empty: np.ndarray) -> np.ndarray:
         return np.asarray(arrays[modal.arrays[name]], float) if name in modal.arrays else empty
@@ -76,7 +77,28 @@ def load_modes(store: Store, modal: ModalTable, damping: ModalTable | None) -> A
         for number, name in zip(modal.numbers, modal.names, strict=True)
     }
     symmetric = dict(zip(modal.numbers, modal.symmetric, strict=True))
-    return AircraftModes(align_modes(table), names, symmetric, warnings)
+    tracking = None
+    if "order" in modal.arrays:  # found from all nodes when the table was imported
+        order, sign, sure = (read(k, np.empty(0)) for k in ("order", "sign", "assurance"))
+        tracking = Tracking(order.astype(np.intp), sign, sure)
+    return AircraftModes(align_modes(table, tracking), names, symmetric, warnings)
+
+
+def corrected(store: Store, table: ModalTable) -> ModalTable:
+    """The table with names and symmetries as analysts have corrected them."""
+    if table.id is None:
+        return table
+    names, symmetric, reasons = (
+        list(part) for part in (table.names, table.symmetric, table.reasons)
+    )
+    reasons += [""] * (len(names) - len(reasons))
+    for correction in store.mode_corrections.find(modal_table_id=table.id):
+        if correction.number in table.numbers:
+            place = table.numbers.index(correction.number)
+            names[place], symmetric[place] = correction.name, correction.symmetric
+            by = f", by {correction.author}" if correction.author else ""
+            reasons[place] = f"{correction.reason} (corrected{by})"
+    return replace(table, names=tuple(names), symmetric=tuple(symmetric), reasons=tuple(reasons))
 
 
 def companion_modes(

@@ -1,35 +1,139 @@
-"""Modal tables: frequencies and damping against fuel."""
+"""Modal tables: frequencies, damping and shapes against fuel; how sources compare."""
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
 
-from fastapi import APIRouter
+import numpy as np
+from fastapi import APIRouter, Query, Response, status
+from pydantic import ConfigDict, Field
 
-from flexsid.api.answers import ModalTableDetail, ModalTableList, extend
+from flexsid.api.analyst import TheAnalyst
+from flexsid.api.answers import (
+    ModalTableDetail,
+    ModalTableList,
+    ModeList,
+    ShapeAnswer,
+    extend,
+)
 from flexsid.api.context import TheStore
+from flexsid.api.requests import Text, Title
 from flexsid.api.wire import Identity, Json, Reference
-from flexsid.records.modal_table import ModalKind
+from flexsid.errors import BadInput
+from flexsid.records.modal_table import ModalKind, ModeCorrection
+from flexsid.records.modal_views import Correlation
+from flexsid.workflow.modes import corrected
+from flexsid.workflow.views import structure
 
 router = APIRouter(prefix="/modal-tables", tags=["modal-tables"])
+
+_STRICT: Any = ConfigDict(extra="forbid")
+
+Fuel = Annotated[float, Query(ge=0.0, le=1.0, description="Fuel fraction.")]
+Mode = Annotated[int, Query(ge=0, le=10**9, description="Number of the mode.")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CorrectionRequest:
+    """What a mode is to be called, whether it is symmetric, and why the rule was wrong."""
+
+    number: Annotated[int, Field(strict=True, ge=0, le=10**9)]
+    name: Title
+    symmetric: Annotated[bool, Field(strict=True)]
+    reason: Text
+
+    __pydantic_config__ = _STRICT
 
 
 @router.get("", response_model=ModalTableList)
 def list_modal_tables(
     store: TheStore, aircraft_id: Reference = None, kind: ModalKind | None = None
 ) -> Json:
-    """List modal tables."""
+    """List modal tables; versions of one name stand side by side."""
     chosen: dict[str, Any] = {"aircraft_id": aircraft_id, "kind": kind}
     wanted = {name: value for name, value in chosen.items() if value is not None}
-    return Json(ModalTableList(items=store.modal_tables.find(**wanted)))
+    tables = [corrected(store, table) for table in store.modal_tables.find(**wanted)]
+    return Json(ModalTableList(items=tables))
 
 
 @router.get("/{modal_table_id}", response_model=ModalTableDetail)
 def get_modal_table(store: TheStore, modal_table_id: Identity) -> Json:
-    """Return one modal table with its numbers."""
-    table = store.modal_tables.get(modal_table_id)
+    """Return one modal table with its numbers, in the order of its source."""
+    table = corrected(store, store.modal_tables.get(modal_table_id))
     numbers = {
         name: store.arrays.get(table.arrays[name]).tolist() if name in table.arrays else None
         for name in ("omega", "zeta")
     }
     return Json(extend(ModalTableDetail, table, **numbers))
+
+
+@router.get("/{modal_table_id}/modes", response_model=ModeList)
+def list_modes(store: TheStore, modal_table_id: Identity, fuel: Fuel = 0.5) -> Json:
+    """List the modes at a fuel fraction, followed over fuel by their shapes."""
+    items = list(structure.modes_at(store, modal_table_id, fuel))
+    return Json(ModeList(modal_table_id=modal_table_id, fuel=fuel, items=items))
+
+
+@router.get("/{modal_table_id}/shape", response_model=ShapeAnswer)
+def get_shape(
+    store: TheStore,
+    modal_table_id: Identity,
+    number: Mode,
+    fuel: Fuel = 0.5,
+    every_node: Annotated[bool, Query(description="All nodes, not what can be seen.")] = False,
+) -> Json:
+    """Return one mode at a fuel fraction, thinned to what can be seen, with the sensors in it."""
+    shape = structure.drawn_shape(store, modal_table_id, number, fuel, every_node)
+    seen = replace(
+        shape,
+        nodes_m=shape.nodes_m.astype(np.float32),
+        displacement_m=shape.displacement_m.astype(np.float32),
+        lines=np.ascontiguousarray(shape.lines, dtype=np.int32),
+    )
+    return Json(seen)
+
+
+@router.get("/{modal_table_id}/correlation", response_model=Correlation)
+def get_correlation(
+    store: TheStore,
+    modal_table_id: Identity,
+    other_id: Annotated[int, Query(ge=1)],
+    fuel: Fuel = 0.5,
+    other_fuel: Annotated[float | None, Query(ge=0.0, le=1.0)] = None,
+) -> Json:
+    """Compare two sources: modes paired by MAC, frequency, damping, and COMAC by point."""
+    at_other = fuel if other_fuel is None else other_fuel
+    return Json(structure.correlate(store, modal_table_id, fuel, other_id, at_other))
+
+
+@router.post(
+    "/{modal_table_id}/corrections",
+    response_model=ModeCorrection,
+    status_code=status.HTTP_201_CREATED,
+)
+def correct_mode(
+    store: TheStore, analyst: TheAnalyst, modal_table_id: Identity, wanted: CorrectionRequest
+) -> Json:
+    """Name a mode otherwise than the rule does; the reason is kept."""
+    table = store.modal_tables.get(modal_table_id)
+    if wanted.number not in table.numbers:
+        raise BadInput(f"table '{table.name}' has no mode {wanted.number}", code="unknown-mode")
+    if not wanted.reason.strip():
+        raise BadInput("say why the mode is to be called otherwise", code="no-reason")
+    correction = ModeCorrection(
+        modal_table_id=modal_table_id,
+        number=wanted.number,
+        name=wanted.name,
+        symmetric=wanted.symmetric,
+        reason=wanted.reason.strip(),
+        author=analyst,
+    )
+    return Json(store.mode_corrections.add(correction), status.HTTP_201_CREATED)
+
+
+@router.delete("/{modal_table_id}", status_code=status.HTTP_204_NO_CONTENT)
+def delete_modal_table(store: TheStore, modal_table_id: Identity) -> Response:
+    """Forget a modal table; refused while runs refer to it."""
+    store.modal_tables.delete(modal_table_id)
+    return Response(status_code=status.HTTP_204_NO_CONTENT)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from jaxtyping import Float, Inexact
+from jaxtyping import Complex, Float, Inexact
 
 from flexsid.errors import BadInput
 
@@ -62,6 +62,31 @@ def scale_factors(
     norms = _squared_norms(b)
     product = np.sum(np.conj(b) * a, axis=1)
     return np.divide(product, norms, out=np.zeros_like(product), where=norms > 0)
+
+
+def real_shapes(
+    shapes: Complex[np.ndarray, "n_modes *dof"],
+) -> tuple[Float[np.ndarray, "n_modes *dof"], Float[np.ndarray, " n_modes"]]:
+    """Turn measured complex shapes to their principal direction and keep the real part.
+
+    Returns
+    -------
+    array
+        Real shapes.
+    array
+        Modal phase collinearity: 1 where all points move in phase or against it. [1]
+
+    Notes
+    -----
+    Source: Pappa, Elliott and Schenk (1992) for the collinearity, from the eigenvalues of the
+    2 x 2 covariance of real and imaginary parts; the direction is their eigenvector.
+    """
+    flat = shapes.reshape(shapes.shape[0], -1)
+    squares = np.sum(flat**2, axis=1)  # its phase is twice that of the principal direction
+    size = _squared_norms(flat)
+    turned = shapes * np.exp(-0.5j * np.angle(squares)).reshape(-1, *(1,) * (shapes.ndim - 1))
+    collinearity = np.divide(np.abs(squares), size, out=np.ones_like(size), where=size > 0) ** 2
+    return np.ascontiguousarray(np.real(turned)), collinearity
 
 
 def mass_orthogonality(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from scipy.spatial import cKDTree
 
 from flexsid.sysid.modes.symmetry import find_symmetry
 
@@ -37,7 +38,9 @@ class _Motion:
 
 
 def name_modes(
-    nodes: Float[np.ndarray, "n_nodes 3"], translation: Float[np.ndarray, "n_modes n_nodes 3"]
+    nodes: Float[np.ndarray, "n_nodes 3"],
+    translation: Float[np.ndarray, "n_modes n_nodes 3"],
+    rotation: Float[np.ndarray, "n_modes n_nodes 3"] | None = None,
 ) -> tuple[ModeName, ...]:
     """Name modes, in order of frequency, by how wing and winglets move.
 
@@ -47,6 +50,8 @@ def name_modes(
         x along the fuselage, y along the span, z up or down. [m]
     translation
         Per unit eta, in the axes of the nodes or turned about y. [m]
+    rotation
+        Tells the twist of beams, whose stations have one node each. [rad]
 
     Returns
     -------
@@ -66,7 +71,7 @@ def name_modes(
     names: list[ModeName] = []
     for mode, shape in enumerate(translation):
         symmetric = symmetry.is_symmetric(mode)
-        motion = wing.motion(shape)
+        motion = wing.motion(shape, None if rotation is None else rotation[mode, :, 1])
         kind, why = _kind(motion)
         letter = "" if kind == "R" else _LETTER[symmetric]
         counts[letter + kind] = count = counts.get(letter + kind, 0) + 1
@@ -104,6 +109,7 @@ class _Wing:
     n_stations: int
     winglet: Bool[np.ndarray, " n_nodes"]
     winglet_root: Int[np.ndarray, " n_nodes"]  # nearest node of the wing
+    chord: float  # that of a typical station [m]
 
     @classmethod
     def of(cls, nodes: Float[np.ndarray, "n_nodes 3"]) -> _Wing:
@@ -121,11 +127,22 @@ class _Wing:
         root = np.arange(y.size)
         if winglet.any() and not winglet.all():
             wing_nodes = np.flatnonzero(~winglet)
-            gap = np.linalg.norm(nodes[winglet][:, None] - nodes[wing_nodes][None], axis=2)
-            root[winglet] = wing_nodes[np.argmin(gap, axis=1)]
-        return cls(nodes, station, n_stations, winglet, root)
+            nearest = cKDTree(nodes[wing_nodes]).query(nodes[winglet])[1]
+            root[winglet] = wing_nodes[np.asarray(nearest)]
+        spreads = [
+            float(np.ptp(nodes[station == number, 0]))
+            for number in range(n_stations)
+            if (station == number).any()
+        ]
+        wide = [spread for spread in spreads if spread > 0.02 * span]
+        chord = float(np.median(wide)) if wide else 0.1 * span
+        return cls(nodes, station, n_stations, winglet, root, chord)
 
-    def motion(self, shape: Float[np.ndarray, "n_nodes 3"]) -> _Motion:
+    def motion(
+        self,
+        shape: Float[np.ndarray, "n_nodes 3"],
+        pitch: Float[np.ndarray, " n_nodes"] | None,
+    ) -> _Motion:
         """Part one shape into the motions of rigid stations."""
         fore_aft, plunge, twist = [], [], []
         for number in range(self.n_stations):
@@ -135,10 +152,15 @@ class _Wing:
             x = self.nodes[inside, 0] - self.nodes[inside, 0].mean()
             u = shape[inside]
             heave = float(u[:, 2].mean())
-            slope = float(x @ (u[:, 2] - heave) / (x @ x)) if x @ x > 0 else 0.0
+            if np.ptp(x) > 0.2 * self.chord:
+                slope = float(x @ (u[:, 2] - heave) / (x @ x))
+                half = 0.5 * float(np.ptp(x))
+            else:  # one node, or a few on a beam
+                slope = 0.0 if pitch is None else float(pitch[inside].mean())
+                half = 0.5 * self.chord
             fore_aft.append(float(u[:, 0].mean()))
             plunge.append(heave)
-            twist.append(slope * 0.5 * float(np.ptp(x)))
+            twist.append(slope * half)
         squares = np.array([np.mean(np.square(part)) for part in (fore_aft, plunge, twist)])
         total = float(squares.sum())
         shares = squares / total if total > 0 else np.zeros(3)

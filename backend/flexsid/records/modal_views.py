@@ -1,0 +1,217 @@
+"""What is shown of structures: finished numbers, in SI and rad unless a name says otherwise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModeAtFuel:
+    """One mode of a table at one fuel fraction; numbers that are not known are None."""
+
+    number: int
+    name: str
+    symmetric: bool
+    reason: str
+    frequency_hz: float
+    damping: float | None
+    mass_kg_m2: float | None
+    followed: float | None  # least MAC on the way over fuel
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SensorSight:
+    """What one sensor sees of one mode: its place, its motion there, and its signal."""
+
+    sensor: str
+    kind: str
+    axis: str
+    place_m: tuple[float, float, float]
+    phi_m: tuple[float, float, float]
+    nu_rad: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DrawnShape:
+    """One mode at one fuel fraction, thinned to what can be seen.
+
+    ``nodes_m`` (P, 3) and ``displacement_m`` (P, 3, per unit eta) are in structural axes (x
+    aft, y right, z up); ``lines`` are pairs of rows. ``largest_m`` is the largest
+    displacement of the whole structure, ``span_m`` its extent.
+    """
+
+    modal_table_id: int
+    number: int
+    name: str
+    fuel: float
+    frequency_hz: float
+    n_nodes: int
+    nodes_m: np.ndarray
+    displacement_m: np.ndarray
+    lines: np.ndarray
+    largest_m: float
+    span_m: float
+    sensors: tuple[SensorSight, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CrossingMark:
+    """Where two modes have one frequency."""
+
+    fuel: float
+    frequency_hz: float
+    names: tuple[str, str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ModesAgainstFuel:
+    """Frequency and damping of each mode: ``fuel`` (N,), ``frequency_hz``, ``damping`` (N, n).
+
+    ``table_fuel`` (F,) and ``table_hz`` (F, n) are the fuel weights of the table; ``doubtful``
+    the marks (fuel, hz) where what follows may be another mode. NaN for unknown damping.
+    """
+
+    title: str
+    names: tuple[str, ...]
+    symmetric: tuple[bool, ...]
+    fuel: np.ndarray
+    frequency_hz: np.ndarray
+    damping: np.ndarray
+    table_fuel: np.ndarray
+    table_hz: np.ndarray
+    crossings: tuple[CrossingMark, ...]
+    doubtful: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class AssuranceMatrix:
+    """MAC of the modes of one source (rows) with those of another (columns)."""
+
+    rows: tuple[str, ...]
+    columns: tuple[str, ...]
+    row_title: str
+    column_title: str
+    values: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SensorRow:
+    """How much of each mode one sensor sees: share of the largest motion of that kind."""
+
+    sensor: str
+    kind: str
+    axis: str
+    share: tuple[float | None, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Candidate:
+    """A place for a further accelerometer: what it would add, and whom it would help most."""
+
+    node: int
+    axis: str
+    place_m: tuple[float, float, float]
+    gain: float
+    helps: str
+    shrinks_to: float  # share of that mode's standard error left
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Observability:
+    """Which sensor sees which mode, and where a further one would help most.
+
+    ``seen`` says for each mode the best share any sensor has; ``std_error`` is relative to
+    the best known mode's, None for a mode that cannot be told apart.
+    """
+
+    modal_table_id: int
+    fuel: float
+    numbers: tuple[int, ...]
+    names: tuple[str, ...]
+    rows: tuple[SensorRow, ...]
+    std_error: tuple[float | None, ...]
+    candidates: tuple[Candidate, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OrderStep:
+    """A model that keeps so many modes; None where a number does not exist."""
+
+    modes: tuple[int, ...]
+    names: tuple[str, ...]
+    worst: str
+    bias: float
+    pole_error: float | None
+    response_error: float | None
+    poles: tuple[tuple[float, float], ...]
+    truncated_poles: tuple[tuple[float, float], ...]
+    residualized: dict[str, float]
+    truncated: dict[str, float]
+    sufficient: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelOrder:
+    """Reduced models of every order at one condition, against the full one."""
+
+    aircraft_id: int
+    modal_table_id: int
+    prediction_id: int
+    airspeed_m_s: float
+    fuel: float
+    needed: int
+    evidence: tuple[str, ...]
+    full: dict[str, float]
+    steps: tuple[OrderStep, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ReducedResponses:
+    """One response of the full and of reduced models: ``frequency_hz`` (M,), curves (M,)."""
+
+    output: str
+    input: str
+    unit: str
+    frequency_hz: np.ndarray
+    curves: tuple[tuple[str, np.ndarray], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PairedMode:
+    """A mode of one source and the one of another that is most alike."""
+
+    number: int
+    name: str
+    other_number: int
+    other_name: str
+    mac: float
+    frequency_hz: float
+    other_hz: float
+    frequency_change: float
+    damping: float | None
+    other_damping: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PointAgreement:
+    """COMAC of one point in one direction."""
+
+    point: str
+    direction: str
+    comac: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Correlation:
+    """Two sources of modes compared at their common points."""
+
+    modal_table_id: int
+    other_id: int
+    fuel: float
+    other_fuel: float
+    n_points: int
+    pairs: tuple[PairedMode, ...]
+    points: tuple[PointAgreement, ...]
+    notes: tuple[str, ...]

@@ -1,0 +1,103 @@
+"""Which sensor sees which mode, and where a further one would help most."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Information:
+    """What sensors tell of modal amplitudes; rigid-body motions are estimated beside them.
+
+    ``covariance`` is that of eta for white noise [1]; infinite where a mode is not seen.
+    """
+
+    covariance: Float[np.ndarray, "n_modes n_modes"]
+    matrix: Float[np.ndarray, "n_all n_all"]
+
+
+def gather_information(
+    rows: Float[np.ndarray, "n_sensors n_modes"],
+    rigid: Float[np.ndarray, "n_sensors n_rigid"],
+    noise: Float[np.ndarray, " n_sensors"],
+) -> Information:
+    """Weigh what each sensor sees by its noise.
+
+    Parameters
+    ----------
+    rows
+        Signal of each sensor per unit eta, for each mode at its own frequency.
+    rigid
+        Signal per unit of each rigid-body motion that has to be told apart.
+    noise
+        Standard deviation of each sensor, in the unit of its signal.
+
+    Notes
+    -----
+    Source: the effective-independence method of Kammer (1991) works on the same matrix.
+    """
+    whole = np.concatenate([rows, rigid], axis=1) / noise[:, None]
+    matrix = whole.T @ whole
+    n = rows.shape[1]
+    scale = np.sqrt(np.diag(matrix))
+    covariance = np.full((n, n), np.inf)
+    seen = scale > 0
+    unit = matrix[np.ix_(seen, seen)] / np.outer(scale[seen], scale[seen])
+    values, vectors = np.linalg.eigh(unit)
+    held = values > 1e-10
+    inverse = (vectors[:, held] / values[held]) @ vectors[:, held].T
+    # A motion with a share in what is not held cannot be told.
+    loose = np.sum(vectors[:, ~held] ** 2, axis=1) > 1e-6
+    full = np.full(matrix.shape, np.inf)
+    told = np.flatnonzero(seen)[~loose]
+    part = inverse[np.ix_(~loose, ~loose)] / np.outer(scale[told], scale[told])
+    full[np.ix_(told, told)] = part
+    covariance[:] = full[:n, :n]
+    return Information(covariance, matrix)
+
+
+def rank_candidates(
+    information: Information,
+    rows: Float[np.ndarray, "n_candidates n_modes"],
+    rigid: Float[np.ndarray, "n_candidates n_rigid"],
+    noise: float,
+) -> tuple[Float[np.ndarray, " n_candidates"], Float[np.ndarray, "n_candidates n_modes"]]:
+    """Say how much each candidate sensor would add.
+
+    Parameters
+    ----------
+    information
+        Of the sensors that are there.
+    rows, rigid
+        What each candidate would see.
+    noise
+        Its standard deviation.
+
+    Returns
+    -------
+    array
+        Growth of the logarithm of the determinant of the information, by which candidates are
+        ranked.
+    array
+        By which factor each mode's standard error would shrink, 1 for not at all.
+
+    Notes
+    -----
+    A rank-one update: det(F + h h') = det(F) (1 + h' F^-1 h). A small part of the largest
+    information is added to every motion, so that modes that are not seen at all count as
+    badly known rather than as infinitely so.
+    """
+    n = rows.shape[1]
+    scale = np.sqrt(np.diag(information.matrix))
+    scale[scale == 0] = max(float(scale.max(initial=0.0)), 1.0)
+    unit = information.matrix / np.outer(scale, scale) + 1e-6 * np.eye(scale.size)
+    before = np.linalg.inv(unit)
+    h = np.concatenate([rows, rigid], axis=1) / noise / scale
+    projected = h @ before
+    gain = np.einsum("ij,ij->i", projected, h)
+    after = np.diag(before)[:n] - projected[:, :n] ** 2 / (1.0 + gain)[:, None]
+    shrink = np.sqrt(np.maximum(after, 0.0) / np.diag(before)[:n])
+    return np.log1p(gain), shrink

@@ -1,0 +1,200 @@
+"""Keep structures and flutter summaries that were read from files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexsid import units
+from flexsid.errors import BadInput
+from flexsid.importers.source import Sources
+from flexsid.importers.structure import RawStructure
+from flexsid.records.aircraft import Aircraft, SensorKind
+from flexsid.records.modal_table import FlutterPoint, FlutterSummary, ModalTable
+from flexsid.storage.store import Store
+from flexsid.sysid.modes.naming import name_modes
+from flexsid.sysid.modes.thinning import neighbour_lines, spread_nodes
+from flexsid.sysid.modes.tracking import track
+
+SHOWN = 700
+"""Nodes that are drawn, and that modes are followed by."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Points:
+    """Sensor points and the rows of the nodes that stand for them."""
+
+    names: tuple[str, ...]
+    rows: list[int]
+    notes: list[str]
+
+
+def keep_structure(store: Store, aircraft: Aircraft, raw: RawStructure) -> ModalTable:
+    """Follow, name and store the modes of a structure, as a further version of its name.
+
+    Raises
+    ------
+    BadInput
+        If a sensor point is given a node that has no shape.
+    """
+    assert aircraft.id is not None
+    shown = spread_nodes(raw.nodes, SHOWN)
+    n_fuel, n_modes, n_nodes, _ = raw.shape.shape
+    seen = np.asarray(raw.shape[:, :, shown, :3], dtype=float).reshape(n_fuel, n_modes, -1)
+    tracking = track(seen, raw.omega)
+    first = np.asarray(raw.shape[0], dtype=float)
+    named = name_modes(raw.nodes, first[..., :3], first[..., 3:])
+    points = _points(aircraft, raw)
+    lines = raw.lines
+    if lines.size and shown.size < n_nodes:
+        lines = np.empty((0, 2), dtype=np.int32)  # most would end at nodes that are not shown
+    shown_lines = lines if lines.size else neighbour_lines(raw.nodes[shown]).astype(np.int32)
+    arrays: dict[str, np.ndarray] = {
+        "omega": raw.omega,
+        "nodes": raw.nodes,
+        "node_ids": raw.node_ids,
+        "lines": raw.lines,
+        "shown": shown.astype(np.int32),
+        "shown_lines": shown_lines,
+        "order": tracking.order.astype(np.int32),
+        "sign": tracking.sign,
+        "assurance": tracking.assurance,
+    }
+    if points.names:
+        arrays["shape"] = np.asarray(raw.shape[:, :, points.rows], dtype=float)
+    if raw.zeta is not None:
+        arrays["zeta"] = raw.zeta
+    if raw.mass is not None:
+        arrays["mass"] = raw.mass
+    with store.transaction():
+        versions = store.modal_tables.find(aircraft_id=aircraft.id, name=raw.name)
+        table = store.modal_tables.add(
+            ModalTable(
+                aircraft_id=aircraft.id,
+                name=raw.name,
+                kind=raw.kind,
+                fuel=tuple(map(float, raw.fuel)),
+                numbers=raw.numbers,
+                names=tuple(mode.name for mode in named),
+                symmetric=tuple(mode.symmetric is not False for mode in named),
+                points=points.names,
+                arrays={name: store.arrays.put(array) for name, array in arrays.items()},
+                origin=raw.origin,
+                version=1 + max((table.version for table in versions), default=0),
+                reasons=tuple(mode.reason for mode in named),
+                notes=(*raw.notes, *points.notes),
+            )
+        )
+        assert table.id is not None
+        store.modal_shapes.put(table.id, raw.shape)
+    return table
+
+
+def keep_flutter_summary(
+    store: Store, aircraft: Aircraft, sources: Sources, name: str, speed_unit: str
+) -> FlutterSummary:
+    """Store the flutter summary that files hold, with the points where roots go unstable.
+
+    Parameters
+    ----------
+    store, aircraft
+        Where to keep it.
+    sources
+        Files; one of them holds a summary.
+    name
+        What to call it.
+    speed_unit
+        Of its velocities, which no printout tells (VREF may make them anything).
+
+    Raises
+    ------
+    BadInput
+        If no file holds a summary.
+    """
+    assert aircraft.id is not None
+    source = next((s for s in sources.items if "flutter/velocity" in s.arrays), None)
+    if source is None:
+        raise BadInput("the files hold no flutter summary", code="no-flutter-summary")
+    found = {
+        path.removeprefix("flutter/"): np.asarray(values)
+        for path, values in source.arrays.items()
+        if path.startswith("flutter/")
+    }
+    speed = units.factor(speed_unit, "speed")
+    arrays = {
+        "root": found["point"].astype(np.int32),
+        "airspeed": found["velocity"] * speed,
+        "damping": found["damping"],
+        "omega": 2.0 * np.pi * found["frequency"],
+    }
+    if "density" in found:
+        arrays["density"] = found["density"]
+    record = FlutterSummary(
+        aircraft_id=aircraft.id,
+        name=name,
+        points=flutter_points(arrays),
+        arrays={key: store.arrays.put(values) for key, values in arrays.items()},
+        notes=(f"Velocities are in {speed_unit}.",),
+        origin=source.name,
+    )
+    return store.flutter_summaries.add(record)
+
+
+def flutter_points(arrays: dict[str, np.ndarray]) -> tuple[FlutterPoint, ...]:
+    """Where oscillating roots lose their damping, by straight lines between the rows printed."""
+    points: list[FlutterPoint] = []
+    for root in np.unique(arrays["root"]):
+        rows = np.flatnonzero(arrays["root"] == root)
+        speed, damping, omega = (arrays[k][rows] for k in ("airspeed", "damping", "omega"))
+        order = np.argsort(speed, kind="stable")
+        speed, damping, omega = speed[order], damping[order], omega[order]
+        crossed = (damping[:-1] < 0) & (damping[1:] >= 0) & (omega[1:] > 0.1) & (omega[:-1] > 0.1)
+        for row in np.flatnonzero(crossed):
+            share = damping[row] / (damping[row] - damping[row + 1])
+            points.append(
+                FlutterPoint(
+                    root=int(root),
+                    airspeed_m_s=float(speed[row] + share * (speed[row + 1] - speed[row])),
+                    omega_rad_s=float(omega[row] + share * (omega[row + 1] - omega[row])),
+                )
+            )
+    return tuple(sorted(points, key=lambda point: point.airspeed_m_s))
+
+
+def _points(aircraft: Aircraft, raw: RawStructure) -> _Points:
+    """Find the node of each sensor point: the one named, else the nearest."""
+    row_of = {int(node): row for row, node in enumerate(raw.node_ids)}
+    names: list[str] = []
+    rows: list[int] = []
+    notes: list[str] = []
+    span = float(np.linalg.norm(np.ptp(raw.nodes, axis=0)))
+    for sensor in aircraft.sensors:
+        if sensor.kind is SensorKind.STRAIN or sensor.point in names:
+            continue
+        place = np.asarray(sensor.location_m, dtype=float)
+        if sensor.point in raw.points:
+            node = raw.points[sensor.point]
+            if node not in row_of:
+                raise BadInput(
+                    f"sensor point '{sensor.point}' is given node {node}, which has no shape",
+                    code="missing-node",
+                    node=node,
+                )
+            row = row_of[node]
+        else:
+            distance = np.linalg.norm(raw.nodes - place, axis=1)
+            row = int(np.argmin(distance))
+            if distance[row] > 0.02 * span:
+                notes.append(
+                    f"Sensor point {sensor.point} is {distance[row]:.3g} m from node "
+                    f"{int(raw.node_ids[row])}, the nearest; name another where that is wrong."
+                )
+        names.append(sensor.point)
+        rows.append(row)
+    unknown = set(raw.points) - {sensor.point for sensor in aircraft.sensors}
+    if unknown:
+        raise BadInput(
+            f"the aircraft has no sensor point '{sorted(unknown)[0]}'", code="unknown-point"
+        )
+    return _Points(tuple(names), rows, notes)

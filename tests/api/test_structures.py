@@ -1,0 +1,179 @@
+"""Structures over REST: files looked at, questions answered, modes listed, drawn and compared."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+
+SHARED = Path(__file__).parents[3] / "shared" / "data"
+FEM = SHARED / "maewing1" / "fem"
+needs_fem = pytest.mark.skipif(not FEM.exists(), reason="mAEWing1's FEM is not beside the project")
+
+PLACES = ("0.,-4.", "0.,0.", "0.,4.", "1.,0.", "0.,-2.", "0.,2.")
+DECK = "".join(f"GRID,{n},,{p},0.\n" for n, p in enumerate(PLACES, start=1)).encode()
+
+
+def printout(frequencies: tuple[float, ...], shapes: list[list[float]]) -> bytes:
+    """A printout with eigenvectors whose third components are given."""
+    text = ""
+    for mode, (hertz, shape) in enumerate(zip(frequencies, shapes, strict=True), start=1):
+        text += f"1    JOB\n      EIGENVALUE =  {(2 * np.pi * hertz) ** 2:.6E}\n"
+        text += f"          R E A L   E I G E N V E C T O R   N O .          {mode}\n\n"
+        for node, z in enumerate(shape, start=1):
+            text += f"  {node}  G  0.0  0.0  {z:.6E}  0.0  0.0  0.0\n"
+    return text.encode()
+
+
+BENDING = [1.0, -0.4, 1.0, -0.5, -0.1, -0.1]
+ROLLING = [1.0, 0.0, -1.0, 0.0, -0.6, 0.6]
+
+
+def upload(client: TestClient, *files: tuple[str, bytes]) -> str:
+    answer = client.post("/api/v1/uploads", files=[("files", file) for file in files])
+    assert answer.status_code == 201, answer.text
+    return answer.json()["upload"]["id"]
+
+
+@pytest.fixture
+def table(client: TestClient) -> Any:
+    """A small structure at three fuel weights whose modes cross after the second."""
+    files = [
+        ("deck.bdf", DECK),
+        ("empty.f06", printout((5.0, 7.0), [BENDING, ROLLING])),
+        ("half.f06", printout((5.8, 6.4), [[-x for x in BENDING], ROLLING])),
+        ("full.f06", printout((6.0, 6.6), [ROLLING, BENDING])),
+    ]
+    identity = upload(client, *files)
+    found = client.get(f"/api/v1/uploads/{identity}/structure").json()
+    assert [question["field"] for question in found["questions"]] == [
+        "length_unit",
+        "mass_unit",
+        "generalized_mass",
+    ]
+    wanted = {
+        "aircraft_id": 1,
+        "name": "wing",
+        "length_unit": "ft",
+        "mass_unit": "slug",
+        "generalized_mass": "unit",
+        "fuel": {"empty.f06": 0.0, "half.f06": 0.5, "full.f06": 1.0},
+    }
+    answer = client.post(f"/api/v1/uploads/{identity}/structure", json=wanted)
+    assert answer.status_code == 201, answer.text
+    return answer.json()
+
+
+def test_a_structure_is_kept_with_what_was_said_of_it(client: TestClient, table: Any) -> None:
+    assert table["fuel"] == [0.0, 0.5, 1.0]
+    assert table["names"] == ["SW1B", "AW1B"]
+    assert table["symmetric"] == [True, False]
+    assert "in slug times ft squared" in " ".join(table["notes"])
+    modes = client.get(f"/api/v1/modal-tables/{table['id']}/modes?fuel=0").json()["items"]
+    assert modes[0]["mass_kg_m2"] == pytest.approx(14.5939029 * 0.3048**2)
+    assert modes[0]["frequency_hz"] == pytest.approx(5.0, rel=1e-5)
+
+
+def test_modes_are_followed_through_the_crossing(client: TestClient, table: Any) -> None:
+    at_full = client.get(f"/api/v1/modal-tables/{table['id']}/modes?fuel=1").json()["items"]
+    assert [(mode["name"], round(mode["frequency_hz"], 4)) for mode in at_full] == [
+        ("AW1B", 6.0),
+        ("SW1B", 6.6),
+    ]
+    answer = client.get(f"/api/v1/modal-tables/{table['id']}/shape?number=1&fuel=0.8").json()
+    assert answer["name"] == "SW1B"
+    moved = np.array(answer["displacement_m"])[:, 2] / 0.3048
+    assert moved == pytest.approx(BENDING, abs=1e-5)  # up is up, whatever sign a row had
+    assert np.array(answer["nodes_m"])[:3, 1] == pytest.approx([-1.2192, 0.0, 1.2192])
+    assert answer["sensors"][0]["sensor"]
+
+
+def test_versions_stand_side_by_side(client: TestClient, table: Any) -> None:
+    identity = upload(
+        client, ("a.f06", printout((5.1, 7.2), [BENDING, ROLLING])), ("deck.bdf", DECK)
+    )
+    wanted = {"aircraft_id": 1, "name": "wing", "length_unit": "ft", "generalized_mass": "unknown"}
+    second = client.post(f"/api/v1/uploads/{identity}/structure", json=wanted).json()
+    assert (second["name"], second["version"]) == ("wing", table["version"] + 1)
+    at = f"/api/v1/modal-tables/{table['id']}/correlation?other_id={second['id']}&fuel=0"
+    pairs = client.get(at).json()["pairs"]
+    assert [pair["mac"] for pair in pairs] == pytest.approx([1.0, 1.0])
+    assert pairs[0]["frequency_change"] == pytest.approx(0.02, abs=1e-5)
+
+
+def test_a_name_is_corrected_and_the_reason_kept(client: TestClient, table: Any) -> None:
+    at = f"/api/v1/modal-tables/{table['id']}"
+    wanted = {"number": 2, "name": "AW1T", "symmetric": False, "reason": "it twists in the GVT"}
+    headers = {"X-Flexsid-Analyst": "Ada"}
+    answer = client.post(f"{at}/corrections", json=wanted, headers=headers)
+    assert answer.status_code == 201
+    mode = client.get(f"{at}/modes?fuel=0").json()["items"][1]
+    assert mode["name"] == "AW1T"
+    assert mode["reason"] == "it twists in the GVT (corrected, by Ada)"
+    assert client.get(at).json()["names"] == ["SW1B", "AW1T"]
+    refused = client.post(f"{at}/corrections", json={**wanted, "reason": " "})
+    assert refused.json()["code"] == "no-reason"
+
+
+@pytest.mark.parametrize(
+    ("files", "wanted", "code"),
+    [
+        ((("a.f06", printout((5.0,), [BENDING])),), {}, "unit-needed"),
+        ((("a.f06", printout((5.0,), [BENDING])),), {"length_unit": "m"}, "mass-needed"),
+        (
+            (("a.f06", printout((5.0,), [BENDING])),),
+            {"length_unit": "m", "generalized_mass": "unknown"},
+            "no-nodes",
+        ),
+        (
+            (("a.f06", printout((5.0,), [[*BENDING, 1.0]])), ("deck.bdf", DECK)),
+            {"length_unit": "m", "generalized_mass": "unknown"},
+            "missing-node",
+        ),
+        (
+            (("a.f06", printout((5.0,), [BENDING])), ("deck.bdf", DECK)),
+            {"length_unit": "m", "generalized_mass": "unknown", "axes": "aft left up"},
+            "bad-axes",
+        ),
+        ((("deck.bdf", DECK),), {"length_unit": "m"}, "no-shapes"),
+    ],
+)
+def test_what_is_missing_is_asked_for(
+    client: TestClient, files: Any, wanted: dict[str, Any], code: str
+) -> None:
+    identity = upload(client, *files)
+    before = client.get("/api/v1/modal-tables").json()["items"]
+    answer = client.post(
+        f"/api/v1/uploads/{identity}/structure", json={"aircraft_id": 1, "name": "x", **wanted}
+    )
+    assert 400 <= answer.status_code < 500
+    assert answer.json()["code"] == code
+    assert client.get("/api/v1/modal-tables").json()["items"] == before
+
+
+def test_the_demonstration_aircraft_is_drawn(client: TestClient) -> None:
+    shape = client.get("/api/v1/modal-tables/1/shape?number=9&fuel=0.3").json()
+    assert shape["name"] == "SW1T"
+    assert len(shape["nodes_m"]) == shape["n_nodes"] == 133
+    assert len(shape["lines"]) > 133
+    assert client.get("/api/v1/modal-tables/1/shape?number=5").status_code == 404
+    assert client.get("/api/v1/modal-tables/2/shape?number=9").json()["code"] == "no-nodes"
+
+
+@needs_fem
+def test_maewing1_comes_in_with_its_flutter_summary(client: TestClient) -> None:
+    names = ["sol103_maewing1_femv4p2p1.op2", "sol103_maewing1_femv4p2p1.f06"]
+    identity = upload(client, *((name, (FEM / name).read_bytes()) for name in names))
+    wanted = {"aircraft_id": 1, "name": "FEM 4.2.1", "length_unit": "in", "mass_unit": "slinch"}
+    table = client.post(f"/api/v1/uploads/{identity}/structure", json=wanted).json()
+    assert table["names"][:5] == ["SW1B", "AW1T", "SW1T", "AW1B", "SW2B"]
+    assert any("agree with the largest displacements printed" in n for n in table["notes"])
+    name = "sol145_maewing1_femv5p2.f06"
+    identity = upload(client, (name, (FEM / name).read_bytes()))
+    at = f"/api/v1/uploads/{identity}/flutter-summary"
+    summary = client.post(at, json={"aircraft_id": 1, "name": "SOL 145", "speed_unit": "kt"}).json()
+    assert summary["points"][0]["airspeed_m_s"] == pytest.approx(32.33, abs=0.02)
+    assert summary["points"][0]["omega_rad_s"] == pytest.approx(36.5, abs=0.3)
