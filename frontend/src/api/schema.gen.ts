@@ -540,7 +540,7 @@ export interface paths {
         };
         /**
          * List Modal Tables
-         * @description List modal tables.
+         * @description List modal tables; versions of one name stand side by side.
          */
         get: operations["list_modal_tables"];
         put?: never;
@@ -560,9 +560,177 @@ export interface paths {
         };
         /**
          * Get Modal Table
-         * @description Return one modal table with its numbers.
+         * @description Return one modal table with its numbers, in the order of its source.
          */
         get: operations["get_modal_table"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete Modal Table
+         * @description Forget a modal table; refused while runs refer to it.
+         */
+        delete: operations["delete_modal_table"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/modal-tables/{modal_table_id}/modes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Modes
+         * @description List the modes at a fuel fraction, followed over fuel by their shapes.
+         */
+        get: operations["list_modes"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/modal-tables/{modal_table_id}/shape": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Shape
+         * @description Return one mode at a fuel fraction, thinned to what can be seen, with the sensors in it.
+         */
+        get: operations["get_shape"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/modal-tables/{modal_table_id}/correlation": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Correlation
+         * @description Compare two sources: modes paired by MAC, frequency, damping, and COMAC by point.
+         */
+        get: operations["get_correlation"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/modal-tables/{modal_table_id}/corrections": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Correct Mode
+         * @description Name a mode otherwise than the rule does; the reason is kept.
+         */
+        post: operations["correct_mode"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/uploads/{upload_id}/structure": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Look At Upload
+         * @description Say what modes the files of an upload hold, and what they leave open.
+         */
+        get: operations["look_at_upload"];
+        put?: never;
+        /**
+         * Import Structure
+         * @description Keep the modes of uploaded files as a modal table, a version beside others of its name.
+         */
+        post: operations["import_structure"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/uploads/{upload_id}/flutter-summary": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Import Flutter Summary
+         * @description Keep the flutter summary of an uploaded printout, with the speeds found from it.
+         */
+        post: operations["import_flutter_summary"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/flutter-summaries": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Flutter Summaries
+         * @description List the flutter summaries of an aircraft or of all.
+         */
+        get: operations["list_flutter_summaries"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/flutter-summaries/{summary_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Flutter Summary
+         * @description Return one flutter summary.
+         */
+        get: operations["get_flutter_summary"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2132,7 +2300,7 @@ export interface components {
          */
         ConditioningRequest: {
             /** Items */
-            items: components["schemas"]["CorrectionRequest"][];
+            items: components["schemas"]["flexsid__api__requests__CorrectionRequest"][];
         };
         /**
          * ConditioningStep
@@ -2201,43 +2369,26 @@ export interface components {
             basis: string;
         };
         /**
-         * CorrectionRequest
-         * @description One correction; see ``Correction``.
+         * Correlation
+         * @description Two sources of modes compared at their common points.
          */
-        CorrectionRequest: {
-            /** Channel */
-            channel: string;
-            kind: components["schemas"]["StepKind"];
-            /**
-             * Delay S
-             * @default 0
-             */
-            delay_s: number;
-            /**
-             * Scale
-             * @default 1
-             */
-            scale: number;
-            /**
-             * Bias
-             * @default 0
-             */
-            bias: number;
-            /**
-             * Stretches
-             * @default []
-             */
-            stretches: [
-                number,
-                number
-            ][];
-            /** Std */
-            std?: number | null;
-            /**
-             * Basis
-             * @default
-             */
-            basis: string;
+        Correlation: {
+            /** Modal Table Id */
+            modal_table_id: number;
+            /** Other Id */
+            other_id: number;
+            /** Fuel */
+            fuel: number;
+            /** Other Fuel */
+            other_fuel: number;
+            /** N Points */
+            n_points: number;
+            /** Pairs */
+            pairs: components["schemas"]["PairedMode"][];
+            /** Points */
+            points: components["schemas"]["PointAgreement"][];
+            /** Notes */
+            notes: string[];
         };
         /**
          * DerivativeValue
@@ -2873,6 +3024,74 @@ export interface components {
             separation: number | null;
         };
         /**
+         * FlutterPoint
+         * @description Where a root of a flutter analysis loses its damping.
+         */
+        FlutterPoint: {
+            /** Root */
+            root: number;
+            /** Airspeed M S */
+            airspeed_m_s: number;
+            /** Omega Rad S */
+            omega_rad_s: number;
+        };
+        /**
+         * FlutterSummary
+         * @description Roots of a flutter analysis (Nastran SOL 145) against airspeed.
+         *
+         *     ``arrays`` names ``root`` (N,), ``airspeed`` (N,) [m/s], ``damping`` (N,) structural
+         *     damping g [1], ``omega`` (N,) [rad/s] and, where printed, ``density`` (N,).
+         */
+        FlutterSummary: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Name */
+            name: string;
+            /** Points */
+            points: components["schemas"]["FlutterPoint"][];
+            /** Arrays */
+            arrays: {
+                [key: string]: string;
+            };
+            /**
+             * Notes
+             * @default []
+             */
+            notes: string[];
+            /**
+             * Origin
+             * @default
+             */
+            origin: string;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * FlutterSummaryList
+         * @description Flutter summaries.
+         */
+        FlutterSummaryList: {
+            /** Items */
+            items: components["schemas"]["FlutterSummary"][];
+            /** Next */
+            next?: string | null;
+        };
+        /**
+         * FlutterSummaryRequest
+         * @description What a flutter summary is called and in which unit its velocities are.
+         */
+        FlutterSummaryRequest: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Name */
+            name: string;
+            /**
+             * Speed Unit
+             * @enum {string}
+             */
+            speed_unit: "m/s" | "ft/s" | "in/s" | "kt" | "km/h";
+        };
+        /**
          * FlutterTable
          * @description Predicted open-loop flutter speed against fuel; campaigns are planned in V/V_f.
          */
@@ -2903,18 +3122,6 @@ export interface components {
             smallest: number | null;
             /** Largest */
             largest: number | null;
-        };
-        /**
-         * FoundFile
-         * @description One file of an upload.
-         */
-        FoundFile: {
-            /** Name */
-            name: string;
-            /** Sha256 */
-            sha256: string;
-            /** N Fields */
-            n_fields: number;
         };
         /**
          * FoundStretch
@@ -3433,6 +3640,14 @@ export interface components {
          *     ``shape`` (F, n, P, 6) translation [m] and rotation [rad] per unit eta in body
          *     axes, ``strain`` (F, n, G) per unit eta, ``nodes`` (K, 3) structural axes [m],
          *     ``node_shape`` (F, n, K, 6). Only ``omega`` or ``zeta`` must be there.
+         *
+         *     Of large structures the shapes at the nodes lie in the table ``modal_shapes``, one array
+         *     per fuel weight and mode; ``node_ids`` (K,), ``lines`` (L, 2) between rows of ``nodes``,
+         *     and ``shown`` (rows) and ``shown_lines`` what is drawn. ``order`` and ``sign`` (F, n) say
+         *     how each row follows from the first one, ``assurance`` (F, n) how surely.
+         *
+         *     Tables of one name are versions of each other. ``reasons`` tell why each mode is called
+         *     and judged as it is, ``notes`` what was said of the source when it was imported.
          */
         ModalTable: {
             /** Aircraft Id */
@@ -3467,6 +3682,21 @@ export interface components {
              * @default
              */
             origin: string;
+            /**
+             * Version
+             * @default 1
+             */
+            version: number;
+            /**
+             * Reasons
+             * @default []
+             */
+            reasons: string[];
+            /**
+             * Notes
+             * @default []
+             */
+            notes: string[];
             /** Id */
             id?: number | null;
         };
@@ -3507,6 +3737,21 @@ export interface components {
              * @default
              */
             origin: string;
+            /**
+             * Version
+             * @default 1
+             */
+            version: number;
+            /**
+             * Reasons
+             * @default []
+             */
+            reasons: string[];
+            /**
+             * Notes
+             * @default []
+             */
+            notes: string[];
             /** Id */
             id?: number | null;
             /** Omega */
@@ -3523,6 +3768,65 @@ export interface components {
             items: components["schemas"]["ModalTable"][];
             /** Next */
             next?: string | null;
+        };
+        /**
+         * ModeAtFuel
+         * @description One mode of a table at one fuel fraction; numbers that are not known are None.
+         */
+        ModeAtFuel: {
+            /** Number */
+            number: number;
+            /** Name */
+            name: string;
+            /** Symmetric */
+            symmetric: boolean;
+            /** Reason */
+            reason: string;
+            /** Frequency Hz */
+            frequency_hz: number;
+            /** Damping */
+            damping: number | null;
+            /** Mass Kg M2 */
+            mass_kg_m2: number | null;
+            /** Followed */
+            followed: number | null;
+        };
+        /**
+         * ModeCorrection
+         * @description What an analyst calls a mode, and whether it is symmetric, against the rule; and why.
+         */
+        ModeCorrection: {
+            /** Modal Table Id */
+            modal_table_id: number;
+            /** Number */
+            number: number;
+            /** Name */
+            name: string;
+            /** Symmetric */
+            symmetric: boolean;
+            /** Reason */
+            reason: string;
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /** Created At */
+            created_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * ModeList
+         * @description Modes of a table at one fuel fraction, in order of frequency.
+         */
+        ModeList: {
+            /** Modal Table Id */
+            modal_table_id: number;
+            /** Fuel */
+            fuel: number;
+            /** Items */
+            items: components["schemas"]["ModeAtFuel"][];
         };
         /**
          * ModelExport
@@ -3628,7 +3932,7 @@ export interface components {
             aircraft_id: number;
             /** Name */
             name: string;
-            structure: components["schemas"]["StructureRequest"];
+            structure: components["schemas"]["flexsid__api__requests__StructureRequest"];
             /**
              * Note
              * @default
@@ -3650,6 +3954,32 @@ export interface components {
             theil: number;
             /** Whiteness */
             whiteness: number;
+        };
+        /**
+         * PairedMode
+         * @description A mode of one source and the one of another that is most alike.
+         */
+        PairedMode: {
+            /** Number */
+            number: number;
+            /** Name */
+            name: string;
+            /** Other Number */
+            other_number: number;
+            /** Other Name */
+            other_name: string;
+            /** Mac */
+            mac: number;
+            /** Frequency Hz */
+            frequency_hz: number;
+            /** Other Hz */
+            other_hz: number;
+            /** Frequency Change */
+            frequency_change: number;
+            /** Damping */
+            damping: number | null;
+            /** Other Damping */
+            other_damping: number | null;
         };
         /**
          * ParameterEstimate
@@ -3714,6 +4044,18 @@ export interface components {
             /** Amplitude Std */
             amplitude_std: number | null;
             verdict: components["schemas"]["flexsid__records__ground_test__Verdict"];
+        };
+        /**
+         * PointAgreement
+         * @description COMAC of one point in one direction.
+         */
+        PointAgreement: {
+            /** Point */
+            point: string;
+            /** Direction */
+            direction: string;
+            /** Comac */
+            comac: number;
         };
         /**
          * Pole
@@ -3922,6 +4264,18 @@ export interface components {
             ] | null;
             /** Not Checked */
             not_checked: string[];
+        };
+        /**
+         * Question
+         * @description Something that the files do not say.
+         */
+        Question: {
+            /** Field */
+            field: string;
+            /** Text */
+            text: string;
+            /** Choices */
+            choices: string[];
         };
         /**
          * RescaleRequest
@@ -4189,7 +4543,7 @@ export interface components {
             /** Maneuver Id */
             maneuver_id: number;
             method: components["schemas"]["Method"];
-            structure?: components["schemas"]["StructureRequest"] | null;
+            structure?: components["schemas"]["flexsid__api__requests__StructureRequest"] | null;
             settings?: components["schemas"]["SettingsRequest"] | null;
             /** Modal Table Id */
             modal_table_id?: number | null;
@@ -4388,6 +4742,36 @@ export interface components {
          */
         SensorKind: "accelerometer" | "gyro" | "attitude" | "vane" | "strain";
         /**
+         * SensorSight
+         * @description What one sensor sees of one mode: its place, its motion there, and its signal.
+         */
+        SensorSight: {
+            /** Sensor */
+            sensor: string;
+            /** Kind */
+            kind: string;
+            /** Axis */
+            axis: string;
+            /** Place M */
+            place_m: [
+                number,
+                number,
+                number
+            ];
+            /** Phi M */
+            phi_m: [
+                number,
+                number,
+                number
+            ];
+            /** Nu Rad */
+            nu_rad: [
+                number,
+                number,
+                number
+            ];
+        };
+        /**
          * SettingsRequest
          * @description Choices of the analyst that are not model structure.
          */
@@ -4426,6 +4810,47 @@ export interface components {
              * @default []
              */
             together_with: number[];
+        };
+        /**
+         * ShapeAnswer
+         * @description One mode as it is drawn; see ``DrawnShape``.
+         */
+        ShapeAnswer: {
+            /** Modal Table Id */
+            modal_table_id: number;
+            /** Number */
+            number: number;
+            /** Name */
+            name: string;
+            /** Fuel */
+            fuel: number;
+            /** Frequency Hz */
+            frequency_hz: number;
+            /** N Nodes */
+            n_nodes: number;
+            /** Nodes M */
+            nodes_m: [
+                number,
+                number,
+                number
+            ][];
+            /** Displacement M */
+            displacement_m: [
+                number,
+                number,
+                number
+            ][];
+            /** Lines */
+            lines: [
+                number,
+                number
+            ][];
+            /** Largest M */
+            largest_m: number;
+            /** Span M */
+            span_m: number;
+            /** Sensors */
+            sensors: components["schemas"]["SensorSight"][];
         };
         /**
          * Source
@@ -4587,7 +5012,7 @@ export interface components {
         StructureEditRequest: {
             /** Name */
             name: string;
-            structure: components["schemas"]["StructureRequest"];
+            structure: components["schemas"]["flexsid__api__requests__StructureRequest"];
             /**
              * Note
              * @default
@@ -4622,64 +5047,18 @@ export interface components {
             preferred: boolean;
         };
         /**
-         * StructureRequest
-         * @description A model structure; see ``Structure``.
+         * StructureFound
+         * @description What the files of a structure hold, and what has to be asked.
          */
-        StructureRequest: {
-            /**
-             * Modes
-             * @default []
-             */
-            modes: number[];
-            /**
-             * Inputs
-             * @default []
-             */
-            inputs: string[];
-            /**
-             * Outputs
-             * @default []
-             */
-            outputs: string[];
-            /** Free */
-            free?: string[] | null;
-            /** Fixed */
-            fixed?: {
-                [key: string]: number;
-            } | null;
-            /**
-             * Free Delays
-             * @default false
-             */
-            free_delays: boolean;
-            /**
-             * Also Free
-             * @default []
-             */
-            also_free: string[];
-            /**
-             * Axis
-             * @default longitudinal
-             * @constant
-             */
-            axis: "longitudinal";
-            /**
-             * Absent
-             * @default []
-             */
-            absent: string[];
-            /** Fixed To */
-            fixed_to?: {
-                [key: string]: components["schemas"]["FixedToRequest"];
-            } | null;
-            /** Delays */
-            delays?: {
-                [key: string]: number;
-            } | null;
-            /** Instruments */
-            instruments?: {
-                [key: string]: string | null;
-            } | null;
+        StructureFound: {
+            /** Files */
+            files: components["schemas"]["flexsid__importers__structure__FoundFile"][];
+            /** Frequencies Hz */
+            frequencies_hz: number[];
+            /** N Nodes */
+            n_nodes: number;
+            /** Questions */
+            questions: components["schemas"]["Question"][];
         };
         /**
          * StructureVersion
@@ -4772,7 +5151,7 @@ export interface components {
         UploadDetail: {
             upload: components["schemas"]["Upload"];
             /** Files */
-            files: components["schemas"]["FoundFile"][];
+            files: components["schemas"]["flexsid__workflow__describing__FoundFile"][];
             /** Fields */
             fields: components["schemas"]["FoundField"][];
             proposal: components["schemas"]["Proposal"];
@@ -4843,6 +5222,182 @@ export interface components {
             errors?: components["schemas"]["FieldError"][] | null;
         };
         /**
+         * CorrectionRequest
+         * @description One correction; see ``Correction``.
+         */
+        flexsid__api__requests__CorrectionRequest: {
+            /** Channel */
+            channel: string;
+            kind: components["schemas"]["StepKind"];
+            /**
+             * Delay S
+             * @default 0
+             */
+            delay_s: number;
+            /**
+             * Scale
+             * @default 1
+             */
+            scale: number;
+            /**
+             * Bias
+             * @default 0
+             */
+            bias: number;
+            /**
+             * Stretches
+             * @default []
+             */
+            stretches: [
+                number,
+                number
+            ][];
+            /** Std */
+            std?: number | null;
+            /**
+             * Basis
+             * @default
+             */
+            basis: string;
+        };
+        /**
+         * StructureRequest
+         * @description A model structure; see ``Structure``.
+         */
+        flexsid__api__requests__StructureRequest: {
+            /**
+             * Modes
+             * @default []
+             */
+            modes: number[];
+            /**
+             * Inputs
+             * @default []
+             */
+            inputs: string[];
+            /**
+             * Outputs
+             * @default []
+             */
+            outputs: string[];
+            /** Free */
+            free?: string[] | null;
+            /** Fixed */
+            fixed?: {
+                [key: string]: number;
+            } | null;
+            /**
+             * Free Delays
+             * @default false
+             */
+            free_delays: boolean;
+            /**
+             * Also Free
+             * @default []
+             */
+            also_free: string[];
+            /**
+             * Axis
+             * @default longitudinal
+             * @constant
+             */
+            axis: "longitudinal";
+            /**
+             * Absent
+             * @default []
+             */
+            absent: string[];
+            /** Fixed To */
+            fixed_to?: {
+                [key: string]: components["schemas"]["FixedToRequest"];
+            } | null;
+            /** Delays */
+            delays?: {
+                [key: string]: number;
+            } | null;
+            /** Instruments */
+            instruments?: {
+                [key: string]: string | null;
+            } | null;
+        };
+        /**
+         * CorrectionRequest
+         * @description What a mode is to be called, whether it is symmetric, and why the rule was wrong.
+         */
+        flexsid__api__routes__modal_tables__CorrectionRequest: {
+            /** Number */
+            number: number;
+            /** Name */
+            name: string;
+            /** Symmetric */
+            symmetric: boolean;
+            /** Reason */
+            reason: string;
+        };
+        /**
+         * StructureRequest
+         * @description What an analyst says of uploaded files; see ``StructureAnswers``.
+         */
+        flexsid__api__routes__structure_files__StructureRequest: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Name */
+            name: string;
+            /** @default FEM */
+            kind: components["schemas"]["ModalKind"];
+            /** Length Unit */
+            length_unit?: ("m" | "mm" | "in" | "ft") | null;
+            /** Mass Unit */
+            mass_unit?: ("kg" | "t" | "lb" | "slug" | "slinch") | null;
+            /** Generalized Mass */
+            generalized_mass?: ("file" | "unit" | "unknown") | null;
+            /**
+             * Axes
+             * @default aft right up
+             */
+            axes: string;
+            /**
+             * Origin
+             * @default [
+             *       0,
+             *       0,
+             *       0
+             *     ]
+             */
+            origin: [
+                number,
+                number,
+                number
+            ];
+            /** Fuel */
+            fuel?: {
+                [key: string]: number;
+            };
+            /**
+             * Rigid Modes
+             * @default false
+             */
+            rigid_modes: boolean;
+            /** Points */
+            points?: {
+                [key: string]: number;
+            };
+        };
+        /**
+         * FoundFile
+         * @description One file: what it holds, in words, and the data sets of it that are not used.
+         */
+        flexsid__importers__structure__FoundFile: {
+            /** Name */
+            name: string;
+            /** Holds */
+            holds: string[];
+            /** Refused */
+            refused: string[];
+            /** Has Modes */
+            has_modes: boolean;
+        };
+        /**
          * Verdict
          * @description What a pair of ground records says of the structure.
          * @enum {string}
@@ -4854,6 +5409,18 @@ export interface components {
          * @enum {string}
          */
         flexsid__records__quality__Verdict: "good" | "doubtful" | "bad";
+        /**
+         * FoundFile
+         * @description One file of an upload.
+         */
+        flexsid__workflow__describing__FoundFile: {
+            /** Name */
+            name: string;
+            /** Sha256 */
+            sha256: string;
+            /** N Fields */
+            n_fields: number;
+        };
         /**
          * Problem
          * @description Why a mapping does not do yet; ``key`` is its key or the channel meant.
@@ -6176,6 +6743,391 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ModalTableDetail"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    delete_modal_table: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                modal_table_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_modes: {
+        parameters: {
+            query?: {
+                /**
+                 * @description Fuel fraction.
+                 * @example 0.5
+                 */
+                fuel?: number;
+            };
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                modal_table_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ModeList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_shape: {
+        parameters: {
+            query: {
+                /** @description Number of the mode. */
+                number: number;
+                /**
+                 * @description Fuel fraction.
+                 * @example 0.5
+                 */
+                fuel?: number;
+                /** @description All nodes, not what can be seen. */
+                every_node?: boolean;
+            };
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                modal_table_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ShapeAnswer"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_correlation: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                other_id: number;
+                /**
+                 * @description Fuel fraction.
+                 * @example 0.5
+                 */
+                fuel?: number;
+                other_fuel?: number | null;
+            };
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                modal_table_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Correlation"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    correct_mode: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Name of the analyst, percent-encoded UTF-8. */
+                "X-Flexsid-Analyst"?: string;
+            };
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                modal_table_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["flexsid__api__routes__modal_tables__CorrectionRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ModeCorrection"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    look_at_upload: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the upload.
+                 * @example 5b0c2a
+                 */
+                upload_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StructureFound"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    import_structure: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the upload.
+                 * @example 5b0c2a
+                 */
+                upload_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["flexsid__api__routes__structure_files__StructureRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ModalTable"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    import_flutter_summary: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the upload.
+                 * @example 5b0c2a
+                 */
+                upload_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["FlutterSummaryRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FlutterSummary"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_flutter_summaries: {
+        parameters: {
+            query?: {
+                /** @example 1 */
+                aircraft_id?: number | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FlutterSummaryList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_flutter_summary: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                summary_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FlutterSummary"];
                 };
             };
             /** @description Client Error */
