@@ -38,6 +38,7 @@ from flexsid.api.routes import (
     nomenclature,
     predictions,
     quality,
+    reports,
     runs,
     saved_views,
     structure_files,
@@ -45,6 +46,7 @@ from flexsid.api.routes import (
 )
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.steps import Steps, estimation_steps
+from flexsid.reports import read_template
 from flexsid.settings import Settings
 from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.migrate import upgrade
@@ -79,6 +81,9 @@ def create_app(
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         anyio.to_thread.current_default_thread_limiter().total_tokens = _THREADS
+        # A template that is none should stop the server, not the first report.
+        own = settings.report_template
+        template = None if own is None else read_template(own)
         migration = upgrade(settings.database)
         store = Store.open(settings.database)
         dispatcher = Dispatcher(store, load_steps())
@@ -93,6 +98,7 @@ def create_app(
             bring_along=bring_along,
             uploads=received,
             assessments=assessments,
+            report_template=template,
         )
         try:
             yield
@@ -131,6 +137,7 @@ def create_app(
         saved_views,
         jobs,
         comparisons,
+        reports,
         designs,
         flutter,
         figures,

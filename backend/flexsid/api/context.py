@@ -24,6 +24,7 @@ class Context:
     bring_along: BringAlong | None
     uploads: Uploads
     assessments: Assessments
+    report_template: str | None
 
 
 # Asynchronous, so that no thread is spent on handing over a reference.

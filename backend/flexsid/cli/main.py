@@ -114,6 +114,15 @@ def _parser() -> argparse.ArgumentParser:
         help=".json: everything; .csv: parameters; .mat: the model",
     )
 
+    report = add("report", _report, "write a report of a run, a comparison or the campaign")
+    report.add_argument("kind", choices=("run", "comparison", "campaign", "template"))
+    report.add_argument("runs", nargs="?", metavar="RUN,RUN", help="ids; not for a campaign")
+    report.add_argument("--predictions", default="", metavar="ID,ID", help="beside the runs")
+    report.add_argument(
+        "--template", metavar="FILE", help="page of your own; start from `flexsid report template`"
+    )
+    report.add_argument("--output", required=True, metavar="FILE", help=".html, or .pdf")
+
     design = add("design", _design, "design a multisine of Table 1 for least relative peak factor")
     design.add_argument("--fta", type=int, required=True, metavar="N", help="number of its row")
     design.add_argument("--duration", type=float, default=24.0, metavar="S")
@@ -147,6 +156,12 @@ def _flutter(settings: Settings, chosen: argparse.Namespace) -> int:
     from flexsid.cli.foresight import foretell
 
     return foretell(settings, chosen)
+
+
+def _report(settings: Settings, chosen: argparse.Namespace) -> int:
+    from flexsid.cli.reports import report
+
+    return report(settings, chosen)
 
 
 def _serve(settings: Settings, _chosen: argparse.Namespace) -> int:

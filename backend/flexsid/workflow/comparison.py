@@ -69,6 +69,11 @@ def compare(store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int])
     )
 
 
+def coefficients(comparison: Comparison) -> tuple[str, ...]:
+    """Names of the coefficients whose derivatives are compared, e.g. ``Cm``."""
+    return tuple(dict.fromkeys(row.name.partition("_")[0] for row in comparison.rows))
+
+
 def of_coefficient(comparison: Comparison, coefficient: str | None) -> Comparison:
     """Keep the derivatives of one coefficient, e.g. ``Cm``; None keeps all.
 
@@ -81,9 +86,9 @@ def of_coefficient(comparison: Comparison, coefficient: str | None) -> Compariso
         return comparison
     rows = tuple(row for row in comparison.rows if row.name.partition("_")[0] == coefficient)
     if not rows:
-        known = dict.fromkeys(row.name.partition("_")[0] for row in comparison.rows)
         raise BadInput(
-            f"no derivative of '{coefficient}' was estimated; there are {', '.join(known)}",
+            f"no derivative of '{coefficient}' was estimated; there are "
+            f"{', '.join(coefficients(comparison))}",
             code="unknown-coefficient",
             coefficient=coefficient,
         )

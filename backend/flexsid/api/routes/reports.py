@@ -1,0 +1,65 @@
+"""Reports: a run, a comparison or a campaign as one HTML file, or as PDF."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Query, Response
+
+from flexsid import reports
+from flexsid.api.context import Context, TheContext
+from flexsid.api.routes.maneuvers import Filters
+from flexsid.api.wire import Identity, split_ids
+
+_FILE = {media: {"schema": {"type": "string"}} for media in ("text/html", "application/pdf")}
+router = APIRouter(prefix="/reports", tags=["reports"], responses={200: {"content": _FILE}})
+
+Form = Annotated[
+    Literal["html", "pdf"],
+    Query(alias="format", description="`pdf` where the server has Chromium."),
+]
+
+# The page may run its own script and nothing else, and has no part in the workbench.
+_POLICY = (
+    "sandbox allow-scripts allow-downloads allow-modals; default-src 'none'; "
+    "script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
+)
+
+
+@router.get("/run/{run_id}", response_class=Response)
+def report_run(context: TheContext, run_id: Identity, form: Form = "html") -> Response:
+    """Report a run: structure, derivatives, fit, uncertainty, poles and provenance."""
+    return _sent(context, reports.run_report(context.store, run_id), form)
+
+
+@router.get("/comparison", response_class=Response)
+def report_comparison(
+    context: TheContext,
+    run_ids: Annotated[str, Query(description="Ids of runs, separated by commas.")],
+    prediction_ids: Annotated[
+        str | None, Query(description="Ids of predictions, separated by commas.")
+    ] = None,
+    form: Form = "html",
+) -> Response:
+    """Report how runs and predictions agree, derivative by derivative."""
+    runs = split_ids(run_ids, "run_ids")
+    predictions = split_ids(prediction_ids, "prediction_ids")
+    return _sent(context, reports.comparison_report(context.store, runs, predictions), form)
+
+
+@router.get("/campaign", response_class=Response)
+def report_campaign(context: TheContext, filters: Filters, form: Form = "html") -> Response:
+    """Report the maneuvers that a list is narrowed to, and the ground tests around them."""
+    return _sent(context, reports.campaign_report(context.store, **filters), form)
+
+
+def _sent(context: Context, report: reports.Report, form: Form) -> Response:
+    html = reports.to_html(report, datetime.now(UTC), context.report_template)
+    headers: dict[str, Any] = {
+        "Content-Disposition": f'inline; filename="{report.name}.{form}"',
+    }
+    if form == "pdf":
+        return Response(reports.to_pdf(html), media_type="application/pdf", headers=headers)
+    headers["Content-Security-Policy"] = _POLICY
+    return Response(html, media_type="text/html", headers=headers)

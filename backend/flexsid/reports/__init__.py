@@ -1,0 +1,19 @@
+"""Reports to hand on: a run, a comparison or a campaign as one file that needs nothing else."""
+
+from flexsid.reports.campaign import campaign_report
+from flexsid.reports.comparison import comparison_report
+from flexsid.reports.content import Report
+from flexsid.reports.layout import built_in_template, read_template, to_html
+from flexsid.reports.printing import to_pdf
+from flexsid.reports.run import run_report
+
+__all__ = [
+    "Report",
+    "built_in_template",
+    "campaign_report",
+    "comparison_report",
+    "read_template",
+    "run_report",
+    "to_html",
+    "to_pdf",
+]

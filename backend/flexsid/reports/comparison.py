@@ -1,0 +1,110 @@
+"""The report of a comparison: derivatives of runs and predictions side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from flexsid import figures
+from flexsid.records.comparison import Comparison, Row
+from flexsid.reports.content import (
+    Part,
+    Report,
+    Section,
+    Table,
+    Words,
+    drawn,
+    estimate,
+    listed,
+    number,
+)
+from flexsid.reports.flown import source_facts
+from flexsid.reports.run import METHOD_NAMES
+from flexsid.storage.store import Store
+from flexsid.workflow.comparison import CONSISTENT_SIGMA, coefficients, compare, of_coefficient
+
+
+def comparison_report(
+    store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int]
+) -> Report:
+    """Report how runs and predictions agree.
+
+    Raises
+    ------
+    BadInput
+        If no run is given.
+    Conflict
+        If a run has no result.
+    """
+    compared = compare(store, run_ids, prediction_ids)
+    maneuvers = [store.maneuvers.get(number) for number in compared.maneuver_ids]
+    return Report(
+        title=f"Comparison of {len(compared.sources)} sources",
+        subtitle=listed(maneuver.label for maneuver in maneuvers),
+        name="flexsid-comparison-" + "-".join(map(str, dict.fromkeys(run_ids))),
+        sections=(
+            Section("Summary", (_verdict(compared), _sources(store, compared))),
+            *(Section(name, _coefficient(compared, name)) for name in coefficients(compared)),
+        ),
+        provenance=tuple(fact for maneuver in maneuvers for fact in source_facts(store, maneuver)),
+    )
+
+
+def _verdict(compared: Comparison) -> Words:
+    judged = [row for row in compared.rows if row.consistent is not None]
+    apart = [row for row in judged if not row.consistent]
+    if not judged:
+        return Words("No two sources with a standard error share a derivative.")
+    text = (
+        f"{len(judged) - len(apart)} of {len(judged)} derivatives agree within "
+        f"{CONSISTENT_SIGMA:g} combined standard errors."
+    )
+    if apart:
+        worst = sorted(apart, key=_apart, reverse=True)
+        text += " Furthest apart: " + listed(
+            f"{row.name} ({row.max_difference_sigma:.1f} σ)" for row in worst[:8]
+        )
+        text += "."
+    return Words(text, warns=bool(apart))
+
+
+def _apart(row: Row) -> float:
+    return row.max_difference_sigma or 0.0
+
+
+def _sources(store: Store, compared: Comparison) -> Table:
+    rows = []
+    for source in compared.sources:
+        what, where, speed, fuel = "prediction", "–", "–", "–"
+        if source.kind != "prediction" and source.run_id is not None:
+            run = store.runs.get(source.run_id)
+            maneuver = store.maneuvers.get(run.maneuver_id)
+            what, where = METHOD_NAMES[run.method], maneuver.label
+            speed = f"{maneuver.condition.airspeed_m_s:.2f}"
+            fuel = f"{maneuver.condition.fuel_fraction:.2f}"
+        rows.append((source.label, what, where, speed, fuel))
+    return Table(
+        ("source", "kind", "maneuver", "airspeed [m/s]", "fuel fraction"),
+        tuple(rows),
+        "Sources",
+        numbers_from=3,
+    )
+
+
+def _coefficient(compared: Comparison, name: str) -> tuple[Part, ...]:
+    part = of_coefficient(compared, name)
+    rows = []
+    for row in part.rows:
+        cells = [
+            "–" if value is None else " ± ".join(estimate(value.value, value.std_error)[:2])
+            for value in row.values
+        ]
+        cells = [cell.removesuffix(" ± –") for cell in cells]
+        rows.append((row.name, *cells, number(row.max_difference_sigma, 2)))
+    return (
+        drawn(f"Derivatives of {name} with ±2 standard errors", lambda: figures.derivatives(part)),
+        Table(
+            ("derivative", *(source.label for source in part.sources), "apart [σ]"),
+            tuple(rows),
+            "Value ± standard error; apart: largest difference in combined standard errors",
+        ),
+    )

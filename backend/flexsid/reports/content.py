@@ -1,0 +1,107 @@
+"""What a report is made of, before it has a form."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+from flexsid.errors import FlexsidError
+from flexsid.figures.spec import Spec
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """A paragraph; one that warns stands out."""
+
+    text: str
+    warns: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """Names with their values."""
+
+    pairs: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Rows of text below a head; columns from ``numbers_from`` on stand at the right."""
+
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    caption: str = ""
+    numbers_from: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """A figure with what it shows."""
+
+    spec: Spec
+    caption: str
+
+
+Part = Words | Facts | Table | Drawing
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Parts under a heading."""
+
+    title: str
+    parts: tuple[Part, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """A report; ``provenance`` says what it rests on."""
+
+    title: str
+    subtitle: str
+    name: str  # of its file, without ending
+    sections: tuple[Section, ...]
+    provenance: tuple[tuple[str, str], ...]
+
+
+def drawn(caption: str, draw: Callable[[], Spec]) -> Part:
+    """Draw a figure; one that cannot be drawn says why, and the report goes on."""
+    try:
+        return Drawing(draw(), caption)
+    except FlexsidError as error:
+        return Words(f"{caption}: not drawn, for {error.message}.")
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """Write a number with so many significant digits; a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    if value == 0:
+        return "0"
+    exponent = math.floor(math.log10(abs(value)))
+    if -4 <= exponent < 6:
+        return f"{value:.{max(0, digits - 1 - exponent)}f}".replace("-", "−")
+    return f"{value:.{digits - 1}e}".replace("-", "−")
+
+
+def estimate(value: float, std_error: float | None) -> tuple[str, str]:
+    """Write an estimate to the second digit of its standard error."""
+    if std_error is None or not std_error > 0:
+        return number(value), "–"
+    places = 1 - math.floor(math.log10(std_error))
+    if not 0 <= places <= 9:
+        return number(value), number(std_error, 2)
+    return f"{value:.{places}f}".replace("-", "−"), f"{std_error:.{places}f}"
+
+
+def moment(at: datetime | None) -> str:
+    """Write a time of day in UTC."""
+    return "–" if at is None else f"{at:%Y-%m-%d %H:%M} UTC"
+
+
+def listed(values: Any, none: str = "–") -> str:
+    """Write values with commas."""
+    return ", ".join(map(str, values)) or none

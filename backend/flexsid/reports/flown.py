@@ -1,0 +1,38 @@
+"""What was flown, as every report says it."""
+
+from __future__ import annotations
+
+import math
+
+from flexsid.records.maneuver import Maneuver
+from flexsid.reports.content import number
+from flexsid.storage.store import Store
+
+
+def condition_facts(maneuver: Maneuver) -> tuple[tuple[str, str], ...]:
+    """Flight condition of a maneuver with units."""
+    c = maneuver.condition
+    ratio = maneuver.airspeed_ratio
+    return (
+        ("Airspeed", f"{c.airspeed_m_s:.2f} m/s{'' if ratio is None else f', {ratio:.3f} V/V_f'}"),
+        ("Dynamic pressure", f"{c.dynamic_pressure_pa:.1f} Pa"),
+        ("Density", f"{c.density_kg_m3:.4f} kg/m³"),
+        ("Fuel fraction", f"{c.fuel_fraction:.2f}"),
+        ("Mass, pitch inertia", f"{number(c.mass_kg)} kg, {number(c.pitch_inertia_kg_m2)} kg·m²"),
+        ("Angle of attack", f"{math.degrees(c.alpha_rad):.2f}°"),
+        ("Duration", f"{maneuver.duration_s:g} s"),
+        ("Flight test aid", "–" if maneuver.fta is None else f"FTA {maneuver.fta}"),
+    )
+
+
+def source_facts(store: Store, maneuver: Maneuver) -> tuple[tuple[str, str], ...]:
+    """Files that a maneuver came from, with their hashes."""
+    found = {maneuver.source_file: maneuver.source_hash}
+    for channel in store.channels.find(maneuver_id=maneuver.id):
+        found.setdefault(channel.source_file, channel.source_hash)
+    files = tuple(
+        (f"File of maneuver {maneuver.id}", file if digest is None else f"{file}, SHA-256 {digest}")
+        for file, digest in found.items()
+        if file is not None
+    )
+    return files or ((f"Maneuver {maneuver.id}", "made here, from no file"),)

@@ -1,0 +1,53 @@
+"use strict";
+// Draws every figure of the report; one that fails says so and leaves the others alone.
+const AXIS = {
+  gridcolor: "#e9ecef", zerolinecolor: "#adb5bd", linecolor: "#adb5bd", tickcolor: "#adb5bd",
+  tickfont: { color: "#495057" }, title: { font: { color: "#495057", size: 12 }, standoff: 8 },
+  automargin: true, zeroline: false,
+};
+const LAYOUT = {
+  width: 680, // of the text, on paper and on a screen
+  paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
+  font: { family: "system-ui, sans-serif", size: 12, color: "#212529" },
+  margin: { l: 56, r: 16, t: 28, b: 44 },
+  legend: { orientation: "h", x: 0, y: 1, yanchor: "bottom" },
+  hovermode: "closest", xaxis: {}, yaxis: {},
+};
+const isObject = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
+
+function under(defaults, own) {
+  if (!isObject(own)) return defaults;
+  const merged = { ...defaults };
+  for (const [key, value] of Object.entries(own)) {
+    merged[key] = isObject(merged[key]) && isObject(value) ? under(merged[key], value) : value;
+  }
+  return merged;
+}
+
+function height(layout) {
+  const rows = Math.max(1, layout.meta?.rows ?? 1);
+  return rows <= 2 ? 180 + 200 * rows : 90 + rows * (rows <= 4 ? 200 : 150);
+}
+
+async function draw(target, spec) {
+  const layout = under(LAYOUT, spec.layout);
+  for (const key of Object.keys(layout)) {
+    if (/^[xy]axis\d*$/.test(key)) layout[key] = under(AXIS, layout[key]);
+  }
+  layout.height ??= height(spec.layout);
+  await Plotly.newPlot(target, spec.data, layout, { displaylogo: false, responsive: false });
+}
+
+async function drawAll() {
+  for (const script of document.querySelectorAll("figure > script")) {
+    const target = script.previousElementSibling;
+    try {
+      await draw(target, JSON.parse(script.textContent));
+    } catch (error) {
+      target.textContent = `This figure could not be drawn: ${error}`;
+    }
+  }
+  document.documentElement.dataset.drawn = "true";
+}
+
+void drawAll();

@@ -1,0 +1,63 @@
+"""A report on paper: PDF through the Chromium of this computer, where there is one."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from threading import Lock
+
+from flexsid.errors import Conflict, FlexsidError
+
+_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+_TIMEOUT_S = 120
+_one_at_a_time = Lock()  # a browser takes some hundred MB
+
+
+def to_pdf(html: str) -> bytes:
+    """Print a page as it prints from a browser, figures drawn.
+
+    Raises
+    ------
+    Conflict
+        If no Chromium is installed.
+    FlexsidError
+        If it does not print.
+    """
+    browser = next(filter(None, map(shutil.which, _BROWSERS)), None)
+    if browser is None:
+        raise Conflict(
+            "there is no Chromium here to make a PDF with; open the HTML report in a browser and"
+            " print it, or install chromium",
+            code="no-browser",
+        )
+    with TemporaryDirectory(prefix="flexsid-report-") as name, _one_at_a_time:
+        folder = Path(name)
+        page, out = folder / "report.html", folder / "report.pdf"
+        page.write_text(html, encoding="utf-8")
+        command = [
+            browser,
+            "--headless",
+            "--disable-gpu",
+            "--no-first-run",
+            "--disable-extensions",
+            "--no-pdf-header-footer",
+            f"--user-data-dir={folder / 'profile'}",
+            # The figures are drawn before this much of the page's own time has passed.
+            "--virtual-time-budget=20000",
+            f"--print-to-pdf={out}",
+            page.as_uri(),
+        ]
+        if hasattr(os, "geteuid") and os.geteuid() == 0:
+            command.insert(1, "--no-sandbox")  # which root cannot have; the page is our own
+        try:
+            subprocess.run(command, capture_output=True, timeout=_TIMEOUT_S, check=False)
+        except subprocess.TimeoutExpired as error:
+            raise FlexsidError(
+                f"{browser} did not print in {_TIMEOUT_S} s; print the HTML report by hand"
+            ) from error
+        if not out.is_file():
+            raise FlexsidError(f"{browser} did not print; print the HTML report by hand")
+        return out.read_bytes()

@@ -1,0 +1,56 @@
+"""Reports over HTTP, and on the command line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from fastapi.testclient import TestClient
+
+from flexsid.api.app import create_app
+from flexsid.cli.main import main
+from flexsid.settings import Settings
+
+
+def test_reports_open_in_a_browser_and_touch_nothing(client: TestClient) -> None:
+    for path in ("run/1", "comparison?run_ids=1&prediction_ids=1", "campaign?fta=506"):
+        answer = client.get(f"/api/v1/reports/{path}")
+        if "campaign" in path and answer.status_code == 409:
+            answer = client.get("/api/v1/reports/campaign")
+        assert answer.status_code == 200, answer.text
+        assert answer.headers["content-type"] == "text/html; charset=utf-8"
+        assert answer.headers["content-security-policy"].startswith("sandbox")
+        assert 'filename="flexsid-' in answer.headers["content-disposition"]
+        assert answer.text.startswith("<!doctype html>")
+    assert client.get("/api/v1/reports/run/99").status_code == 404
+
+
+def test_a_template_of_ones_own_is_used(flown_url: str, tmp_path: Path) -> None:
+    own = tmp_path / "own.html"
+    own.write_text("<title>$title</title>$style ACME $body$script")
+    settings = Settings(database=flown_url, report_template=str(own))
+    with TestClient(create_app(settings), base_url="http://127.0.0.1:8000") as started:
+        assert " ACME " in started.get("/api/v1/reports/run/1").text
+
+
+def test_reports_are_written_from_the_command_line(flown_url: str, tmp_path: Path, capsys) -> None:
+    to = ["--database", flown_url]
+    template = str(tmp_path / "own.html")
+    assert main(["report", "template", "--output", template, *to]) == 0
+    Path(template).write_text(Path(template).read_text().replace(">flexsid<", ">ACME<"))
+    for kind in (["run", "1"], ["comparison", "1", "--predictions", "1"], ["campaign"]):
+        out = tmp_path / f"{kind[0]}.html"
+        assert main(["report", *kind, "--template", template, "--output", str(out), *to]) == 0
+        assert ">ACME<" in out.read_text()
+    capsys.readouterr()
+    assert main(["report", "run", "1", "--output", "a.doc", *to]) == 2
+    assert "expected .html or .pdf" in capsys.readouterr().err
+    assert main(["report", "run", "--output", str(tmp_path / "a.html"), *to]) == 2
+    assert "one run" in capsys.readouterr().err
+
+
+@pytest.fixture(autouse=True)
+def own_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+        monkeypatch.setenv(name, "1")
+    monkeypatch.delenv("FLEXSID_REPORT_TEMPLATE", raising=False)

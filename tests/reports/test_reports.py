@@ -1,0 +1,175 @@
+"""Reports say what was found and need nothing but themselves."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+
+from flexsid.errors import BadInput, Conflict
+from flexsid.reports import (
+    Report,
+    built_in_template,
+    campaign_report,
+    comparison_report,
+    read_template,
+    run_report,
+    to_html,
+    to_pdf,
+)
+from flexsid.reports.content import Drawing, Section, Table, Words, drawn, estimate, number
+from flexsid.storage.store import Store
+
+NOW = datetime(2026, 3, 1, 12, 30, tzinfo=UTC)
+SMALL = Report(
+    title="A <b>bold</b> title",
+    subtitle="flight 1",
+    name="small",
+    sections=(
+        Section(
+            "One section",
+            (
+                Words("5 < 6 & $7", warns=True),
+                Table(("name", "value"), (("a", "1"),), "a table"),
+                Drawing({"data": [{"name": "</script><b>"}], "layout": {}}, "a figure"),
+            ),
+        ),
+    ),
+    provenance=(("File", "a.mat"),),
+)
+
+
+@pytest.fixture
+def flown(flown_url: str):
+    store = Store.open(flown_url)
+    yield store
+    store.close()
+
+
+def figures(html: str) -> list[dict]:
+    return [
+        json.loads(text)
+        for text in re.findall(r'<script type="application/json">(.*?)</script>', html)
+    ]
+
+
+def test_a_page_is_whole_and_safe() -> None:
+    html = to_html(SMALL, NOW)
+    assert "A &lt;b&gt;bold&lt;/b&gt; title" in html
+    assert '<p class="warning">5 &lt; 6 &amp; $7</p>' in html
+    assert '<th class="number">value</th>' in html
+    assert figures(html)[0]["data"][0]["name"] == "</script><b>"
+    assert "2026-03-01 12:30 UTC" in html
+    assert '<a href="#one-section">' in html
+    assert "<dt>File</dt><dd>a.mat</dd>" in html
+    # Nothing is fetched: no address in any attribute that loads.
+    outside = re.sub(r"<script>.*?</script>", "", html, flags=re.DOTALL)
+    assert not re.search(r"""(src|href)=["']?(https?:)?//""", outside)
+
+
+def test_a_run_is_reported_with_all_its_figures(flown: Store) -> None:
+    report = run_report(flown, 1)
+    parts = {section.title: section.parts for section in report.sections}
+    assert list(parts) == [
+        *("Summary", "Flight condition", "Derivatives", "Fit", "Uncertainty", "Poles"),
+    ]
+    assert not [part for part in parts["Fit"] if isinstance(part, Words)]
+    table = next(part for part in parts["Derivatives"] if isinstance(part, Table))
+    parameters = flown.runs.get(1).result
+    assert parameters is not None
+    assert [row[1] for row in table.rows] == [each.name for each in parameters.parameters]
+    provenance = dict(report.provenance)
+    assert "flexsid" in provenance["Versions"]
+    assert provenance["Covariance"] == parameters.covariance
+    html = to_html(report, NOW)
+    assert len(figures(html)) >= 8
+    assert html.count("<h2>") == 7
+
+
+def test_a_comparison_is_reported_coefficient_by_coefficient(flown: Store) -> None:
+    report = comparison_report(flown, [1], [1])
+    titles = [section.title for section in report.sections]
+    assert titles == ["Summary", "CZ", "Cm", "CQ7", "CQ9"]
+    (figure, table) = report.sections[2].parts
+    assert isinstance(figure, Drawing)
+    assert isinstance(table, Table)
+    assert table.rows[0][0] == "Cm_alpha"
+    assert " ± " in table.rows[0][1]
+    with pytest.raises(BadInput, match="at least one run"):
+        comparison_report(flown, [], [1])
+
+
+def test_a_campaign_is_reported_as_narrowed(flown: Store) -> None:
+    report = campaign_report(flown)
+    assert report.subtitle == "1 flight, 1 maneuver, 1 run"
+    (table,) = report.sections[1].parts
+    assert isinstance(table, Table)
+    assert table.rows[0][0] == "flown"
+    assert "EE succeeded" in table.rows[0][-1]
+    with pytest.raises(Conflict, match="no maneuver"):
+        campaign_report(flown, search="nothing is called so")
+
+
+def test_a_run_without_result_is_not_reported(add_run, store: Store) -> None:
+    with pytest.raises(Conflict, match="queued"):
+        run_report(store, add_run().id)
+
+
+def test_a_figure_that_fails_leaves_the_report_alone() -> None:
+    def fails() -> dict:
+        raise BadInput("there are no lines")
+
+    assert drawn("Fit", fails) == Words("Fit: not drawn, for there are no lines.")
+
+
+@pytest.mark.parametrize(
+    ("value", "std_error", "written"),
+    [
+        (-4.99947, 0.0721, ("−4.999", "0.072")),
+        (0.00071, 0.0015, ("0.0007", "0.0015")),
+        (205.4, 31.0, ("205", "31")),
+        (1.25, None, ("1.250", "–")),
+        (1e12, 1e10, ("1.000e+12", "1.0e+10")),
+    ],
+)
+def test_estimates_are_written_to_their_error(value, std_error, written) -> None:
+    assert estimate(value, std_error) == written
+
+
+def test_numbers_are_written_as_people_read_them() -> None:
+    assert [number(x) for x in (None, float("nan"), 0.0, -0.012345, 123456.7)] == [
+        *("–", "–", "0", "−0.01235", "123457"),
+    ]
+
+
+def test_an_organisation_brings_its_own_template(tmp_path: Path) -> None:
+    own = tmp_path / "own.html"
+    own.write_text("<title>$title</title>$style<p>ACME, $$5</p>$body$script")
+    html = to_html(SMALL, NOW, read_template(own))
+    assert "<p>ACME, $5</p>" in html
+    assert "One section" in html
+    own.write_text(built_in_template())
+    assert to_html(SMALL, NOW, read_template(own)) == to_html(SMALL, NOW)
+    for text in (
+        "$title only",
+        "$title $style $body $script $logo",
+        "$title $style $body $script $",
+    ):
+        own.write_text(text)
+        with pytest.raises(BadInput, match=r"must hold \$body"):
+            read_template(own)
+    with pytest.raises(BadInput, match="cannot be read"):
+        read_template(tmp_path / "none.html")
+
+
+def test_a_report_is_printed_where_there_is_a_browser(monkeypatch) -> None:
+    if shutil.which("chromium") is None:
+        pytest.skip("there is no Chromium here")
+    assert to_pdf(to_html(SMALL, NOW)).startswith(b"%PDF")
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(Conflict, match="open the HTML report"):
+        to_pdf("<p>")
