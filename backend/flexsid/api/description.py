@@ -80,6 +80,7 @@ _BODIES: dict[str, Any] = {
     },
     "take_conditioning": {"items": [{"channel": "q", "kind": "delay", "delay_s": 0.004}]},
     "assess_maneuvers": {"maneuver_ids": [1]},
+    "rescale_design": {"name": "FTA 500, less body flap", "gains": {"bfs": 0.8}},
     "add_mapping": {"name": "recorder A", "text": _MAPPING},
     "check_upload": {"mapping": _MAPPING},
     "preview_upload": {"mapping": _MAPPING, "channels": ["bfs"]},

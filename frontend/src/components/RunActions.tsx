@@ -6,6 +6,7 @@ import { csv, saveText } from "../lib/csv";
 import { latestPerMethod } from "../lib/runs";
 import { ButtonLink } from "./ButtonLink";
 import { CompareLink } from "./CompareLink";
+import { ReportMenu } from "./ReportMenu";
 
 /** What can be done with a run: compare, repeat, take away. */
 export function RunActions({ run }: { run: Run }) {
@@ -23,6 +24,7 @@ export function RunActions({ run }: { run: Run }) {
       >
         Run again with changes
       </ButtonLink>
+      {done && <ReportMenu of={`run/${run.id}`} />}
       {done && (
         <Menu position="bottom-end">
           <Menu.Target>
@@ -35,6 +37,13 @@ export function RunActions({ run }: { run: Run }) {
               download={`flexsid-run-${run.id}.json`}
             >
               Everything as JSON
+            </Menu.Item>
+            <Menu.Item
+              component="a"
+              href={`/api/v1/runs/${run.id}/model?format=mat`}
+              download={`flexsid-model-${run.id}.mat`}
+            >
+              Model for MATLAB
             </Menu.Item>
             <Menu.Item
               onClick={() => {

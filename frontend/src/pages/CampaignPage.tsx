@@ -12,6 +12,7 @@ import { Loaded } from "../components/Loaded";
 import { apiFilters, ManeuverFilters } from "../components/ManeuverFilters";
 import { ManeuverList } from "../components/ManeuverList";
 import { PageHead } from "../components/PageHead";
+import { ReportMenu } from "../components/ReportMenu";
 import { SavedViews } from "../components/SavedViews";
 import { count } from "../lib/format";
 import type { CampaignView } from "../views";
@@ -55,6 +56,7 @@ export function CampaignPage() {
               </BulkActions>
             )}
             <SavedViews page="campaign" />
+            {shown.length > 0 && <ReportMenu of="campaign" query={{ ...filters }} />}
             <ButtonLink variant="default" to="/import" data-testid="import">
               Import
             </ButtonLink>

@@ -8,6 +8,7 @@ import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
+import { ReportMenu } from "../components/ReportMenu";
 import { SourcePicker } from "../components/SourcePicker";
 import { csv, saveText } from "../lib/csv";
 import { coefficientsIn, parseDerivative } from "../lib/derivatives";
@@ -36,7 +37,14 @@ export function ComparePage() {
             Campaign
           </Link>,
         ]}
-        actions={shown && <ExportButton comparison={shown} />}
+        actions={
+          shown && (
+            <>
+              <ReportMenu of="comparison" query={{ run_ids: runs, prediction_ids: predictions }} />
+              <ExportButton comparison={shown} />
+            </>
+          )
+        }
       />
       <div className="split split-early">
         <SourcePicker
