@@ -1123,6 +1123,66 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/reports/run/{run_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Report Run
+         * @description Report a run: structure, derivatives, fit, uncertainty, poles and provenance.
+         */
+        get: operations["report_run"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/reports/comparison": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Report Comparison
+         * @description Report how runs and predictions agree, derivative by derivative.
+         */
+        get: operations["report_comparison"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/reports/campaign": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Report Campaign
+         * @description Report the maneuvers that a list is narrowed to, and the ground tests around them.
+         */
+        get: operations["report_campaign"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/designs": {
         parameters: {
             query?: never;
@@ -8102,6 +8162,159 @@ export interface operations {
             };
         };
     };
+    report_run: {
+        parameters: {
+            query?: {
+                /** @description `pdf` where the server has Chromium. */
+                format?: "html" | "pdf";
+            };
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                run_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html": string;
+                    "application/pdf": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    report_comparison: {
+        parameters: {
+            query: {
+                /**
+                 * @description Ids of runs, separated by commas.
+                 * @example 1
+                 */
+                run_ids: string;
+                /**
+                 * @description Ids of predictions, separated by commas.
+                 * @example 1
+                 */
+                prediction_ids?: string | null;
+                /** @description `pdf` where the server has Chromium. */
+                format?: "html" | "pdf";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html": string;
+                    "application/pdf": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    report_campaign: {
+        parameters: {
+            query?: {
+                /** @description `pdf` where the server has Chromium. */
+                format?: "html" | "pdf";
+                /** @example 1 */
+                aircraft_id?: number | null;
+                /** @example 1 */
+                flight_id?: number | null;
+                /**
+                 * @description Number of the flight-test aid.
+                 * @example 506
+                 */
+                fta?: number | null;
+                /**
+                 * @description Least V/V_f.
+                 * @example 0.5
+                 */
+                min_airspeed_ratio?: number | null;
+                /**
+                 * @description Largest V/V_f.
+                 * @example 1.1
+                 */
+                max_airspeed_ratio?: number | null;
+                /** @example 0 */
+                min_fuel?: number | null;
+                /** @example 1 */
+                max_fuel?: number | null;
+                /**
+                 * @description Part of label, note, file or aircraft.
+                 * @example FLEX
+                 */
+                search?: string | null;
+                /** @description Only maneuvers with a run of this method. */
+                method?: components["schemas"]["Method"] | null;
+                /** @description State of the newest run, of `method` or of any. */
+                state?: components["schemas"]["RunState"] | null;
+                /** @description Mini-GVT records on the runway instead of flown maneuvers. */
+                ground?: boolean;
+                /** @description Only tagged so. */
+                tag?: string | null;
+                /** @description What was deleted instead. */
+                deleted?: boolean;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html": string;
+                    "application/pdf": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     list_designs: {
         parameters: {
             query?: never;
@@ -8505,6 +8718,14 @@ export interface operations {
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "name": "FTA 500, less body flap",
+                 *       "gains": {
+                 *         "bfs": 0.8
+                 *       }
+                 *     }
+                 */
                 "application/json": components["schemas"]["RescaleRequest"];
             };
         };
