@@ -23,6 +23,7 @@ def test_maneuvers_are_tagged_deleted_and_brought_back(page: Page):
     page.get_by_test_id("bulk-delete").click()
     expect(rows).to_have_count(6)
     expect(page.get_by_test_id("maneuver-count")).to_have_text("6 of 6 maneuvers")
+    expect(page.get_by_test_id("notice")).to_contain_text("2 maneuvers deleted")
     page.get_by_test_id("undo").click()
     expect(rows).to_have_count(8)
     page.get_by_test_id("filter-tag").click()

@@ -52,12 +52,12 @@ export function useChangeMany(what: ManyOf) {
       what === "runs"
         ? body(api.POST("/api/v1/runs/changes", { body: wanted }))
         : body(api.POST("/api/v1/maneuvers/changes", { body: wanted })),
-    onSettled: () =>
-      Promise.all(
-        [...RUN_VIEWS, ["maneuver"], ["ground-tests"], ["figure", "envelope"]].map((queryKey) =>
-          cache.invalidateQueries({ queryKey }),
-        ),
-      ),
+    onSettled: () => {
+      // Not waited for: what can be undone is told at once, lists follow.
+      for (const key of [...RUN_VIEWS, ["maneuver"], ["ground-tests"], ["figure", "envelope"]]) {
+        void cache.invalidateQueries({ queryKey: key });
+      }
+    },
   });
 }
 
