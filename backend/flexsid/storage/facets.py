@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,32 +31,72 @@ class Facets:
     choices: dict[str, list[Choice]]
 
 
-def count_rows(
-    connection: Connection, source: sa.FromClause, conditions: Sequence[sa.ColumnElement[bool]]
-) -> int:
-    """Count the lines of a list."""
-    query = sa.select(sa.func.count()).select_from(source).where(*conditions)
-    return connection.scalar(query) or 0
+@dataclass(frozen=True, slots=True)
+class Facet:
+    """A filter: the column that it narrows, what is shown of it, and what is chosen."""
+
+    value: sa.ColumnElement[Any]
+    label: sa.ColumnElement[Any]
+    chosen: Any = None
 
 
-def count_choices(
+def count_facets(
     connection: Connection,
     source: sa.FromClause,
     conditions: Sequence[sa.ColumnElement[bool]],
-    value: sa.ColumnElement[Any],
-    label: sa.ColumnElement[Any] | None = None,
-) -> list[Choice]:
-    """Count the lines of a list by the value of a column; lines without one are left out."""
-    shown = value if label is None else label
+    facets: Mapping[str, Facet],
+) -> Facets:
+    """Count a list by all its facets at once.
+
+    Parameters
+    ----------
+    connection
+        A transaction to read in.
+    source
+        The joined tables of the list.
+    conditions
+        Filters of the list other than the facets.
+    facets
+        By name of the filter. The choices of each are counted as if nothing were
+        chosen in it, and everything in the others.
+
+    Notes
+    -----
+    The list is gone through once: lines are counted by all facets together, and
+    the few hundred combinations that occur are added up here.
+    """
     query = (
-        sa.select(value, sa.func.min(shown), sa.func.count())
+        sa.select(
+            *(facet.value for facet in facets.values()),
+            *(sa.func.min(facet.label) for facet in facets.values()),
+            sa.func.count(),
+        )
         .select_from(source)
-        .where(*conditions, value.is_not(None))
-        .group_by(value)
-        .order_by(sa.func.min(shown))
-        .limit(MOST_CHOICES)
+        .where(*conditions)
+        .group_by(*(facet.value for facet in facets.values()))
     )
+    counts: dict[str, Counter[Any]] = {name: Counter() for name in facets}
+    labels: dict[str, dict[Any, Any]] = {name: {} for name in facets}
+    total = 0
+    for row in connection.execute(query):
+        values, shown, count = row[: len(facets)], row[len(facets) : -1], row[-1]
+        missed = [
+            name
+            for (name, facet), value in zip(facets.items(), values, strict=True)
+            if facet.chosen is not None and facet.chosen != value
+        ]
+        total += 0 if missed else count
+        for name, value, label in zip(facets, values, shown, strict=True):
+            if value is not None and missed in ([], [name]):
+                counts[name][value] += count
+                labels[name][value] = label
+    return Facets(
+        total=total, choices={name: _choices(counts[name], labels[name]) for name in facets}
+    )
+
+
+def _choices(counts: Counter[Any], labels: Mapping[Any, Any]) -> list[Choice]:
+    found = sorted(counts, key=lambda value: labels[value])[:MOST_CHOICES]
     return [
-        Choice(value=str(found), label=str(name), count=count)
-        for found, name, count in connection.execute(query)
+        Choice(value=str(value), label=str(labels[value]), count=counts[value]) for value in found
     ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any, TypedDict, cast
@@ -12,7 +14,7 @@ from sqlalchemy.engine import Connection
 from flexsid.errors import BadInput
 from flexsid.records.maneuver import GROUND
 from flexsid.records.run import Method, RunState
-from flexsid.storage.facets import Choice, Facets, count_choices, count_rows
+from flexsid.storage.facets import Choice, Facet, Facets, count_facets
 from flexsid.storage.paging import Page, read_cursor
 from flexsid.storage.tables import aircraft, flights, maneuver_tags, maneuvers, runs
 from flexsid.storage.tags import has_tag, tags_of
@@ -179,33 +181,46 @@ def select_maneuvers(
 
 def maneuver_facets(connection: Connection, filters: ManeuverFilters) -> Facets:
     """Count the list, and what each choice of a filter would leave of it."""
-
-    def others(name: str) -> list[sa.ColumnElement[bool]]:
-        return _conditions(cast("ManeuverFilters", {**filters, name: None}))
-
-    tagged = _joined.join(maneuver_tags, maneuver_tags.c.maneuver_id == maneuvers.c.id)
-    columns = (
-        ("aircraft_id", maneuvers.c.aircraft_id, aircraft.c.name),
-        ("flight_id", maneuvers.c.flight_id, flights.c.number),
-        ("fta", maneuvers.c.fta, None),
-    )
-    choices = {
-        name: count_choices(connection, _joined, others(name), value, label)
-        for name, value, label in columns
+    facets = {
+        "aircraft_id": Facet(maneuvers.c.aircraft_id, aircraft.c.name, filters.get("aircraft_id")),
+        "flight_id": Facet(maneuvers.c.flight_id, flights.c.number, filters.get("flight_id")),
+        "fta": Facet(maneuvers.c.fta, maneuvers.c.fta, filters.get("fta")),
     }
-    choices["tag"] = count_choices(connection, tagged, others("tag"), maneuver_tags.c.tag)
-    # A maneuver counts for every method and every state of its newest runs.
-    for name, values in (("method", list(Method)), ("state", list(RunState))):
-        choices[name] = [
-            Choice(value=value, label=value, count=count)
-            for value in values
-            if (count := _count(connection, cast("ManeuverFilters", {**filters, name: value})))
-        ]
-    return Facets(total=_count(connection, filters), choices=choices)
+    others = cast("ManeuverFilters", {**filters, **dict.fromkeys(facets)})
+    found = count_facets(connection, _joined, _conditions(others), facets)
+    tagged = _joined.join(maneuver_tags, maneuver_tags.c.maneuver_id == maneuvers.c.id)
+    tag = {"tag": Facet(maneuver_tags.c.tag, maneuver_tags.c.tag)}
+    untagged = cast("ManeuverFilters", {**filters, "tag": None})
+    tags = count_facets(connection, tagged, _conditions(untagged), tag)
+    of_runs = _run_choices(connection, filters)
+    return Facets(total=found.total, choices={**found.choices, **tags.choices, **of_runs})
 
 
-def _count(connection: Connection, filters: ManeuverFilters) -> int:
-    return count_rows(connection, _joined, _conditions(filters))
+def _run_choices(connection: Connection, filters: ManeuverFilters) -> dict[str, list[Choice]]:
+    """Count by newest runs: a maneuver counts for every method and every state of them."""
+    asked = cast("ManeuverFilters", {**filters, "method": None, "state": None})
+    query = (
+        sa.select(*_newest_state.values(), sa.func.count())
+        .select_from(_joined)
+        .where(*_conditions(asked))
+        .group_by(*_newest_state.values())
+    )
+    wanted = (filters.get("method"), filters.get("state"))
+    methods: Counter[Method] = Counter()
+    states: Counter[RunState] = Counter()
+    for *newest, count in connection.execute(query):
+        by_method = dict(zip(Method, newest, strict=True))
+        for method, state in by_method.items():
+            if state is not None and wanted[1] in (None, state):
+                methods[method] += count
+        of_method = newest if wanted[0] is None else [by_method[wanted[0]]]
+        for state in {one for one in of_method if one is not None}:
+            states[RunState(state)] += count
+    return {"method": _counted(Method, methods), "state": _counted(RunState, states)}
+
+
+def _counted(kinds: Iterable[str], counts: Mapping[Any, int]) -> list[Choice]:
+    return [Choice(value=kind, label=kind, count=counts[kind]) for kind in kinds if counts[kind]]
 
 
 def _conditions(filters: ManeuverFilters) -> list[sa.ColumnElement[bool]]:

@@ -11,7 +11,7 @@ from sqlalchemy.engine import Connection
 
 from flexsid.errors import BadInput
 from flexsid.records.run import Method, RunState
-from flexsid.storage.facets import Facets, count_choices, count_rows
+from flexsid.storage.facets import Facet, Facets, count_facets
 from flexsid.storage.paging import Page, read_cursor
 from flexsid.storage.tables import aircraft, flights, maneuvers, run_tags, runs
 from flexsid.storage.tags import has_tag, tags_of
@@ -176,25 +176,21 @@ def select_runs(
 
 def run_facets(connection: Connection, filters: RunFilters) -> Facets:
     """Count the list, and what each choice of a filter would leave of it."""
-
-    def others(name: str) -> list[sa.ColumnElement[bool]]:
-        return _conditions(cast("RunFilters", {**filters, name: None}))
-
-    tagged = _joined.join(run_tags, run_tags.c.run_id == runs.c.id)
-    columns = (
-        ("aircraft_id", maneuvers.c.aircraft_id, aircraft.c.name),
-        ("flight_id", maneuvers.c.flight_id, flights.c.number),
-        ("fta", maneuvers.c.fta, None),
-        ("method", runs.c.method, None),
-        ("state", runs.c.state, None),
-    )
-    choices = {
-        name: count_choices(connection, _joined, others(name), value, label)
-        for name, value, label in columns
+    method, state = filters.get("method"), filters.get("state")
+    facets = {
+        "aircraft_id": Facet(maneuvers.c.aircraft_id, aircraft.c.name, filters.get("aircraft_id")),
+        "flight_id": Facet(maneuvers.c.flight_id, flights.c.number, filters.get("flight_id")),
+        "fta": Facet(maneuvers.c.fta, maneuvers.c.fta, filters.get("fta")),
+        "method": Facet(runs.c.method, runs.c.method, method and method.value),
+        "state": Facet(runs.c.state, runs.c.state, state and state.value),
     }
-    choices["tag"] = count_choices(connection, tagged, others("tag"), run_tags.c.tag)
-    total = count_rows(connection, _joined, _conditions(filters))
-    return Facets(total=total, choices=choices)
+    others = cast("RunFilters", {**filters, **dict.fromkeys(facets)})
+    found = count_facets(connection, _joined, _conditions(others), facets)
+    tagged = _joined.join(run_tags, run_tags.c.run_id == runs.c.id)
+    tag = {"tag": Facet(run_tags.c.tag, run_tags.c.tag)}
+    untagged = cast("RunFilters", {**filters, "tag": None})
+    tags = count_facets(connection, tagged, _conditions(untagged), tag)
+    return Facets(total=found.total, choices={**found.choices, **tags.choices})
 
 
 def _conditions(filters: RunFilters) -> list[sa.ColumnElement[bool]]:
@@ -209,7 +205,8 @@ def _conditions(filters: RunFilters) -> list[sa.ColumnElement[bool]]:
         ("min_fuel", lambda value: maneuvers.c.fuel_fraction >= value),
         ("max_fuel", lambda value: maneuvers.c.fuel_fraction <= value),
         ("method", lambda value: runs.c.method == value.value),
-        ("state", lambda value: runs.c.state == value.value),
+        # The index of states would be taken, and every row be read for what it lacks.
+        ("state", lambda value: sa.func.coalesce(runs.c.state, "") == value.value),
         ("tag", lambda value: has_tag(run_tags, runs.c.id, value)),
         ("search", _mentions),
     )

@@ -97,11 +97,12 @@ def ground_spectra(store: Store, flight_id: int) -> GroundSpectra:
 
 def _pair(store: Store, flight: Flight) -> tuple[Maneuver, Maneuver] | None:
     """First and last record on the ground, if maneuvers lie between them."""
-    records = store.maneuvers.find(flight_id=flight.id, deleted_at=None)
-    on_ground = sorted((m for m in records if m.axis == GROUND), key=lambda m: m.start_s)
-    flown = [m.start_s for m in records if m.axis != GROUND]
-    if len(on_ground) < 2:
+    on_ground = store.maneuvers.find(flight_id=flight.id, axis=GROUND, deleted_at=None)
+    if len(on_ground) < 2:  # most flights have none: their maneuvers need not be read
         return None
+    on_ground.sort(key=lambda m: m.start_s)
+    records = store.maneuvers.find(flight_id=flight.id, deleted_at=None)
+    flown = [m.start_s for m in records if m.axis != GROUND]
     first, last = on_ground[0], on_ground[-1]
     if flown and not first.start_s < min(flown) <= max(flown) < last.start_s:
         return None

@@ -26,8 +26,12 @@ const CONFIG = {
   ],
 };
 
-// Loaded once, with the first figure of the visit.
-const load = () => import("plotly.js-cartesian-dist-min").then((module) => module.default);
+// Loaded once, beside the data of the first figure of the visit rather than after it; a figure
+// that finds it missing, for the connection was lost, asks again.
+const fetchPlotly = () => import("plotly.js-cartesian-dist-min").then((module) => module.default);
+let plotly = fetchPlotly();
+const load = () => (plotly = plotly.catch(fetchPlotly));
+load().catch(() => undefined);
 
 /** Ids that the server put behind a point. */
 function firstId(customdata: unknown): number | null {
