@@ -13,6 +13,7 @@ import {
   campaignView,
   compareView,
   designView,
+  excitationView,
   importView,
   flutterView,
   glossaryView,
@@ -124,6 +125,7 @@ const aircraft = createRoute({
 const excitation = createRoute({
   getParentRoute: () => root,
   path: "/excitation",
+  validateSearch: excitationView,
   component: lazyRouteComponent(() => import("./pages/ExcitationPage"), "ExcitationPage"),
 });
 

@@ -142,6 +142,11 @@ export const flutterView = view((search) => ({
 }));
 export type FlutterView = ReturnType<typeof flutterView>;
 
+export const DESIGN_SOURCES = ["table", "own", "flown"] as const;
+
+export const excitationView = view((search) => ({ from: oneOf(search.from, DESIGN_SOURCES) }));
+export type ExcitationView = ReturnType<typeof excitationView>;
+
 export const DESIGN_TABS = ["excitation", "told", "amplitudes", "classic"] as const;
 
 export const designView = view((search) => ({

@@ -80,6 +80,27 @@ def test_what_cannot_be_is_refused(
     assert words in answer.json()["detail"]
 
 
+def test_bands_targets_and_power_are_wishes_too(empty: TestClient):
+    own = {
+        "fta": None,
+        "bands": [
+            {"name": "bfs", "low_hz": 0.3, "high_hz": 8.0, "count": 30, "targets_hz": [3.0]},
+            {
+                "name": "wf4a", "low_hz": 0.3, "high_hz": 12.0, "count": 30,
+                "relative_peak": 0.5, "spectrum": [[0.3, 1.0], [12.0, 0.01]],
+            },
+        ],
+    }  # fmt: skip
+    made = empty.post(URL, json=FTA_503 | own)
+    assert made.status_code == 201, made.text
+    bfs, wf4a = made.json()["wish"]["inputs"]
+    assert len(bfs["harmonics"]) == len(wf4a["harmonics"]) == 30
+    assert not set(bfs["harmonics"]) & set(wf4a["harmonics"])
+    assert wf4a["power"][0] > 20.0 * wf4a["power"][-1]
+    both = empty.post(URL, json=FTA_503 | own | {"fta": 503})
+    assert both.status_code == 422
+
+
 def output_error_run(client: TestClient) -> int:
     order = {"maneuver_id": 1, "method": "OE", "structure": {"modes": [7]}}
     job = client.post("/api/v1/runs", json=order).headers["location"]

@@ -44,6 +44,7 @@ from flexsid.api.routes import (
     structure_files,
     uploads,
 )
+from flexsid.api.routes import tasks as task_routes
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.steps import Steps, estimation_steps
 from flexsid.reports import read_template
@@ -53,6 +54,7 @@ from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.workflow.assessing import Assessments
 from flexsid.workflow.ingest import BringAlong
+from flexsid.workflow.tasks import Tasks
 from flexsid.workflow.uploads import Uploads
 
 # The database and numpy hold the interpreter anyway; many threads only make them
@@ -91,6 +93,7 @@ def create_app(
         received = Uploads(store, _upload_folder(settings.database), bring_along)
         received.start()
         assessments = Assessments(store, settings.database)
+        tasks = Tasks()
         app.state.context = Context(
             store=store,
             dispatcher=dispatcher,
@@ -99,12 +102,14 @@ def create_app(
             uploads=received,
             assessments=assessments,
             report_template=template,
+            tasks=tasks,
         )
         try:
             yield
         finally:
             assessments.stop()
             received.stop()
+            tasks.stop()
             dispatcher.stop()
             store.close()
 
@@ -140,6 +145,7 @@ def create_app(
         reports,
         designs,
         flutter,
+        task_routes,
         figures,
         nomenclature,
     ):

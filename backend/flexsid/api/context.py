@@ -11,6 +11,7 @@ from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.storage.store import Store
 from flexsid.workflow.assessing import Assessments
 from flexsid.workflow.ingest import BringAlong
+from flexsid.workflow.tasks import Tasks
 from flexsid.workflow.uploads import Uploads
 
 
@@ -25,6 +26,7 @@ class Context:
     uploads: Uploads
     assessments: Assessments
     report_template: str | None
+    tasks: Tasks
 
 
 # Asynchronous, so that no thread is spent on handing over a reference.

@@ -12,10 +12,13 @@ import orjson
 from flexsid.cli.opening import opened
 from flexsid.cli.runs import numbers
 from flexsid.errors import BadInput
+from flexsid.importers import confined
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.settings import Settings
 from flexsid.sysid.excitation import designer
 from flexsid.workflow.excitation import MEDIA, export_design, wish_for
+from flexsid.workflow.flown import flown_inputs
+from flexsid.workflow.flown import keep_flown as keep_flown_inputs
 from flexsid.workflow.flutter import Question, flutter
 
 _LEVELS = (0.5, 1.0, 2.0)  # of the medium amplitude
@@ -51,6 +54,25 @@ def design(chosen: argparse.Namespace) -> int:
     output.write_bytes(export_design(kept, form, 1))
     for name, factor in kept.peak_factors.items():
         print(f"{name:<10} relative peak factor {factor:.4f}")
+    return 0
+
+
+def keep_flown(settings: Settings, chosen: argparse.Namespace) -> int:
+    """Recognise multisines that were flown, keep them, and print what they are."""
+    paths = [Path(name) for name in chosen.files]
+    inputs = flown_inputs(confined.read_all(paths), chosen.unit)
+    with opened(settings) as store:
+        kept = keep_flown_inputs(
+            store, inputs, chosen.name or paths[0].stem, chosen.rate, apart=chosen.apart
+        )
+    for one in kept:
+        print(f"design {one.id}: {one.name}, {one.wish.duration_s:g} s at {one.wish.rate_hz:g} Hz")
+        for own in one.wish.inputs:
+            hz = np.array(own.harmonics) / one.wish.duration_s
+            print(
+                f"  {own.name:<20} {len(own.harmonics):3d} harmonics, {hz.min():.3g} to"
+                f" {hz.max():.3g} Hz, relative peak factor {one.peak_factors[own.name]:.4f}"
+            )
     return 0
 
 

@@ -137,6 +137,13 @@ def _parser() -> argparse.ArgumentParser:
         "--output", required=True, metavar="FILE", help=".csv, .mat, .h, or .json: the recipe"
     )
 
+    flown = add("flown", _flown, "recognise multisines that were flown and keep them as designs")
+    flown.add_argument("files", nargs="+", metavar="FILE", help="samples of exactly one period")
+    flown.add_argument("--rate", type=float, required=True, metavar="HZ", help="of the samples")
+    flown.add_argument("--unit", choices=("deg", "rad"), default="deg")
+    flown.add_argument("--name", help="of the design; default: the first file's")
+    flown.add_argument("--apart", action="store_true", help="every file is a design of its own")
+
     flutter = add("flutter", _flutter, "say where runs see the aircraft lose stability")
     flutter.add_argument("runs", metavar="RUN,RUN", help="ids of runs that succeeded")
     flutter.add_argument("--fuel", type=float, metavar="SHARE", help="default: the fastest point's")
@@ -150,6 +157,12 @@ def _design(_settings: Settings, chosen: argparse.Namespace) -> int:
     from flexsid.cli.foresight import design
 
     return design(chosen)
+
+
+def _flown(settings: Settings, chosen: argparse.Namespace) -> int:
+    from flexsid.cli.foresight import keep_flown
+
+    return keep_flown(settings, chosen)
 
 
 def _flutter(settings: Settings, chosen: argparse.Namespace) -> int:

@@ -64,7 +64,7 @@ def design_worth(value: ExpectedResponse) -> Spec:
         )
     return {
         "data": data,
-        "layout": _over_modes(value)
+        "layout": _over_modes(value, inside=True)
         | {
             "yaxis": {**title("Worth of a line [parameters]"), "rangemode": "tozero"},
             "showlegend": True,
@@ -91,9 +91,9 @@ def design_signal(value: ExpectedResponse) -> Spec:
         "colorbar": title("signal / noise [dB]"),
         "hovertemplate": "%{y}<br>%{x:.3f} Hz<br>%{z:.1f} dB<extra></extra>",
     }
-    layout = _over_modes(value)
+    layout = _over_modes(value, inside=False)
     for mark in layout["shapes"]:
-        mark["layer"] = "above"
+        mark |= {"layer": "above", "line": {"color": style.MARK, "width": 1, "dash": "dot"}}
     return {
         "data": [trace],
         "layout": layout
@@ -104,11 +104,14 @@ def design_signal(value: ExpectedResponse) -> Spec:
     }
 
 
-def _over_modes(value: ExpectedResponse) -> Spec:
-    """Frequency axis with the identified modes marked, names on their own level."""
+def _over_modes(value: ExpectedResponse, *, inside: bool) -> Spec:
+    """Frequency axis with the identified modes marked, names inside the figure or above it."""
     marks = [vertical_mark(mode.frequency_hz, mode.name) for mode in value.modes]
     for level, (_, annotation) in enumerate(marks):
-        annotation |= {"yanchor": "bottom", "y": 1.0 + 0.045 * (level % 2)}
+        if inside:
+            annotation["y"] = 1.0 - 0.06 * (level % 2)
+        else:
+            annotation["yanchor"] = "bottom"
     return {
         "xaxis": title("Frequency [Hz]"),
         "shapes": [shape for shape, _ in marks],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.views import DesignedExcitation
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation import designer, export
+from flexsid.sysid.excitation.allotment import Band, allot_bands
 from flexsid.sysid.excitation.catalogue import CATALOGUE
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks, check_design
 from flexsid.sysid.excitation.designer import InputWish, Wish
@@ -25,6 +26,16 @@ MEDIA = {
 }
 
 _SCALES = (1.0, 0.95, 0.90, 0.85, 0.80)  # Sec. V.C, from body flap to outermost wing flap
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BandWish:
+    """One input by its band; ``spectrum`` is relative power at frequencies [Hz], flat if empty."""
+
+    name: str
+    band: Band
+    relative_peak: float = 1.0
+    spectrum: tuple[tuple[float, float], ...] = ()
 
 
 def wish_for(
@@ -67,6 +78,51 @@ def wish_for(
     return Wish(
         duration_s=duration_s, rate_hz=rate_hz, inputs=inputs, peaks=peaks, effort=effort, seed=seed
     )
+
+
+def wish_for_bands(
+    bands: tuple[BandWish, ...],
+    duration_s: float,
+    rate_hz: float,
+    peaks: tuple[float, float, float],
+    effort: str = "thorough",
+    seed: int = 0,
+) -> Wish:
+    """Make the wish for inputs with bands of their own.
+
+    Raises
+    ------
+    BadInput
+        If two inputs have one name, or the harmonics do not suffice.
+    """
+    names = [own.name for own in bands]
+    if len(set(names)) < len(names):
+        raise BadInput(f"inputs {', '.join(names)} must all have different names")
+    dealt = allot_bands({own.name: own.band for own in bands}, duration_s)
+    return Wish(
+        duration_s=duration_s,
+        rate_hz=rate_hz,
+        inputs=tuple(
+            InputWish(
+                name=own.name,
+                harmonics=tuple(dealt[own.name].tolist()),
+                relative_peak=own.relative_peak,
+                power=_power(own, dealt[own.name] / duration_s),
+            )
+            for own in bands
+        ),
+        peaks=peaks,
+        effort=effort,
+        seed=seed,
+    )
+
+
+def _power(own: BandWish, hz: np.ndarray) -> tuple[float, ...] | None:
+    """Power of every line, straight between the given ones where both axes are logarithmic."""
+    if not own.spectrum:
+        return None
+    at, power = np.array(sorted(own.spectrum)).T
+    return tuple(np.exp(np.interp(np.log(hz), np.log(at), np.log(power))).tolist())
 
 
 def create_design(

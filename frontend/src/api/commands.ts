@@ -3,6 +3,7 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "./client";
 import type {
   Action,
+  Design,
   DesignRequest,
   ManyOf,
   RunRequest,
@@ -138,10 +139,58 @@ export function useRescaleDesign(id: number) {
   });
 }
 
-export function useCreateDesign() {
+/** Begins a search for phases; the task tells when the design is kept. */
+export function useSearchDesign() {
+  return useMutation({
+    mutationFn: (wanted: DesignRequest) =>
+      body(api.POST("/api/v1/designs/searches", { body: wanted })),
+  });
+}
+
+export function useRedesign(id: number) {
+  return useMutation({
+    mutationFn: (name: string) =>
+      body(
+        api.POST("/api/v1/designs/{design_id}/redesign", {
+          params: { path: { design_id: id } },
+          body: { name, effort: "thorough" },
+        }),
+      ),
+  });
+}
+
+export function useCancelTask() {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: (wanted: DesignRequest) => body(api.POST("/api/v1/designs", { body: wanted })),
+    mutationFn: (id: string) =>
+      body(api.POST("/api/v1/tasks/{task_id}/cancel", { params: { path: { task_id: id } } })),
+    onSettled: () => cache.invalidateQueries({ queryKey: ["task"] }),
+  });
+}
+
+interface FlownFiles {
+  files: File[];
+  name: string;
+  rate: number;
+  unit: string;
+  apart: boolean;
+}
+
+export function useImportFlown() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: async ({ files, name, rate, unit, apart }: FlownFiles) => {
+      const form = new FormData();
+      for (const file of files) form.append("files", file);
+      form.append("name", name);
+      form.append("rate_hz", String(rate));
+      form.append("unit", unit);
+      form.append("apart", String(apart));
+      const kept = (await json("/api/v1/designs/flown", { method: "POST", body: form })) as {
+        items: Design[];
+      };
+      return kept.items;
+    },
     onSuccess: () => cache.invalidateQueries({ queryKey: ["designs"], exact: true }),
   });
 }

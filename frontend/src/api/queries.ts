@@ -7,6 +7,7 @@ import {
   type ManeuverFilters,
   type RunFilters,
   type RunState,
+  type Task,
 } from "./types";
 
 const POLL_MS = 500;
@@ -307,6 +308,16 @@ export const classicInputsQuery = (id: number, level: number, runId: number) =>
         }),
       ),
     staleTime: Infinity,
+  });
+
+export const taskQuery = (task: Task) =>
+  queryOptions({
+    queryKey: ["task", task.id],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/tasks/{task_id}", { params: { path: { task_id: task.id } }, signal })),
+    initialData: task,
+    refetchInterval: (query) =>
+      query.state.data?.state === "waiting" || query.state.data?.state === "running" ? 300 : false,
   });
 
 export interface AllocationLimits {

@@ -44,6 +44,7 @@ export type ExpectedMode = Received<"ExpectedMode">;
 export type ExpectedSummary = Received<"ExpectedSummary">;
 export type ComparedInput = Received<"ComparedInput">;
 export type InputComparison = Received<"InputComparison">;
+export type Task = Received<"Task">;
 export type Allocation = Received<"Allocation">;
 export type AllocatedPeak = Received<"AllocatedPeak">;
 export type AllocatedError = Received<"AllocatedError">;

@@ -1,7 +1,8 @@
-import { Group, SegmentedControl, Select, Stack, Tabs } from "@mantine/core";
+import { Button, Group, SegmentedControl, Select, Stack, Tabs } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
-import { getRouteApi, Link } from "@tanstack/react-router";
+import { getRouteApi, Link, useNavigate } from "@tanstack/react-router";
 import type { ReactNode } from "react";
+import { useRedesign } from "../api/commands";
 import { designQuery, runsQuery } from "../api/queries";
 import type { Design } from "../api/types";
 import { AllocationPart } from "../components/AllocationPart";
@@ -13,7 +14,9 @@ import { ExpectedPart } from "../components/ExpectedPart";
 import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
+import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
+import { TaskProgress } from "../components/TaskProgress";
 import { fixed } from "../lib/format";
 import { DESIGN_TABS, type DesignView } from "../views";
 
@@ -40,6 +43,8 @@ export function DesignPage() {
 function OneDesign({ design }: { design: Design }) {
   const view = route.useSearch();
   const navigate = route.useNavigate();
+  const anywhere = useNavigate();
+  const redesign = useRedesign(design.id);
   const level = view.level ?? 1;
   const change: Change = (part) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }), replace: true });
@@ -67,9 +72,27 @@ function OneDesign({ design }: { design: Design }) {
                 {form}
               </a>
             ))}
+            <Button
+              variant="default"
+              size="xs"
+              loading={redesign.isPending}
+              onClick={() => {
+                redesign.mutate(`${design.name}, phases anew`);
+              }}
+            >
+              Search its phases anew
+            </Button>
           </Group>
         }
       />
+      {redesign.isError && <ProblemAlert error={redesign.error} />}
+      {redesign.data !== undefined && (
+        <TaskProgress
+          key={redesign.data.id}
+          task={redesign.data}
+          onMade={(id) => void anywhere({ to: "/excitation/$id", params: { id } })}
+        />
+      )}
       <Group align="end" gap="xl">
         <Facts
           facts={[

@@ -29,7 +29,7 @@ it("designs a row of Table 1 for its own duration, in radians", async () => {
   vi.stubGlobal("fetch", async (request: Request) => {
     if (request.method === "POST") {
       posted.push(await request.json());
-      return answer({});
+      return answer({ id: "t0123456789abcdef", kind: "design", state: "running", fraction: 0.2 });
     }
     return answer({ items: request.url.endsWith("/catalogue") ? [ROW] : [], next: null });
   });

@@ -1,17 +1,21 @@
-import { Button, Group, NumberInput, Stack } from "@mantine/core";
-import { useQuery } from "@tanstack/react-query";
-import { Link } from "@tanstack/react-router";
+import { Button, Group, NumberInput, Stack, Tabs } from "@mantine/core";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { Link, useNavigate, useSearch } from "@tanstack/react-router";
 import { useState } from "react";
-import { useCreateDesign } from "../api/commands";
+import { useSearchDesign } from "../api/commands";
 import { catalogueQuery, designsQuery } from "../api/queries";
-import type { CatalogueRow, Design } from "../api/types";
+import type { CatalogueRow, Design, DesignRequest } from "../api/types";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
+import { FlownDesignForm } from "../components/FlownDesignForm";
 import { Loaded } from "../components/Loaded";
+import { OwnDesignForm } from "../components/OwnDesignForm";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
+import { TaskProgress } from "../components/TaskProgress";
 import { dateTime, fixed } from "../lib/format";
+import { DESIGN_SOURCES, type ExcitationView } from "../views";
 
 const DEGREE = Math.PI / 180;
 const FORMS = ["csv", "mat", "h", "json"] as const;
@@ -80,29 +84,34 @@ const DESIGN_COLUMNS: Column<Design>[] = [
 
 /** Multisines that were designed, and Table 1 to design from. */
 export function ExcitationPage() {
+  const view: ExcitationView = useSearch({ strict: false });
+  const navigate = useNavigate({ from: "/excitation" });
   const designs = useQuery(designsQuery);
   const catalogue = useQuery(catalogueQuery);
-  const create = useCreateDesign();
+  const search = useSearchDesign();
+  const cache = useQueryClient();
   const [period, setPeriod] = useState(24);
   const [rate, setRate] = useState(100);
   const [first, setFirst] = useState(6);
   const [peak, setPeak] = useState(2);
 
-  const make = (row: CatalogueRow) => {
-    create.mutate({
-      name: `FTA ${row.number}`,
-      fta: row.number,
-      duration_s: period * row.periods,
-      rate_hz: rate,
-      first_harmonic: first,
-      peaks: [LEVELS[0] * peak * DEGREE, LEVELS[1] * peak * DEGREE, LEVELS[2] * peak * DEGREE],
-      inputs: [],
-      effort: "thorough",
-      seed: 0,
-      note: "",
-    });
+  const make = (wanted: DesignRequest) => {
+    search.mutate(wanted);
   };
-  const making = create.isPending ? create.variables.fta : null;
+  const fromRow = (row: CatalogueRow): DesignRequest => ({
+    name: `FTA ${row.number}`,
+    fta: row.number,
+    duration_s: period * row.periods,
+    rate_hz: rate,
+    first_harmonic: first,
+    peaks: [LEVELS[0] * peak * DEGREE, LEVELS[1] * peak * DEGREE, LEVELS[2] * peak * DEGREE],
+    inputs: [],
+    bands: [],
+    effort: "thorough",
+    seed: 0,
+    note: "",
+  });
+  const making = search.isPending ? search.variables.fta : null;
 
   const columns: Column<CatalogueRow>[] = [
     { key: "fta", header: "FTA", render: (row) => `${row.number}–${row.number + 2}` },
@@ -129,10 +138,10 @@ export function ExcitationPage() {
           variant="default"
           size="compact-xs"
           loading={making === row.number}
-          disabled={create.isPending}
+          disabled={search.isPending}
           aria-label={`Design FTA ${row.number}`}
           onClick={() => {
-            make(row);
+            make(fromRow(row));
           }}
         >
           Design
@@ -152,12 +161,19 @@ export function ExcitationPage() {
         ]}
       />
       <Stack gap="md">
-        {create.isError && <ProblemAlert error={create.error} />}
+        {search.isError && <ProblemAlert error={search.error} />}
+        {search.data !== undefined && (
+          <TaskProgress
+            key={search.data.id}
+            task={search.data}
+            onMade={() => void cache.invalidateQueries({ queryKey: ["designs"], exact: true })}
+          />
+        )}
         <Section title="Designs" note="RPF is judged with peaks between samples; one sine has 1">
           <Loaded query={designs}>
             {(rows) =>
               rows.length === 0 ? (
-                <Empty title="No designs yet">Design one from Table 1 below.</Empty>
+                <Empty title="No designs yet">Design one below.</Empty>
               ) : (
                 <DataTable
                   label="Designs"
@@ -170,25 +186,58 @@ export function ExcitationPage() {
             }
           </Loaded>
         </Section>
-        <Section title="Table 1" note="Amplitudes low and high are half and twice the medium one">
-          <Group mb="sm">
-            <Wanted label="T [s]" value={period} onChange={setPeriod} />
-            <Wanted label="Rate [Hz]" value={rate} onChange={setRate} />
-            <Wanted label="First harmonic" value={first} onChange={setFirst} />
-            <Wanted label="Body flap, medium [deg]" value={peak} onChange={setPeak} />
-          </Group>
-          <Loaded query={catalogue} rows={24}>
-            {(rows) => (
-              <DataTable
-                label="Table 1"
-                testId="catalogue-table"
-                columns={columns}
-                rows={rows}
-                rowKey={(row) => row.number}
-              />
-            )}
-          </Loaded>
-        </Section>
+        <Tabs
+          value={view.from ?? "table"}
+          onChange={(next) =>
+            void navigate({ search: { from: DESIGN_SOURCES.find((one) => one === next) } })
+          }
+        >
+          <Tabs.List aria-label="Where a design comes from">
+            <Tabs.Tab value="table">Table 1</Tabs.Tab>
+            <Tabs.Tab value="own">Of your own</Tabs.Tab>
+            <Tabs.Tab value="flown">Already flown</Tabs.Tab>
+          </Tabs.List>
+          <Tabs.Panel value="table" pt="md">
+            <Section
+              title="Table 1"
+              note="Amplitudes low and high are half and twice the medium one"
+            >
+              <Group mb="sm">
+                <Wanted label="T [s]" value={period} onChange={setPeriod} />
+                <Wanted label="Rate [Hz]" value={rate} onChange={setRate} />
+                <Wanted label="First harmonic" value={first} onChange={setFirst} />
+                <Wanted label="Body flap, medium [deg]" value={peak} onChange={setPeak} />
+              </Group>
+              <Loaded query={catalogue} rows={24}>
+                {(rows) => (
+                  <DataTable
+                    label="Table 1"
+                    testId="catalogue-table"
+                    columns={columns}
+                    rows={rows}
+                    rowKey={(row) => row.number}
+                  />
+                )}
+              </Loaded>
+            </Section>
+          </Tabs.Panel>
+          <Tabs.Panel value="own" pt="md">
+            <Section
+              title="A design of your own"
+              note="Lines are disjoint; inputs with one band interleave in the order of the table"
+            >
+              <OwnDesignForm busy={search.isPending} onDesign={make} />
+            </Section>
+          </Tabs.Panel>
+          <Tabs.Panel value="flown" pt="md">
+            <Section
+              title="Multisines that were flown"
+              note="Every column is an input; harmonics, amplitudes and phases are recognised"
+            >
+              <FlownDesignForm />
+            </Section>
+          </Tabs.Panel>
+        </Tabs>
       </Stack>
     </>
   );

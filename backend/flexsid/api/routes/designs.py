@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query, Response, status
+from fastapi import APIRouter, File, Form, Query, Response, UploadFile, status
 from pydantic import ConfigDict, Field
 
-from flexsid.api.context import TheStore
+from flexsid.api.context import TheContext, TheStore
+from flexsid.api.received import receive
 from flexsid.api.requests import Name, Number, Text, Title
 from flexsid.api.wire import Identity, Json
 from flexsid.errors import BadInput
+from flexsid.importers import confined
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.views import ExpectedMode
 from flexsid.storage.repository import LARGEST_ID
+from flexsid.sysid.excitation.allotment import Band
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks
-from flexsid.sysid.excitation.designer import InputWish, Wish
-from flexsid.workflow import allocation, classic, excitation, foresight
+from flexsid.sysid.excitation.designer import InputWish, Wish, check_wish
+from flexsid.workflow import allocation, classic, excitation, flown, foresight
+from flexsid.workflow.tasks import Report, Task
 
 router = APIRouter(prefix="/designs", tags=["designs"])
 
@@ -44,8 +51,26 @@ class InputRequest:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class BandRequest:
+    """One input by its band: ``count`` lines, half of them about ``targets_hz`` if any.
+
+    ``spectrum`` gives relative power at frequencies [Hz], log-log between; flat if left out.
+    """
+
+    name: Name
+    low_hz: Positive
+    high_hz: Positive
+    count: Annotated[int, Field(strict=True, ge=1, le=500)]
+    relative_peak: Positive = 1.0
+    targets_hz: Annotated[tuple[Positive, ...], Field(max_length=20)] = ()
+    spectrum: Annotated[tuple[tuple[Positive, Positive], ...], Field(max_length=50)] = ()
+
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class DesignRequest:
-    """A row of Table 1 by ``fta``, or ``inputs`` of one's own."""
+    """A row of Table 1 by ``fta``, or ``inputs`` by their harmonics, or ``bands``."""
 
     name: Title
     duration_s: Positive
@@ -54,6 +79,7 @@ class DesignRequest:
     fta: Annotated[int, Field(strict=True, ge=1, le=9999)] | None = None
     first_harmonic: Harmonic = 1
     inputs: Annotated[tuple[InputRequest, ...], Field(max_length=40)] = ()
+    bands: Annotated[tuple[BandRequest, ...], Field(max_length=40)] = ()
     effort: Effort = "thorough"
     seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = 0
     note: Text = ""
@@ -62,14 +88,36 @@ class DesignRequest:
 
     def wish(self) -> Wish:
         """Return what the designer is asked."""
-        if (self.fta is None) == (not self.inputs):
-            raise BadInput("give either the number of a row of Table 1 or inputs of your own")
+        if (self.fta is not None) + bool(self.inputs) + bool(self.bands) != 1:
+            raise BadInput("give either the number of a row of Table 1, or inputs, or bands")
         if self.fta is not None:
             return excitation.wish_for(
                 self.fta,
                 self.duration_s,
                 self.rate_hz,
                 self.first_harmonic,
+                self.peaks,
+                self.effort,
+                self.seed,
+            )
+        if self.bands:
+            return excitation.wish_for_bands(
+                tuple(
+                    excitation.BandWish(
+                        name=own.name,
+                        band=Band(
+                            low_hz=own.low_hz,
+                            high_hz=own.high_hz,
+                            count=own.count,
+                            targets_hz=own.targets_hz,
+                        ),
+                        relative_peak=own.relative_peak,
+                        spectrum=own.spectrum,
+                    )
+                    for own in self.bands
+                ),
+                self.duration_s,
+                self.rate_hz,
                 self.peaks,
                 self.effort,
                 self.seed,
@@ -115,6 +163,16 @@ class ExpectedSummary:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RedesignRequest:
+    """The same lines with other phases."""
+
+    name: Title
+    effort: Effort = "thorough"
+
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class DesignList:
     """Designs, oldest first."""
 
@@ -155,12 +213,41 @@ def list_designs(store: TheStore) -> Json:
 @router.post("", response_model=ExcitationDesign, status_code=status.HTTP_201_CREATED)
 def create_design(store: TheStore, wanted: DesignRequest) -> Json:
     """Search the phases of a design and keep it; a few seconds."""
-    wish = wanted.wish()
-    tones = sum(len(own.harmonics) for own in wish.inputs)
-    if tones > _MOST_TONES:
-        raise BadInput(f"{tones} harmonics are more than a design may have here, {_MOST_TONES}")
+    wish = _wish(wanted)
     kept = excitation.create_design(store, wanted.name, wish, wanted.fta, wanted.note)
     return Json(kept, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{kept.id}"})
+
+
+@router.post("/searches", response_model=Task, status_code=status.HTTP_202_ACCEPTED)
+def search_design(context: TheContext, wanted: DesignRequest) -> Json:
+    """Begin to search the phases of a design, as a task that can be followed and cancelled."""
+    wish = _wish(wanted)
+    check_wish(wish)
+
+    def work(report: Report) -> int | None:
+        return excitation.create_design(
+            context.store, wanted.name, wish, wanted.fta, wanted.note, _teller(report)
+        ).id
+
+    begun = context.tasks.begin("design", work)
+    return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
+
+
+@router.post("/flown", response_model=DesignList, status_code=status.HTTP_201_CREATED)
+def import_flown(
+    store: TheStore,
+    files: Annotated[list[UploadFile], File(description="Samples of exactly one period.")],
+    name: Annotated[str, Form(min_length=1, max_length=200)],
+    rate_hz: Annotated[float, Form(gt=0.0, le=1e5, allow_inf_nan=False)],
+    unit: Annotated[Literal["deg", "rad"], Form()] = "deg",
+    apart: Annotated[bool, Form(description="Each file is a design of its own.")] = False,
+) -> Json:
+    """Recognise multisines that were flown and keep them as they were."""
+    with TemporaryDirectory(prefix="flexsid-") as folder:
+        sources = confined.read_all(*receive(Path(folder), files))
+    found = flown.flown_inputs(sources, unit)
+    kept = flown.keep_flown(store, found, name, rate_hz, apart=apart)
+    return Json(DesignList(items=list(kept)), status.HTTP_201_CREATED)
 
 
 @router.get("/catalogue", response_model=CatalogueList)
@@ -275,6 +362,33 @@ def rescale_design(store: TheStore, design_id: Identity, wanted: RescaleRequest)
     design = store.designs.get(design_id)
     kept = allocation.rescale_design(store, design, wanted.name, wanted.gains, wanted.note)
     return Json(kept, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{kept.id}"})
+
+
+def _wish(wanted: DesignRequest) -> Wish:
+    wish = wanted.wish()
+    tones = sum(len(own.harmonics) for own in wish.inputs)
+    if tones > _MOST_TONES:
+        raise BadInput(f"{tones} harmonics are more than a design may have here, {_MOST_TONES}")
+    return wish
+
+
+@router.post("/{design_id}/redesign", response_model=Task, status_code=status.HTTP_202_ACCEPTED)
+def redesign(context: TheContext, design_id: Identity, wanted: RedesignRequest) -> Json:
+    """Begin to search phases anew for the lines of a design, as one that was flown."""
+    design = context.store.designs.get(design_id)
+
+    def work(report: Report) -> int | None:
+        return flown.redesign(context.store, design, wanted.name, wanted.effort, _teller(report)).id
+
+    begun = context.tasks.begin("design", work)
+    return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
+
+
+def _teller(report: Report) -> Callable[[str, float, float], None]:
+    def tell(name: str, best: float, fraction: float) -> None:
+        report(fraction, f"{name} at a relative peak factor of {best:.4f}")
+
+    return tell
 
 
 _FILE = {media: {"schema": {"type": "string"}} for media in excitation.MEDIA.values()}

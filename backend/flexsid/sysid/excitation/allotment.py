@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
 from flexsid.errors import BadInput
 from flexsid.sysid.excitation.multisine import allot_harmonics
+
+_GRID = 2001  # frequencies over which the density of lines is laid out
+_NEAR = 0.05  # standard deviation of the lines about a target, of its frequency
 
 
 def allot_band(
@@ -47,6 +51,94 @@ def allot_band(
     spacing = held // asked if asked else 1
     dealt = allot_harmonics(order, per_input, 0)
     return {name: first + spacing * own for name, own in dealt.items()}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Band:
+    """What one input is to excite: ``count`` lines from ``low_hz`` to ``high_hz``.
+
+    Where ``targets_hz`` are named, half of the lines gather about them, within a tenth of
+    each frequency.
+    """
+
+    low_hz: float
+    high_hz: float
+    count: int
+    targets_hz: tuple[float, ...] = ()
+
+
+def allot_bands(
+    bands: Mapping[str, Band], duration_s: float
+) -> dict[str, Int[np.ndarray, " n_tones"]]:
+    """Give every input lines in a band of its own, none of them shared.
+
+    Parameters
+    ----------
+    bands
+        By input; bands may overlap.
+    duration_s
+        Period. [s]
+
+    Raises
+    ------
+    BadInput
+        If a band ends before it begins, or holds too few harmonics that are free.
+
+    Notes
+    -----
+    Each input has places where it would like lines: evenly over its band, or denser
+    about its targets. Places are served from the lowest up, each with the nearest
+    harmonic that is free, so that inputs with the same band interleave.
+    """
+    places = sorted(
+        (place, index, name)
+        for index, (name, band) in enumerate(bands.items())
+        for place in (_places(name, band) * duration_s).tolist()
+    )
+    taken: set[int] = set()
+    dealt: dict[str, list[int]] = {name: [] for name in bands}
+    for place, _, name in places:
+        band = bands[name]
+        first = max(1, int(np.ceil(band.low_hz * duration_s - 1e-9)))
+        last = int(np.floor(band.high_hz * duration_s + 1e-9))
+        free = [k for k in range(first, last + 1) if k not in taken]
+        if not free:
+            raise BadInput(
+                f"{name} asks for {band.count} harmonics from {band.low_hz:g} to"
+                f" {band.high_hz:g} Hz; the band holds {max(0, last - first + 1)} of"
+                f" 1/{duration_s:g} s and the inputs together want more; ask for fewer, widen the"
+                " band, or fly longer",
+                code="too-many-harmonics",
+            )
+        chosen = min(free, key=lambda k: (abs(k - place), k))
+        taken.add(chosen)
+        dealt[name].append(chosen)
+    return {name: np.sort(np.array(own, dtype=int)) for name, own in dealt.items()}
+
+
+def _places(name: str, band: Band) -> Float[np.ndarray, " count"]:
+    """Frequencies at equal shares of the density of lines that is wanted. [Hz]"""
+    if not (0.0 < band.low_hz <= band.high_hz and band.count >= 1):
+        raise BadInput(
+            f"{name} cannot have {band.count} lines from {band.low_hz:g} to {band.high_hz:g} Hz;"
+            " give at least one, from a positive frequency up",
+            code="bad-band",
+        )
+    for target in band.targets_hz:
+        if not band.low_hz <= target <= band.high_hz:
+            raise BadInput(
+                f"the target of {name} at {target:g} Hz lies outside its band of"
+                f" {band.low_hz:g} to {band.high_hz:g} Hz",
+                code="target-outside-band",
+            )
+    hz = np.linspace(band.low_hz, band.high_hz, _GRID)
+    density = np.ones(_GRID)
+    for target in band.targets_hz:
+        width = _NEAR * target
+        bump = np.exp(-0.5 * ((hz - target) / width) ** 2)
+        density += bump / max(float(bump.mean()), 1e-12) / len(band.targets_hz)
+    share = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]))])
+    return np.interp((np.arange(band.count) + 0.5) / band.count, share / share[-1], hz)
 
 
 def check_allotment(

@@ -1,0 +1,28 @@
+"""Tasks: how far what takes longer is, and an end to it."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter
+from fastapi import Path as InPath
+
+from flexsid.api.context import TheContext
+from flexsid.api.wire import Json
+from flexsid.workflow.tasks import Task
+
+router = APIRouter(prefix="/tasks", tags=["tasks"])
+
+_Id = Annotated[str, InPath(pattern="^t[0-9a-f]{16}$")]
+
+
+@router.get("/{task_id}", response_model=Task)
+def get_task(context: TheContext, task_id: _Id) -> Json:
+    """Return how far a task is."""
+    return Json(context.tasks.get(task_id))
+
+
+@router.post("/{task_id}/cancel", response_model=Task)
+def cancel_task(context: TheContext, task_id: _Id) -> Json:
+    """Ask a task to stop; nothing of it is kept."""
+    return Json(context.tasks.cancel(task_id))

@@ -1,0 +1,253 @@
+import {
+  ActionIcon,
+  Alert,
+  Button,
+  Group,
+  NumberInput,
+  SegmentedControl,
+  Select,
+  Stack,
+  TextInput,
+} from "@mantine/core";
+import { useState } from "react";
+import type { DesignRequest } from "../api/types";
+import { AXES, EMPTY_DRAFT, inputsOf, requestOf, type DraftInput } from "../lib/designDraft";
+import { useDraft } from "../lib/useDraft";
+
+interface Props {
+  busy: boolean;
+  onDesign: (wanted: DesignRequest) => void;
+}
+
+const PEAKS = ["Low", "Medium", "High"] as const;
+
+/** A design with inputs, bands, targets and power of one's own. */
+export function OwnDesignForm({ busy, onDesign }: Props) {
+  const { draft, setDraft } = useDraft("own-design", EMPTY_DRAFT);
+  const [wrong, setWrong] = useState("");
+  const change = (part: Partial<typeof draft>) => {
+    setDraft({ ...draft, ...part });
+  };
+  const changeInput = (place: number, part: Partial<DraftInput>) => {
+    change({
+      inputs: draft.inputs.map((own, k) => (k === place ? { ...own, ...part } : own)),
+    });
+  };
+  const submit = () => {
+    const wanted = requestOf(draft);
+    if (typeof wanted === "string") {
+      setWrong(wanted);
+    } else {
+      setWrong("");
+      onDesign(wanted);
+    }
+  };
+  return (
+    <form
+      onSubmit={(event) => {
+        event.preventDefault();
+        submit();
+      }}
+    >
+      <Stack gap="sm">
+        <Group align="end">
+          <TextInput
+            label="Name"
+            required
+            maxLength={200}
+            value={draft.name}
+            onChange={(event) => {
+              change({ name: event.currentTarget.value });
+            }}
+          />
+          <Positive
+            label="Duration [s]"
+            value={draft.duration}
+            onChange={(duration) => {
+              change({ duration });
+            }}
+          />
+          <Positive
+            label="Rate [Hz]"
+            value={draft.rate}
+            onChange={(rate) => {
+              change({ rate });
+            }}
+          />
+          {PEAKS.map((label, place) => (
+            <Positive
+              key={label}
+              label={`${label} [deg]`}
+              value={draft.peaks[place] ?? 1}
+              onChange={(value) => {
+                const peaks: typeof draft.peaks = [...draft.peaks];
+                peaks[place] = value;
+                change({ peaks });
+              }}
+            />
+          ))}
+          <Select
+            label="Search"
+            w={120}
+            allowDeselect={false}
+            data={["quick", "thorough", "patient"]}
+            value={draft.effort}
+            onChange={(effort) => {
+              if (effort === "quick" || effort === "thorough" || effort === "patient")
+                change({ effort });
+            }}
+          />
+        </Group>
+        <Group align="end">
+          <TextInput
+            label="Surfaces, in the order of their harmonics"
+            w={280}
+            value={draft.surfaces}
+            onChange={(event) => {
+              change({ surfaces: event.currentTarget.value });
+            }}
+          />
+          <SegmentedControl
+            aria-label="How surfaces move"
+            data={[...AXES]}
+            value={draft.axis}
+            onChange={(value) => {
+              const axis = AXES.find((one) => one === value);
+              if (axis !== undefined) change({ axis });
+            }}
+          />
+          <Button
+            variant="default"
+            onClick={() => {
+              change({ inputs: [...draft.inputs, ...inputsOf(draft)] });
+            }}
+          >
+            Add these inputs
+          </Button>
+          <Button
+            variant="default"
+            onClick={() => {
+              const throttle = { ...inputsOf({ ...EMPTY_DRAFT, surfaces: "x" })[0] } as DraftInput;
+              const inputs = [
+                ...draft.inputs,
+                { ...throttle, name: "throttle", low: 0.05, high: 0.3, count: 2 },
+              ];
+              change({ inputs });
+            }}
+          >
+            Add a throttle
+          </Button>
+        </Group>
+        {draft.inputs.length > 0 && (
+          <div className="table-scroll">
+            <table className="data-table" aria-label="Inputs" data-testid="own-inputs">
+              <thead>
+                <tr>
+                  <th scope="col">Input</th>
+                  <th scope="col">
+                    From <span className="unit">[Hz]</span>
+                  </th>
+                  <th scope="col">
+                    To <span className="unit">[Hz]</span>
+                  </th>
+                  <th scope="col">Harmonics</th>
+                  <th scope="col">Relative peak</th>
+                  <th scope="col">
+                    Half of the lines about <span className="unit">[Hz]</span>
+                  </th>
+                  <th scope="col">
+                    Power, flat if empty <span className="unit">[Hz:1]</span>
+                  </th>
+                  <th scope="col" aria-label="Remove" />
+                </tr>
+              </thead>
+              <tbody>
+                {draft.inputs.map((own, place) => (
+                  <tr key={place}>
+                    <td>
+                      <TextInput
+                        aria-label="Name of the input"
+                        w={110}
+                        value={own.name}
+                        onChange={(event) => {
+                          changeInput(place, { name: event.currentTarget.value });
+                        }}
+                      />
+                    </td>
+                    {(["low", "high", "count", "relative"] as const).map((field) => (
+                      <td key={field}>
+                        <Positive
+                          ariaLabel={`${own.name}: ${field}`}
+                          value={own[field]}
+                          onChange={(value) => {
+                            changeInput(place, { [field]: value });
+                          }}
+                        />
+                      </td>
+                    ))}
+                    {(["targets", "spectrum"] as const).map((field) => (
+                      <td key={field}>
+                        <TextInput
+                          aria-label={`${own.name}: ${field}`}
+                          placeholder={field === "targets" ? "3.2, 10.5" : "0.3:1, 12:0.01"}
+                          value={own[field]}
+                          onChange={(event) => {
+                            changeInput(place, { [field]: event.currentTarget.value });
+                          }}
+                        />
+                      </td>
+                    ))}
+                    <td>
+                      <ActionIcon
+                        variant="subtle"
+                        color="gray"
+                        aria-label={`Remove ${own.name}`}
+                        onClick={() => {
+                          change({ inputs: draft.inputs.filter((_, k) => k !== place) });
+                        }}
+                      >
+                        ×
+                      </ActionIcon>
+                    </td>
+                  </tr>
+                ))}
+              </tbody>
+            </table>
+          </div>
+        )}
+        {wrong !== "" && (
+          <Alert color="red" variant="light">
+            {wrong}
+          </Alert>
+        )}
+        <Group>
+          <Button type="submit" loading={busy} disabled={draft.inputs.length === 0}>
+            Design
+          </Button>
+        </Group>
+      </Stack>
+    </form>
+  );
+}
+
+interface PositiveProps {
+  label?: string;
+  ariaLabel?: string;
+  value: number;
+  onChange: (value: number) => void;
+}
+
+function Positive({ label, ariaLabel, value, onChange }: PositiveProps) {
+  return (
+    <NumberInput
+      label={label}
+      aria-label={ariaLabel}
+      value={value}
+      min={0}
+      w={100}
+      onChange={(next) => {
+        if (typeof next === "number" && next > 0) onChange(next);
+      }}
+    />
+  );
+}

@@ -1,0 +1,66 @@
+import { Alert, Button, Group, Progress, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { useEffect } from "react";
+import { useCancelTask } from "../api/commands";
+import { taskQuery } from "../api/queries";
+import type { Task } from "../api/types";
+import { ProblemAlert } from "./ProblemAlert";
+
+interface Props {
+  task: Task;
+  /** Called once with the id of what was made. */
+  onMade: (made: number) => void;
+}
+
+/** Follows a task to its end; it can be cancelled. */
+export function TaskProgress({ task, onMade }: Props) {
+  const now = useQuery(taskQuery(task));
+  const cancel = useCancelTask();
+  const state = now.data.state;
+  const made = now.data.made;
+  const goesOn = state === "waiting" || state === "running";
+  useEffect(() => {
+    if (state === "done" && made !== null) onMade(made);
+    // Once for each task that is done, however often the page is drawn.
+    // eslint-disable-next-line react-hooks/exhaustive-deps
+  }, [state, made, task.id]);
+  return (
+    <div data-testid="task-progress">
+      {now.isError && <ProblemAlert error={now.error} />}
+      {state === "failed" && (
+        <Alert color="red" variant="light" title="Nothing was kept">
+          {now.data.message}
+        </Alert>
+      )}
+      {state === "cancelled" && (
+        <Alert color="yellow" variant="light">
+          Cancelled; nothing was kept.
+        </Alert>
+      )}
+      {goesOn && !now.isError && (
+        <>
+          <Group justify="space-between" mb={6}>
+            <Text size="sm" className="numbers" aria-live="polite">
+              {state === "waiting" ? "Waiting for what is under way" : now.data.message}
+            </Text>
+            <Button
+              variant="default"
+              size="compact-sm"
+              loading={cancel.isPending}
+              onClick={() => {
+                cancel.mutate(task.id);
+              }}
+            >
+              Cancel
+            </Button>
+          </Group>
+          <Progress
+            value={Math.max(3, 100 * now.data.fraction)}
+            animated={state === "running"}
+            aria-label="Progress"
+          />
+        </>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,97 @@
+"""A user relies on: long work that is followed, cancelled, and ends in words."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import pytest
+from fastapi.testclient import TestClient
+
+from flexsid.errors import BadInput, Conflict
+from flexsid.workflow.tasks import Report, Task, Tasks, TaskState
+
+WISH = {
+    "name": "interleaved",
+    "duration_s": 20.0,
+    "rate_hz": 100.0,
+    "peaks": [0.01, 0.02, 0.04],
+    "inputs": [
+        {"name": "bfs", "harmonics": list(range(4, 120, 2))},
+        {"name": "wf1s", "harmonics": list(range(5, 121, 2))},
+    ],
+    "effort": "quick",
+}
+
+
+def ended(tasks: Tasks, begun: Task) -> Task:
+    deadline = time.monotonic() + 30.0
+    while tasks.get(begun.id).state in (TaskState.WAITING, TaskState.RUNNING):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    return tasks.get(begun.id)
+
+
+@pytest.fixture
+def tasks():
+    made = Tasks()
+    yield made
+    made.stop()
+
+
+def test_a_task_tells_what_it_made(tasks: Tasks):
+    done = ended(tasks, tasks.begin("x", lambda report: 7))
+    assert (done.state, done.made, done.fraction) == (TaskState.DONE, 7, 1.0)
+    with pytest.raises(Conflict, match="done"):
+        tasks.cancel(done.id)
+
+
+def test_a_task_that_is_cancelled_stops_at_its_next_report(tasks: Tasks):
+    begun, go = threading.Event(), threading.Event()
+
+    def work(report: Report) -> int:
+        report(0.3, "so far")
+        begun.set()
+        go.wait(10.0)
+        report(0.6, "further")
+        return 1
+
+    task = tasks.begin("x", work)
+    assert begun.wait(10.0)
+    assert tasks.get(task.id).message == "so far"
+    tasks.cancel(task.id)
+    go.set()
+    assert ended(tasks, task).state is TaskState.CANCELLED
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [
+        (BadInput("no such thing", code="none"), "none", "no such thing"),
+        (ZeroDivisionError("secret"), "internal-error", "ZeroDivisionError"),
+    ],
+)
+def test_a_task_that_fails_says_why(tasks: Tasks, error: Exception, code: str, words: str):
+    def work(report: Report) -> int:
+        raise error
+
+    failed = ended(tasks, tasks.begin("x", work))
+    assert (failed.state, failed.code) == (TaskState.FAILED, code)
+    assert words in failed.message
+    assert "secret" not in failed.message
+
+
+def test_a_design_is_searched_as_a_task(empty: TestClient):
+    begun = empty.post("/api/v1/designs/searches", json=WISH)
+    assert begun.status_code == 202, begun.text
+    where = begun.headers["location"]
+    deadline = time.monotonic() + 60.0
+    while (now := empty.get(where).json())["state"] in ("waiting", "running"):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    assert now["state"] == "done"
+    kept = empty.get(f"/api/v1/designs/{now['made']}").json()
+    assert kept["name"] == "interleaved"
+    wrong = empty.post("/api/v1/designs/searches", json=WISH | {"rate_hz": 10.0})
+    assert wrong.json()["code"] == "above-nyquist"
+    assert empty.get("/api/v1/tasks/t0123456789abcdef").status_code == 404
