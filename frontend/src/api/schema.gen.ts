@@ -1207,6 +1207,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/designs/searches": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Search Design
+         * @description Begin to search the phases of a design, as a task that can be followed and cancelled.
+         */
+        post: operations["search_design"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/designs/flown": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Import Flown
+         * @description Recognise multisines that were flown and keep them as they were.
+         */
+        post: operations["import_flown"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/designs/catalogue": {
         parameters: {
             query?: never;
@@ -1374,6 +1414,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/designs/{design_id}/redesign": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Redesign
+         * @description Begin to search phases anew for the lines of a design, as one that was flown.
+         */
+        post: operations["redesign"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/designs/{design_id}/export": {
         parameters: {
             query?: never;
@@ -1408,6 +1468,46 @@ export interface paths {
         get: operations["get_flutter"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/tasks/{task_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Task
+         * @description Return how far a task is.
+         */
+        get: operations["get_task"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/tasks/{task_id}/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cancel Task
+         * @description Ask a task to stop; nothing of it is kept.
+         */
+        post: operations["cancel_task"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2048,6 +2148,64 @@ export interface components {
             /** Drift */
             drift: number;
         };
+        /**
+         * BandRequest
+         * @description One input by its band: ``count`` lines, half of them about ``targets_hz`` if any.
+         *
+         *     ``spectrum`` gives relative power at frequencies [Hz], log-log between; flat if left out.
+         */
+        BandRequest: {
+            /** Name */
+            name: string;
+            /** Low Hz */
+            low_hz: number;
+            /** High Hz */
+            high_hz: number;
+            /** Count */
+            count: number;
+            /**
+             * Relative Peak
+             * @default 1
+             */
+            relative_peak: number;
+            /**
+             * Targets Hz
+             * @default []
+             */
+            targets_hz: number[];
+            /**
+             * Spectrum
+             * @default []
+             */
+            spectrum: [
+                number,
+                number
+            ][];
+        };
+        /** Body_import_flown */
+        Body_import_flown: {
+            /**
+             * Files
+             * @description Samples of exactly one period.
+             */
+            files: string[];
+            /** Name */
+            name: string;
+            /** Rate Hz */
+            rate_hz: number;
+            /**
+             * Unit
+             * @default deg
+             * @enum {string}
+             */
+            unit: "deg" | "rad";
+            /**
+             * Apart
+             * @description Each file is a design of its own.
+             * @default false
+             */
+            apart: boolean;
+        };
         /** Body_upload_files */
         Body_upload_files: {
             /**
@@ -2484,7 +2642,7 @@ export interface components {
         };
         /**
          * DesignRequest
-         * @description A row of Table 1 by ``fta``, or ``inputs`` of one's own.
+         * @description A row of Table 1 by ``fta``, or ``inputs`` by their harmonics, or ``bands``.
          */
         DesignRequest: {
             /** Name */
@@ -2511,6 +2669,11 @@ export interface components {
              * @default []
              */
             inputs: components["schemas"]["InputRequest"][];
+            /**
+             * Bands
+             * @default []
+             */
+            bands: components["schemas"]["BandRequest"][];
             /**
              * Effort
              * @default thorough
@@ -4338,6 +4501,20 @@ export interface components {
             choices: string[];
         };
         /**
+         * RedesignRequest
+         * @description The same lines with other phases.
+         */
+        RedesignRequest: {
+            /** Name */
+            name: string;
+            /**
+             * Effort
+             * @default thorough
+             * @enum {string}
+             */
+            effort: "quick" | "thorough" | "patient";
+        };
+        /**
          * RescaleRequest
          * @description Factors on the amplitudes of inputs; those left out stay.
          */
@@ -5170,6 +5347,41 @@ export interface components {
             /** Noise Std Rad */
             noise_std_rad?: number | null;
         };
+        /**
+         * Task
+         * @description How far a task is; ``made`` is the id of the record that it kept.
+         */
+        Task: {
+            /** Id */
+            id: string;
+            /** Kind */
+            kind: string;
+            /** @default waiting */
+            state: components["schemas"]["TaskState"];
+            /**
+             * Fraction
+             * @default 0
+             */
+            fraction: number;
+            /**
+             * Message
+             * @default
+             */
+            message: string;
+            /**
+             * Code
+             * @default
+             */
+            code: string;
+            /** Made */
+            made?: number | null;
+        };
+        /**
+         * TaskState
+         * @description Life of a task; it ends with the server, what it has made does not.
+         * @enum {string}
+         */
+        TaskState: "waiting" | "running" | "done" | "failed" | "cancelled";
         /**
          * TrackerForecast
          * @description What a classical tracker extrapolates from the same runs, or why it cannot.
@@ -8392,6 +8604,72 @@ export interface operations {
             };
         };
     };
+    search_design: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DesignRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Task"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    import_flown: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "multipart/form-data": components["schemas"]["Body_import_flown"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DesignList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     list_catalogue: {
         parameters: {
             query?: never;
@@ -8750,6 +9028,45 @@ export interface operations {
             };
         };
     };
+    redesign: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                design_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RedesignRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Task"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     export_design: {
         parameters: {
             query?: {
@@ -8829,6 +9146,70 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Flutter"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_task: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @example 1 */
+                task_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Task"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    cancel_task: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @example 1 */
+                task_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Task"];
                 };
             };
             /** @description Client Error */
