@@ -23,6 +23,7 @@ from flexsid.sysid.structure.search import search_equations
 from flexsid.sysid.structure.selection import Thresholds
 from flexsid.sysid.structure.stability import selection_frequency
 from flexsid.sysid.structure.stepwise import stepwise_regression
+from flexsid.sysid.structure.validation import cross_validate
 
 ABSENT = (
     "CZ_eta9", "CZ_etadot9", "CZ_wf2s", "Cm_eta7", "Cm_etadot9", "Cm_bfs", "CQ7_q",
@@ -227,3 +228,35 @@ def test_nearly_dependent_terms_are_named_with_their_condition_index():
     assert set(found.shares) == {"a", "b", "e"}
     assert found.index == pytest.approx(np.linalg.cond(X / np.linalg.norm(X, axis=0)), rel=1e-6)
     assert near_dependencies(X[:, :4].T @ X[:, :4], ("a", "b", "c", "d")) == ()
+
+
+def test_the_true_structure_predicts_best_what_it_did_not_see(make_case):
+    base = make_case(1)
+    absent = ("CZ_etadot7", "Cm_bfs")
+    case = without(base, absent)
+    candidates = case.free()
+    fitted, unseen = output_error_of(case, 21, share=0.3), output_error_of(case, 22, share=0.3)
+    other_speed = replace(make_case(1, airspeed_ratio=0.8), truth=case.truth)
+    faster = output_error_of(other_speed, 23, share=0.3)
+    costs = {}
+    everything = np.ones(candidates.start.size, dtype=bool)
+    for name, gone in (("true", absent), ("all", ()), ("few", ("CZ_wf1s", "Cm_q", *absent))):
+        kept = everything & [n not in gone for n in candidates.names]
+        estimate = maximize([fitted], reduced(candidates, kept, candidates.start))
+        halves = cross_validate([fitted], [estimate], candidates)
+        elsewhere = cross_validate([fitted], [estimate], candidates, [unseen, faster])
+        assert [len(halves), len(elsewhere)] == [2, 2]
+        assert all(0.8 < one.r_squared < 1.0 for one in elsewhere)
+        costs[name] = sum(one.cost for one in elsewhere)
+        assert sum(one.cost for one in halves) < 0.0
+    assert costs["true"] < costs["all"] + 5.0
+    assert costs["true"] < costs["few"] - 10.0
+
+
+def test_every_maneuver_is_predicted_by_the_rest(make_case):
+    case = make_case(1)
+    maneuvers = [replace(output_error_of(case, k, 0.1), name=f"m{k}") for k in range(3)]
+    estimates = [maximize([one], case.free()) for one in maneuvers]
+    found = cross_validate(maneuvers, estimates, case.free())
+    assert [one.name for one in found] == ["m0", "m1", "m2"]
+    assert min(one.r_squared for one in found) > 0.98

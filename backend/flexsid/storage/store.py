@@ -23,6 +23,7 @@ from flexsid.records.prediction import Prediction
 from flexsid.records.quality import ManeuverQuality
 from flexsid.records.run import EstimationRun
 from flexsid.records.saved_view import SavedView
+from flexsid.records.search import StructureSearch
 from flexsid.storage import tables
 from flexsid.storage.arrays import Arrays
 from flexsid.storage.database import Database
@@ -86,6 +87,7 @@ class Store:
         )
         self.designs = Repository(database, tables.designs, ExcitationDesign, "excitation design")
         self.runs = Repository(database, tables.runs, EstimationRun, "run")
+        self.searches = Repository(database, tables.searches, StructureSearch, "search")
         self.saved_views = Repository(database, tables.saved_views, SavedView, "saved view")
 
     @classmethod

@@ -356,6 +356,27 @@ runs = _table(
     sa.Index(None, "state", "id"),
 )
 
+searches = _table(
+    "searches",
+    _identity(),
+    _refers_to("aircraft_id", "aircraft"),
+    _json("maneuver_ids"),
+    sa.Column("method", sa.String(8), nullable=False),
+    _json("structure"),
+    _json("settings"),
+    _refers_to("modal_table_id", "modal_tables", required=False),
+    _refers_to("damping_table_id", "modal_tables", required=False),
+    _refers_to("prediction_id", "predictions", required=False),
+    sa.Column("state", sa.String(16), nullable=False, index=True),
+    _json("progress", required=False),
+    _json("error", required=False),
+    _json("result", required=False),
+    _json("versions", required=False),
+    _text("author"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+    sa.Column("finished_at", UtcDateTime),
+)
+
 maneuver_tags = sa.Table(
     "maneuver_tags",
     metadata,

@@ -111,15 +111,15 @@ def compute(task: Task, report: Report) -> Computed:
     warnings = list(task.warnings)
     if task.method is Method.EE:
         report(Progress(message="Reconstructing motion from the sensors"))
-        parameters = _parameters(task, _any_start(task), task.extras)
+        parameters = parameters_of(task, any_start(task), task.extras)
         estimate, companions = _equation_error(task, parameters)
         estimate = with_priors(estimate, task.priors)
         start = "none needed"
         if companions:
             start += f"; modes {', '.join(map(str, companions))} reconstructed besides"
     else:
-        experiments = _experiments(task)
-        parameters, start, estimate = _likeliest(task, experiments, report)
+        experiments = experiments_of(task)
+        parameters, start, estimate = likeliest(task, experiments, report)
         if task.method is Method.OE:
             warnings += _input_noise_share(task, experiments, parameters, estimate)
     estimate = estimate.widened(max(m.measured.crowding for m in task.maneuvers))
@@ -139,7 +139,8 @@ def compute(task: Task, report: Report) -> Computed:
     )
 
 
-def _experiments(task: Task) -> list[Experiment]:
+def experiments_of(task: Task) -> list[Experiment]:
+    """Lines of OE or FRE, one experiment for each maneuver."""
     several = len(task.maneuvers) > 1
     result = []
     for data in task.maneuvers:
@@ -160,13 +161,15 @@ def _experiments(task: Task) -> list[Experiment]:
     return result
 
 
-def _any_start(task: Task) -> DerivativeTable:
+def any_start(task: Task) -> DerivativeTable:
+    """The first starting table; zeros where there is none."""
     if task.starts:
         return next(iter(task.starts.values()))
     return DerivativeTable.from_names(task.model.modes.numbers, task.model.inputs, {})
 
 
-def _parameters(task: Task, start: DerivativeTable, extras: tuple[str, ...]) -> Parameters:
+def parameters_of(task: Task, start: DerivativeTable, extras: tuple[str, ...]) -> Parameters:
+    """What the structure frees, started at a table."""
     return select_parameters(
         start, task.structure.free, task.model.outputs, extras, task.structure.fixed
     )
@@ -176,12 +179,12 @@ def _equation_error(task: Task, parameters: Parameters) -> tuple[Estimate, tuple
     """Estimate of all maneuvers together, and the companion modes that sensors allowed."""
     estimates, companions = [], ()
     for data in task.maneuvers:
-        motion, companions = _motion(data)
+        motion, companions = motion_of(data)
         estimates.append(equation_error(data.model, motion, data.measured.inputs, parameters))
     return fuse(estimates, [data.label for data in task.maneuvers]), companions
 
 
-def _motion(data: ManeuverData) -> tuple[Motion, tuple[int, ...]]:
+def motion_of(data: ManeuverData) -> tuple[Motion, tuple[int, ...]]:
     """Motion of the model's modes, with as many companions as the sensors can tell apart."""
     own = len(data.model.modes.numbers)
     lines = data.measured
@@ -195,14 +198,14 @@ def _motion(data: ManeuverData) -> tuple[Motion, tuple[int, ...]]:
     return reconstruct_motion(data.model, lines.outputs, lines.instruments), ()
 
 
-def _likeliest(
+def likeliest(
     task: Task, experiments: list[Experiment], report: Report
 ) -> tuple[Parameters, str, Estimate]:
     """Maximise from every starting point and keep the best end.
 
     Where even that did not converge, perturbed starts follow.
     """
-    candidates = _starting_points(task, report)
+    candidates = starting_points(task, report)
     limit = task.settings.max_iterations
     settings = FitSettings(max_iterations=limit, noise=task.settings.noise, priors=task.priors)
 
@@ -245,7 +248,7 @@ def _best(
     return min(same, key=lambda end: end[2].outcome is not Outcome.CONVERGED)
 
 
-def _starting_points(task: Task, report: Report) -> dict[str, Parameters]:
+def starting_points(task: Task, report: Report) -> dict[str, Parameters]:
     """Candidates by name.
 
     Raises
@@ -256,7 +259,7 @@ def _starting_points(task: Task, report: Report) -> dict[str, Parameters]:
     tables = dict(task.starts)
     if task.try_equation_error:
         report(Progress(message="Finding starting values by equation error"))
-        held = _parameters(task, _any_start(task), ())
+        held = parameters_of(task, any_start(task), ())
         try:
             values = _equation_error(task, held)[0].values
             tables = {EQUATION_ERROR: held.table(values), **tables}
@@ -269,7 +272,7 @@ def _starting_points(task: Task, report: Report) -> dict[str, Parameters]:
             "one, or start from equation error or another run",
             code="no-start",
         )
-    candidates = {name: _parameters(task, table, task.extras) for name, table in tables.items()}
+    candidates = {name: parameters_of(task, table, task.extras) for name, table in tables.items()}
     delayed = [k for k, e in enumerate(next(iter(candidates.values())).extras) if e.kind == "delay"]
     if delayed:
         report(Progress(message="Finding delays from the redundancy of the sensors"))

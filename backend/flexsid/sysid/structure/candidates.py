@@ -74,6 +74,7 @@ def search_candidates(
     thresholds: Thresholds = USUAL,
     settings: FitSettings = _AS_ALWAYS,
     report: Report | None = None,
+    values: Sequence[Float[np.ndarray, " n_theta"]] | None = None,
 ) -> CandidatesFound:
     """Choose terms by Wald's test, the score and the likelihood ratio.
 
@@ -93,6 +94,9 @@ def search_candidates(
         Of every fit.
     report
         Told of every fit; what it raises ends the search.
+    values
+        Starting values of all candidates by maneuver, where they are not those of
+        ``candidates``.
 
     Returns
     -------
@@ -116,7 +120,7 @@ def search_candidates(
     tell = report or (lambda fitted, message: None)
     forced = np.arange(len(candidates.names)) >= candidates.rows.size
     chosen = _mask(candidates, start) | forced
-    theta = [candidates.start.copy() for _ in maneuvers]
+    theta = [one.copy() for one in values or [candidates.start] * len(maneuvers)]
     fitted: list[Candidate] = []
     visited: set[bytes] = set()
     evidences: tuple[Evidence, ...] = ()

@@ -1,0 +1,176 @@
+"""StructureSearch: a search for a model's terms, and everything it found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import Method, Progress, RunState
+
+
+class Algorithm(StrEnum):
+    """How equation error chooses."""
+
+    STEPWISE = "stepwise"
+    ORTHOGONAL_FUNCTIONS = "orthogonal functions"
+
+
+class SearchStart(StrEnum):
+    """What output error and frequency response error begin with."""
+
+    ALL = "all"
+    EQUATION_ERROR = "equation error"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchSettings:
+    """What a term must show, and how that is tried.
+
+    ``f_in`` and ``f_out`` bound the partial F to enter and to stay; ``pse_noise`` is how
+    many noise variances the predicted squared error charges for a term; ``draws`` is how
+    often lines are drawn anew; ``validate_on`` names maneuvers that are only predicted.
+    """
+
+    algorithm: Algorithm = Algorithm.STEPWISE
+    begin: SearchStart = SearchStart.ALL
+    f_in: float = 20.0
+    f_out: float = 20.0
+    pse_noise: float = 25.0
+    draws: int = 30
+    validate_on: tuple[int, ...] = ()
+    band_hz: tuple[float, float] | None = None
+    max_iterations: int = 100
+    noise: str = "diagonal"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchStep:
+    """One term in or out, its partial F, and the criteria after it."""
+
+    action: str  # enter, drop
+    term: str
+    f: float
+    n_terms: int
+    r_squared: float | None
+    pse: float | None
+    bic: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchTerm:
+    """One candidate term at the end.
+
+    ``value`` is what it has, or would take as the next to enter; None where the others say
+    the same. ``support`` is the share of maneuvers that ask for it alone, ``stability`` the
+    share of draws of the lines that choose it, ``inflation`` its variance inflation among
+    all candidates (None: infinite).
+    """
+
+    name: str
+    chosen: bool
+    value: float | None
+    std_error: float | None
+    f: float
+    support: float
+    stability: float | None
+    inflation: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TermDependency:
+    """Terms that the data hardly tell apart, by their share in a weak direction."""
+
+    condition_index: float
+    shares: dict[str, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TermGroup:
+    """Terms that were searched together: of one coefficient by EE, of the model by OE or FRE."""
+
+    name: str
+    path: tuple[SearchStep, ...]
+    terms: tuple[SearchTerm, ...]
+    dependencies: tuple[TermDependency, ...]
+    r_squared: float | None
+    pse: float | None
+    bic: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PredictedLines:
+    """Lines that a candidate was not fitted to: negative log likelihood, and R2."""
+
+    name: str
+    cost: float | None
+    r_squared: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchCandidate:
+    """A structure on the way, fitted.
+
+    ``predictive_cost`` is the negative log likelihood of all lines it did not see, None
+    where it predicts nothing finite; ``run_id`` is the run that opened it.
+    """
+
+    name: str
+    why: str
+    structure: Structure
+    n_terms: int
+    proposed: bool
+    converged: bool
+    cost: float | None
+    bic: float | None
+    likelihood_ratio: float | None
+    foretold: float | None
+    predicted: tuple[PredictedLines, ...]
+    predictive_cost: float | None
+    flutter_m_s: float | None
+    flutter_std_m_s: float | None
+    flutter: str
+    run_id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchResult:
+    """What a search found; candidates stand in the order of their predictive likelihood."""
+
+    sentence: str
+    groups: tuple[TermGroup, ...]
+    candidates: tuple[SearchCandidate, ...]
+    warnings: tuple[str, ...]
+    seconds: float
+
+    @property
+    def proposed(self) -> SearchCandidate:
+        """The candidate that the search ends with."""
+        return next(one for one in self.candidates if one.proposed)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StructureSearch:
+    """A search that was asked for and, once done, its result.
+
+    What ``structure`` frees are the candidates; what it fixes or leaves out stays so.
+    """
+
+    aircraft_id: int
+    maneuver_ids: tuple[int, ...]
+    method: Method
+    structure: Structure
+    settings: SearchSettings
+    modal_table_id: int | None = None
+    damping_table_id: int | None = None
+    prediction_id: int | None = None
+    state: RunState = RunState.QUEUED
+    progress: Progress | None = None
+    error: dict[str, str] | None = None  # {"code", "message"}
+    result: SearchResult | None = None
+    versions: dict[str, str] | None = None
+    author: str = ""
+    created_at: datetime | None = None
+    finished_at: datetime | None = None
+    id: int | None = None

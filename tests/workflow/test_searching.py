@@ -1,0 +1,106 @@
+"""A search for structure over flown maneuvers: asked for, carried out, its candidates as runs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flights import fly
+from flexsid.errors import BadInput, Conflict
+from flexsid.records.flight import Flight
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import Method, RunState
+from flexsid.records.search import SearchSettings, SearchStart, StructureSearch
+from flexsid.storage.store import Store
+from flexsid.workflow.searching import candidate_of, open_as_run, prepare_search, search
+
+ABSENT = (
+    "CZ_eta9", "CZ_etadot9", "CZ_wf2s", "Cm_eta7", "Cm_etadot9", "Cm_bfs", "CQ7_q",
+    "CQ7_etadot9", "CQ7_wf1s", "CQ9_alpha", "CQ9_q", "CQ9_etadot7", "CQ9_bfs",
+)  # fmt: skip
+SPEEDS = (0.65, 0.7, 0.75)
+
+
+@pytest.fixture(scope="module")
+def flown_store(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory):
+    """Three maneuvers of FLEX-28 whose truth lacks the terms above."""
+    file = tmp_path_factory.mktemp("searched") / "searched.db"
+    file.write_bytes(migrated_file.read_bytes())
+    store = Store.open(f"sqlite:///{file}")
+    aircraft = add_aircraft(store)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
+    for number, ratio in enumerate(SPEEDS):
+        flown = fly(
+            airspeed_ratio=ratio, modes_in_truth=2, seed=number, label=f"m{number}", absent=ABSENT
+        )
+        add_maneuver(store, flown, flight.id or 0)
+    yield store
+    store.close()
+
+
+def wanted(method: Method, maneuvers: tuple[int, ...] = (1,), **settings: Any) -> StructureSearch:
+    return StructureSearch(
+        aircraft_id=1,
+        maneuver_ids=maneuvers,
+        method=method,
+        structure=Structure(modes=(7, 9), fixed={}),
+        settings=replace(SearchSettings(draws=4), **settings),
+    )
+
+
+@pytest.mark.parametrize("method", Method)
+def test_every_method_finds_the_terms_of_a_flown_maneuver(flown_store: Store, method: Method):
+    told = []
+    result = search(prepare_search(flown_store, wanted(method)), told.append)
+    proposed = result.proposed
+    assert sorted(proposed.structure.absent) == sorted(ABSENT)
+    assert proposed.n_terms == 44 - len(ABSENT)
+    assert proposed is result.candidates[0], "the true structure also predicts best"
+    # of two modes that fly, not eight
+    assert proposed.flutter_m_s == pytest.approx(70.1, abs=1.0)
+    assert result.sentence.startswith(f"{method.value} over m0 asks for 31 of 44 terms")
+    assert [step.fraction for step in told] == sorted(step.fraction for step in told)
+    terms = {term.name: term for group in result.groups for term in group.terms}
+    assert set(terms) == set(proposed.structure.free or ()) | set(ABSENT)
+    assert all((terms[name].stability or 0.0) <= 0.5 for name in ABSENT)
+    assert terms["CZ_alpha"].stability == 1.0
+
+
+def test_a_campaign_is_searched_together_and_predicts_what_it_did_not_see(flown_store: Store):
+    request = wanted(Method.OE, (1, 2), validate_on=(3,), begin=SearchStart.EQUATION_ERROR, draws=2)
+    result = search(prepare_search(flown_store, request), lambda progress: None)
+    assert sorted(result.proposed.structure.absent) == sorted(ABSENT)
+    assert [one.name for one in result.proposed.predicted] == ["m2"]
+    assert (result.proposed.predicted[0].r_squared or 0.0) > 0.8
+
+
+def test_a_candidate_opens_as_one_run_however_often_it_is_opened(flown_store: Store):
+    result = search(prepare_search(flown_store, wanted(Method.EE)), lambda progress: None)
+    waiting = flown_store.searches.add(wanted(Method.EE, (1, 2)))
+    with pytest.raises(Conflict, match="has no candidates yet"):
+        candidate_of(waiting, 0)
+    kept = flown_store.searches.add(
+        replace(wanted(Method.EE, (1, 2)), state=RunState.SUCCEEDED, result=result)
+    )
+    assert kept.id is not None
+    assert flown_store.searches.get(kept.id).result == result
+    run = open_as_run(flown_store, kept.id, 0, "ada")
+    assert open_as_run(flown_store, kept.id, 0, "bob") == run
+    assert run.structure == result.candidates[0].structure
+    assert run.settings.together_with == (2,)
+    assert run.author == "ada"
+
+
+def test_searches_that_make_no_sense_are_refused(flown_store: Store):
+    for request, said in (
+        (wanted(Method.EE, ()), "at least one maneuver"),
+        (wanted(Method.EE, (1, 1)), "named twice"),
+        (wanted(Method.EE, (1,), validate_on=(1,)), "kept out for validation"),
+        (wanted(Method.EE, f_in=2.0), "f_out 20 is above f_in 2"),
+    ):
+        with pytest.raises(BadInput, match=said):
+            prepare_search(flown_store, request)
