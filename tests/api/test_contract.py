@@ -91,13 +91,15 @@ def test_examples_are_answered(client: TestClient) -> None:
         if method == "post" and path.count("/") > 3:
             continue
         query = {p["name"]: p["example"] for p in _required(operation) if p["in"] == "query"}
+        headers = {p["name"]: p["example"] for p in _required(operation) if p["in"] == "header"}
         address = path
         for part in _required(operation):
             address = address.replace(f"{{{part['name']}}}", str(part["example"]))
         if method == "get":
-            answer = client.get(address, params=query)
+            answer = client.get(address, params=query, headers=headers)
         elif "application/json" in content:
-            answer = client.post(address, json=content["application/json"]["example"])
+            example = content["application/json"]["example"]
+            answer = client.post(address, json=example, headers=headers)
         else:
             continue
         assert answer.status_code < 300, f"{method} {address} {query}: {answer.text}"

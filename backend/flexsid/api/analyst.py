@@ -35,26 +35,25 @@ def read_name(sent: str) -> str:
     return name
 
 
+_DESCRIPTION = "Name of the analyst, percent-encoded UTF-8; nobody verifies it."
+
+
 async def _analyst(
-    name: Annotated[
-        str, Header(alias=HEADER, description="Name of the analyst, percent-encoded UTF-8.")
-    ] = "",
+    name: Annotated[str, Header(alias=HEADER, description=_DESCRIPTION)] = "",
 ) -> str:
     return read_name(name)
 
 
-def required(name: str) -> str:
-    """Return the name, where what is done must carry one."""
-    if not name:
+async def _named_analyst(
+    name: Annotated[str, Header(alias=HEADER, description=_DESCRIPTION)],
+) -> str:
+    known = read_name(name)
+    if not known:
         raise BadInput(
             f"this is kept with a name: set yours in the workbench, or send it as {HEADER}",
             code="no-analyst",
         )
-    return name
-
-
-async def _named_analyst(name: Annotated[str, Depends(_analyst)]) -> str:
-    return required(name)
+    return known
 
 
 TheAnalyst = Annotated[str, Depends(_analyst)]

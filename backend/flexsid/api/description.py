@@ -40,9 +40,18 @@ _EXAMPLES: dict[str, Any] = {
     "version": 1,
     "step_id": 1,
     "quantities": "CZ,etaddot7",
+    "X-Flexsid-Analyst": "Ann%20Analyst",
 }
 
 _STRUCTURE = {"modes": [7, 9], "inputs": ["bfs", "wf1s"], "outputs": ["q", "az_egi"]}
+_PROPOSAL = {
+    "title": "SP + SW1B below 400 Pa",
+    "structure": {"id": 1, "version": 1},
+    "limits": {"dynamic_pressure_pa": [0.0, 400.0], "fuel_fraction": [0.0, 1.0]},
+    "reasoning": "SW1T lies above the band of FTA 503",
+    "run_ids": [1],
+    "comparisons": [{"run_ids": [1], "prediction_ids": [1], "coefficient": "Cm"}],
+}
 _MAPPING = """[aircraft]
 builtin = "FLEX-28"
 [flight]
@@ -69,6 +78,18 @@ _BODIES: dict[str, Any] = {
     "change_maneuvers": {"ids": [1], "action": "tag", "tag": "doubtful"},
     "change_runs": {"ids": [1], "action": "tag", "tag": "baseline"},
     "add_saved_view": {"page": "runs", "name": "my runs", "search": "method=OE"},
+    "propose_decision": _PROPOSAL,
+    "revise_decision": {"revision": 1, "proposal": _PROPOSAL},
+    "comment_decision": {"text": "within 2 σ of zero everywhere", "derivative": "CZ_q"},
+    "vote_on_decision": {"revision": 1, "vote": "approve", "text": "agreed"},
+    "withdraw_decision": {"revision": 1, "text": "the record was cut wrongly"},
+    "change_review_rules": {
+        "quorum": 2,
+        "own_allowed": False,
+        "version": 0,
+        "reason": "two pairs of eyes",
+    },
+    "freeze_figure": {"kind": "spectrum", "query": "maneuver_id=1", "title": "Inputs as flown"},
     "create_design": {
         "name": "FTA 500, first try",
         "fta": 500,

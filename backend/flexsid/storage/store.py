@@ -8,6 +8,13 @@ from typing import Any, Unpack
 
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.conditioning import ConditioningStep
+from flexsid.records.decision import (
+    Decision,
+    DecisionEvent,
+    FrozenFigure,
+    Look,
+    ReviewRules,
+)
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.maneuver import Channel, Maneuver
@@ -86,6 +93,17 @@ class Store:
             database, tables.structure_versions, StructureVersion, "version of a model structure"
         )
         self.designs = Repository(database, tables.designs, ExcitationDesign, "excitation design")
+        self.review_rules = Repository(
+            database, tables.review_rules, ReviewRules, "version of the rules of review"
+        )
+        self.decisions = Repository(database, tables.decisions, Decision, "decision")
+        self.decision_events = Repository(
+            database, tables.decision_events, DecisionEvent, "event of a decision"
+        )
+        self.frozen_figures = Repository(
+            database, tables.frozen_figures, FrozenFigure, "frozen figure"
+        )
+        self.looks = Repository(database, tables.looks, Look, "look")
         self.runs = Repository(database, tables.runs, EstimationRun, "run")
         self.searches = Repository(database, tables.searches, StructureSearch, "search")
         self.saved_views = Repository(database, tables.saved_views, SavedView, "saved view")

@@ -406,3 +406,79 @@ saved_views = _table(
     sa.Column("created_at", UtcDateTime, nullable=False),
     sa.UniqueConstraint("page", "name"),
 )
+
+review_rules = _table(
+    "review_rules",
+    _identity(),
+    _refers_to("aircraft_id", "aircraft", index=False),
+    sa.Column("version", sa.Integer, nullable=False),
+    sa.Column("quorum", sa.Integer, nullable=False),
+    sa.Column("own_allowed", sa.Boolean, nullable=False),
+    _text("reason"),
+    _text("author"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+    sa.UniqueConstraint("aircraft_id", "version"),
+)
+
+decisions = _table(
+    "decisions",
+    _identity(),
+    _refers_to("aircraft_id", "aircraft", index=False),
+    _text("axis"),
+    _json("proposal"),
+    sa.Column("state", sa.String(24), nullable=False),
+    sa.Column("revision", sa.Integer, nullable=False),
+    _json("authors"),
+    _json("votes"),
+    _refers_to("superseded_by", "decisions", required=False),
+    sa.Column("version", sa.Integer, nullable=False),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+    sa.Column("changed_at", UtcDateTime),
+    sa.Column("adopted_at", UtcDateTime),
+    sa.Index(None, "aircraft_id", "state"),
+)
+
+decision_events = _table(
+    "decision_events",
+    _identity(),
+    _refers_to("decision_id", "decisions", index=False),
+    sa.Column("number", sa.Integer, nullable=False),
+    sa.Column("kind", sa.String(24), nullable=False),
+    _text("author"),
+    sa.Column("author_verified", sa.Boolean, nullable=False),
+    _text("text"),
+    sa.Column("revision", sa.Integer, nullable=False),
+    _text("derivative", required=False),
+    sa.Column("vote", sa.String(24)),
+    _json("proposal", required=False),
+    _json("rules", required=False),
+    _refers_to("by_decision_id", "decisions", required=False),
+    _json("data"),
+    sa.Column("data_hash", sa.String(64), nullable=False),
+    _json("software"),
+    sa.Column("previous_hash", sa.String(64), nullable=False),
+    _text("sealed"),
+    sa.Column("hash", sa.String(64), nullable=False),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+    sa.UniqueConstraint("decision_id", "number"),
+)
+
+frozen_figures = _table(
+    "frozen_figures",
+    _identity(),
+    sa.Column("kind", sa.String(64), nullable=False),
+    _text("query"),
+    _text("title"),
+    sa.Column("array", sa.String(64), sa.ForeignKey("arrays.hash"), nullable=False, index=True),
+    _text("author"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+)
+
+looks = _table(
+    "looks",
+    _identity(),
+    _text("analyst"),
+    sa.Column("subject", sa.String(64), nullable=False),
+    sa.Column("seen", sa.Integer, nullable=False),
+    sa.UniqueConstraint("analyst", "subject"),
+)

@@ -17,6 +17,7 @@ from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.wire import split_ids, split_names
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow import excitation, flutter, ground_tests, reconstruction, views
+from flexsid.workflow.audit import figure_spec
 from flexsid.workflow.foresight import expected_response
 
 router = APIRouter(prefix="/figures", tags=["figures"], responses=FILES)
@@ -289,3 +290,9 @@ def draw_design_signal(
 def draw_loops(store: TheStore, maneuver_id: _Id, form: Form = "json") -> Response:
     """Draw each surface's loop as flown, with its margins."""
     return sent(figures.loops(views.loops(store, maneuver_id)), form)
+
+
+@router.get("/frozen", response_model=Figure)
+def draw_frozen(store: TheStore, figure_id: _Id, form: Form = "json") -> Response:
+    """Draw a figure as it was when it was frozen for a decision."""
+    return sent(figure_spec(store, store.frozen_figures.get(figure_id)), form)

@@ -14,6 +14,7 @@ from flexsid.api.answers import (
     StructureVersionList,
 )
 from flexsid.api.context import TheStore
+from flexsid.api.errors import Problem
 from flexsid.api.requests import ModelStructureRequest, StructureEditRequest
 from flexsid.api.wire import Identity, Json, Reference
 from flexsid.errors import BadInput
@@ -72,7 +73,9 @@ def add_model_structure(
 
 
 @router.put(
-    "/{structure_id}", response_model=ModelStructure, responses={409: {"model": StaleStructure}}
+    "/{structure_id}",
+    response_model=ModelStructure,
+    responses={409: {"model": StaleStructure | Problem}},
 )
 def edit_model_structure(
     store: TheStore,

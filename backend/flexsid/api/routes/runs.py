@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Depends, Query, Response, status
@@ -16,6 +17,7 @@ from flexsid.storage import bulk
 from flexsid.storage.facets import Facets
 from flexsid.storage.run_list import RUN_SORT_FIELDS, RunFilters
 from flexsid.workflow import estimation, structures
+from flexsid.workflow.baselines import baseline_of_run
 from flexsid.workflow.export import RunExport, export_run
 from flexsid.workflow.identified_export import ModelExport, export_model, matlab_model
 
@@ -31,14 +33,18 @@ _MATLAB: dict[int | str, dict[str, Any]] = {
 def request_run(context: TheContext, wanted: RunRequest, analyst: TheAnalyst) -> Json:
     """Queue an estimation run; follow it at the answer's ``Location``.
 
-    What cannot be estimated (an unknown mode, input or output) is refused at once.
+    Without a structure it takes the one that was approved for the condition of the
+    maneuver. What cannot be estimated (an unknown mode, input or output) is refused at once.
     """
     store = context.store
     given = None if wanted.structure is None else wanted.structure.record()
-    structure, version = structures.structure_of_run(
-        store, given, wanted.structure_id, wanted.structure_version
-    )
-    run = wanted.record(structure, version, analyst)
+    reference = (wanted.structure_id, wanted.structure_version)
+    if given is None and reference == (None, None):
+        together = () if wanted.settings is None else wanted.settings.together_with
+        approved = baseline_of_run(store, (wanted.maneuver_id, *together)).structure
+        reference = (approved.structure_id, approved.version)
+    structure, version = structures.structure_of_run(store, given, *reference)
+    run = replace(wanted.record(structure, version, analyst), structure_id=reference[0])
     estimation.prepare(store, run)
     kept = store.runs.add(run)
     context.dispatcher.wake()

@@ -1,0 +1,180 @@
+"""Decision: a model structure proposed for a range of conditions, and all that was said of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from datetime import datetime
+from enum import StrEnum
+
+
+class Quantity(StrEnum):
+    """What a range of conditions can limit."""
+
+    DYNAMIC_PRESSURE = "dynamic_pressure_pa"
+    FUEL = "fuel_fraction"
+    AIRSPEED = "airspeed_m_s"
+    AIRSPEED_RATIO = "airspeed_ratio"  # V/V_f
+    ALPHA = "alpha_rad"
+
+
+Limits = dict[Quantity, tuple[float, float]]
+"""Closed intervals; a quantity that is not named is not limited."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StructureReference:
+    """One version of one model structure."""
+
+    id: int
+    version: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkedComparison:
+    """Runs and predictions that were compared; ``coefficient`` where only one was."""
+
+    run_ids: tuple[int, ...]
+    prediction_ids: tuple[int, ...] = ()
+    coefficient: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Proposal:
+    """What a decision is about, and the evidence for it.
+
+    ``changes`` is the version that ``structure`` changes, where it is not new.
+    """
+
+    title: str
+    structure: StructureReference
+    changes: StructureReference | None = None
+    limits: Limits
+    reasoning: str
+    run_ids: tuple[int, ...] = ()
+    comparisons: tuple[LinkedComparison, ...] = ()
+    figure_ids: tuple[int, ...] = ()
+
+
+class Vote(StrEnum):
+    """What a reviewer says of a proposal."""
+
+    APPROVE = "approve"
+    REQUEST_CHANGES = "request-changes"
+    REJECT = "reject"
+
+
+class DecisionState(StrEnum):
+    """Where a decision stands; the first two can still be voted on."""
+
+    OPEN = "open"
+    CHANGES_REQUESTED = "changes-requested"
+    APPROVED = "approved"
+    REJECTED = "rejected"
+    WITHDRAWN = "withdrawn"
+    SUPERSEDED = "superseded"
+
+
+class EventKind(StrEnum):
+    """What happened to a decision."""
+
+    PROPOSED = "proposed"
+    REVISED = "revised"
+    COMMENTED = "commented"
+    VOTED = "voted"
+    WITHDRAWN = "withdrawn"
+    ADOPTED = "adopted"  # the quorum was reached: the campaign's baseline from here on
+    DECLINED = "declined"  # the quorum rejected it
+    SUPERSEDED = "superseded"  # later baselines hold the whole of its range
+    NARROWED = "narrowed"  # a later baseline holds a part of its range
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReviewRules:
+    """How many must approve, and whether one's own proposal may be judged; one per change."""
+
+    aircraft_id: int
+    quorum: int = 1
+    own_allowed: bool = False
+    version: int = 0
+    reason: str = ""
+    author: str = ""
+    created_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DecisionEvent:
+    """One entry of the record of a decision; written once and never changed.
+
+    ``author`` is the name that was set, which nobody verified. ``data`` names all
+    that the event rests on by hash, ``data_hash`` is the hash of that. ``sealed`` is the
+    event as JSON, ``previous_hash`` included, and ``hash`` the SHA-256 of that text, so
+    that no entry can be changed or taken out unnoticed.
+    """
+
+    decision_id: int
+    number: int
+    kind: EventKind
+    author: str
+    author_verified: bool = False
+    text: str
+    revision: int
+    derivative: str | None = None
+    vote: Vote | None = None
+    proposal: Proposal | None = None
+    rules: ReviewRules | None = None
+    by_decision_id: int | None = None
+    data: dict[str, str]
+    data_hash: str
+    software: dict[str, str]
+    previous_hash: str
+    sealed: str = ""
+    hash: str = ""
+    created_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Decision:
+    """Where a decision stands after its events; ``version`` counts them.
+
+    ``authors`` have made a revision of the proposal; ``votes`` are those that stand
+    on the newest one.
+    """
+
+    aircraft_id: int
+    axis: str
+    proposal: Proposal
+    state: DecisionState
+    revision: int
+    authors: tuple[str, ...]
+    votes: dict[str, Vote] = field(default_factory=dict[str, Vote])
+    superseded_by: int | None = None
+    version: int
+    created_at: datetime | None = None
+    changed_at: datetime | None = None
+    adopted_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrozenFigure:
+    """A figure as it was when somebody pointed to it; ``array`` holds its JSON."""
+
+    kind: str
+    query: str
+    title: str
+    array: str
+    author: str
+    created_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Look:
+    """Up to where an analyst has seen what happened to a decision or a model structure."""
+
+    analyst: str
+    subject: str  # "decision 3", "structure 2"
+    seen: int
+    id: int | None = None

@@ -1,0 +1,158 @@
+"""Notifications: what waits for an analyst, and what changed since they looked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+
+from flexsid.records.decision import Decision, DecisionState, EventKind, Look
+from flexsid.records.model_structure import StructureVersion
+from flexsid.storage.store import Store
+from flexsid.workflow.review import OPEN, rules_of
+
+_MOST = 100
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Waiting:
+    """A decision that cannot go on without this analyst; ``what`` is review or revise."""
+
+    decision_id: int
+    title: str
+    what: str
+    revision: int
+    since: datetime | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """Something that somebody else did; ``subject`` is a decision or a model structure."""
+
+    subject: str
+    id: int
+    title: str
+    what: str
+    author: str
+    text: str
+    number: int
+    at: datetime | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Notifications:
+    """What waits, and the newest changes (at most 100), newest first."""
+
+    waiting: list[Waiting]
+    changes: list[Change]
+
+
+def notifications(store: Store, analyst: str) -> Notifications:
+    """Gather what an analyst has to know."""
+    seen = {look.subject: look.seen for look in store.looks.find(analyst=analyst.casefold())}
+    decisions = store.decisions.find()
+    waiting = [found for one in decisions if (found := _waits(store, one, analyst)) is not None]
+    changes = [
+        *_decision_changes(store, decisions, analyst, seen),
+        *_structure_changes(store, analyst, seen),
+    ]
+    changes.sort(key=lambda change: (change.at is not None, change.at), reverse=True)
+    return Notifications(waiting=waiting, changes=changes[:_MOST])
+
+
+def mark_seen(store: Store, analyst: str, subject: str, number: int) -> None:
+    """Note up to which event of a subject an analyst has looked; never goes back."""
+    key = analyst.casefold()
+    with store.transaction():
+        found = store.looks.find(analyst=key, subject=subject)
+        if not found:
+            store.looks.add(Look(analyst=key, subject=subject, seen=number))
+            return
+        look = found[0]
+        if number > look.seen:
+            assert look.id is not None
+            store.looks.replace(Look(analyst=key, subject=subject, seen=number, id=look.id))
+
+
+def mark_all_seen(store: Store, analyst: str) -> None:
+    """Note that an analyst has seen everything there is now."""
+    with store.transaction():
+        for decision in store.decisions.find():
+            mark_seen(store, analyst, f"decision {decision.id}", decision.version)
+        for structure in store.model_structures.find():
+            mark_seen(store, analyst, f"structure {structure.id}", structure.version)
+
+
+def _waits(store: Store, decision: Decision, analyst: str) -> Waiting | None:
+    if decision.state not in OPEN:
+        return None
+    me = analyst.casefold()
+    own = me in {name.casefold() for name in decision.authors}
+    voted = me in {name.casefold() for name in decision.votes}
+    if own and decision.state is DecisionState.CHANGES_REQUESTED:
+        what = "revise"
+    elif voted or (own and not rules_of(store, decision.aircraft_id).own_allowed):
+        return None
+    else:
+        what = "review"
+    assert decision.id is not None
+    return Waiting(
+        decision_id=decision.id,
+        title=decision.proposal.title,
+        what=what,
+        revision=decision.revision,
+        since=decision.changed_at,
+    )
+
+
+def _decision_changes(
+    store: Store, decisions: list[Decision], analyst: str, seen: dict[str, int]
+) -> list[Change]:
+    changes: list[Change] = []
+    for decision in decisions:
+        assert decision.id is not None
+        last = seen.get(f"decision {decision.id}", 0)
+        if decision.version <= last:
+            continue
+        changes += [
+            Change(
+                subject="decision",
+                id=decision.id,
+                title=decision.proposal.title,
+                what=event.vote.value if event.vote is not None else event.kind.value,
+                author=event.author,
+                text=event.text if event.kind is not EventKind.PROPOSED else "",
+                number=event.number,
+                at=event.created_at,
+            )
+            for event in store.decision_events.find(decision_id=decision.id)
+            if event.number > last and event.author.casefold() != analyst.casefold()
+        ]
+    return changes
+
+
+def _structure_changes(store: Store, analyst: str, seen: dict[str, int]) -> list[Change]:
+    """Versions of others on top of what this analyst has saved or looked at."""
+    me = analyst.casefold()
+    changes: list[Change] = []
+    for structure in store.model_structures.find():
+        assert structure.id is not None
+        if structure.version == 1:
+            continue
+        versions: list[StructureVersion] = store.structure_versions.find(structure_id=structure.id)
+        own = max((one.version for one in versions if one.author.casefold() == me), default=0)
+        last = max(own, seen.get(f"structure {structure.id}", 0))
+        changes += [
+            Change(
+                subject="structure",
+                id=structure.id,
+                title=one.name,
+                what=f"version {one.version}",
+                author=one.author,
+                text=one.note,
+                number=one.version,
+                at=one.created_at,
+            )
+            for one in versions
+            if one.version > last > 0
+        ]
+    return changes
