@@ -867,6 +867,354 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/decisions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Decisions
+         * @description List decisions, newest first.
+         */
+        get: operations["list_decisions"];
+        put?: never;
+        /**
+         * Propose Decision
+         * @description Propose a model structure, or a change to one, for a range of conditions.
+         */
+        post: operations["propose_decision"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/decisions/audit": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Campaign Audit
+         * @description Return the whole story of the decisions of a campaign.
+         */
+        get: operations["get_campaign_audit"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/decisions/{decision_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Decision
+         * @description Return one decision with all that was said of it.
+         */
+        get: operations["get_decision"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/decisions/{decision_id}/revisions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Revise Decision
+         * @description Put another proposal in the place of one that is open; votes begin anew.
+         */
+        post: operations["revise_decision"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/decisions/{decision_id}/comments": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Comment Decision
+         * @description Say something of a decision as a whole, or of one derivative.
+         */
+        post: operations["comment_decision"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/decisions/{decision_id}/votes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Vote On Decision
+         * @description Approve, reject or ask for changes; the quorum decides.
+         */
+        post: operations["vote_on_decision"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/decisions/{decision_id}/withdrawal": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Withdraw Decision
+         * @description Take a proposal of one's own back.
+         */
+        post: operations["withdraw_decision"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/decisions/{decision_id}/audit": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Decision Audit
+         * @description Return the whole story of one decision.
+         */
+        get: operations["get_decision_audit"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/review-rules/{aircraft_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Review Rules
+         * @description Return the rules of review of a campaign, and what they were.
+         */
+        get: operations["get_review_rules"];
+        /**
+         * Change Review Rules
+         * @description Change the rules of review of a campaign; the ones before stay readable.
+         */
+        put: operations["change_review_rules"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/baselines": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Campaign Baselines
+         * @description List the approved structures of a campaign, the one approved last first.
+         */
+        get: operations["list_campaign_baselines"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/maneuver-baselines": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Maneuver Baselines
+         * @description Tell for each maneuver which approved structure its runs take by default.
+         */
+        get: operations["list_maneuver_baselines"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/frozen-figures": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Freeze Figure
+         * @description Keep a figure as it is now, whatever becomes of the data behind it.
+         */
+        post: operations["freeze_figure"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/frozen-figures/{figure_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Frozen Figure
+         * @description Return what is known of a frozen figure; ``figures/frozen`` shows it.
+         */
+        get: operations["get_frozen_figure"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/notifications": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Notifications
+         * @description Tell an analyst what waits for them, and what changed since they looked.
+         */
+        get: operations["get_notifications"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/notifications/seen": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Mark Notifications Seen
+         * @description Note that an analyst has seen everything there is now.
+         */
+        post: operations["mark_notifications_seen"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/decisions/{decision_id}/seen": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Mark Decision Seen
+         * @description Note that an analyst has seen a decision as it stands.
+         */
+        post: operations["mark_decision_seen"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/model-structures/{structure_id}/seen": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Mark Structure Seen
+         * @description Note that an analyst has seen the newest version of a model structure.
+         */
+        post: operations["mark_structure_seen"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/runs": {
         parameters: {
             query?: never;
@@ -884,7 +1232,8 @@ export interface paths {
          * Request Run
          * @description Queue an estimation run; follow it at the answer's ``Location``.
          *
-         *     What cannot be estimated (an unknown mode, input or output) is refused at once.
+         *     Without a structure it takes the one that was approved for the condition of the
+         *     maneuver. What cannot be estimated (an unknown mode, input or output) is refused at once.
          */
         post: operations["request_run"];
         delete?: never;
@@ -1978,6 +2327,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/figures/frozen": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Frozen
+         * @description Draw a figure as it was when it was frozen for a decision.
+         */
+        get: operations["draw_frozen"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/nomenclature": {
         parameters: {
             query?: never;
@@ -2129,6 +2498,98 @@ export interface components {
             failed: number;
         };
         /**
+         * AuditTrail
+         * @description Decisions of a campaign with its rules and baselines, as they stood at ``exported_at``.
+         */
+        AuditTrail: {
+            aircraft: components["schemas"]["Aircraft"];
+            /**
+             * Exported At
+             * Format: date-time
+             */
+            exported_at: string;
+            /** Software */
+            software: {
+                [key: string]: string;
+            };
+            /** Check */
+            check: string;
+            /** Rules */
+            rules: components["schemas"]["ReviewRules"][];
+            /** Baselines */
+            baselines: components["schemas"]["Baseline"][];
+            /** Decisions */
+            decisions: components["schemas"]["AuditedDecision"][];
+        };
+        /**
+         * AuditedDecision
+         * @description A decision with its events and all that they point to.
+         *
+         *     ``whole`` tells that no event was changed or taken out and that the events lead to
+         *     where the decision stands; ``changed_since`` names what it rests on that is not any
+         *     more what it was at the last event (or is gone).
+         */
+        AuditedDecision: {
+            decision: components["schemas"]["Decision"];
+            /** Events */
+            events: components["schemas"]["DecisionEvent"][];
+            /** Whole */
+            whole: boolean;
+            /** Changed Since */
+            changed_since: string[];
+            /** Structures */
+            structures: components["schemas"]["StructureVersion"][];
+            /** Runs */
+            runs: components["schemas"]["AuditedRun"][];
+            /** Figures */
+            figures: components["schemas"]["AuditedFigure"][];
+        };
+        /**
+         * AuditedFigure
+         * @description A frozen figure with what it shows.
+         */
+        AuditedFigure: {
+            figure: components["schemas"]["FrozenFigure"];
+            /** Spec */
+            spec: {
+                [key: string]: unknown;
+            };
+        };
+        /**
+         * AuditedRun
+         * @description What a linked run was and gave, in short.
+         */
+        AuditedRun: {
+            /** Id */
+            id: number;
+            /** Maneuver Id */
+            maneuver_id: number;
+            /** Maneuver Label */
+            maneuver_label: string;
+            /** Method */
+            method: string;
+            /** Author */
+            author: string;
+            /** Created At */
+            created_at: string | null;
+            /** Structure Id */
+            structure_id: number | null;
+            /** Structure Version */
+            structure_version: number | null;
+            /** Outcome */
+            outcome: string | null;
+            /** R Squared */
+            r_squared: {
+                [key: string]: number;
+            };
+            /** Parameters */
+            parameters: components["schemas"]["ParameterEstimate"][];
+            /** Versions */
+            versions: {
+                [key: string]: string;
+            } | null;
+        };
+        /**
          * Average
          * @description A condition channel over the maneuver; ``drift`` is its trend from start to end.
          */
@@ -2181,6 +2642,34 @@ export interface components {
                 number,
                 number
             ][];
+        };
+        /**
+         * Baseline
+         * @description An approved structure, the decision behind it, and where it holds.
+         */
+        Baseline: {
+            /** Decision Id */
+            decision_id: number;
+            /** Title */
+            title: string;
+            /** Limits */
+            limits: {
+                [key: string]: [
+                    number,
+                    number
+                ];
+            };
+            /** Approved By */
+            approved_by: string[];
+            structure: components["schemas"]["StructureVersion"];
+        };
+        /**
+         * BaselineList
+         * @description Baselines of a campaign, the one approved last first.
+         */
+        BaselineList: {
+            /** Items */
+            items: components["schemas"]["Baseline"][];
         };
         /** Body_import_flown */
         Body_import_flown: {
@@ -2281,6 +2770,28 @@ export interface components {
             targets: string;
             /** Inputs */
             inputs: string[];
+        };
+        /**
+         * Change
+         * @description Something that somebody else did; ``subject`` is a decision or a model structure.
+         */
+        Change: {
+            /** Subject */
+            subject: string;
+            /** Id */
+            id: number;
+            /** Title */
+            title: string;
+            /** What */
+            what: string;
+            /** Author */
+            author: string;
+            /** Text */
+            text: string;
+            /** Number */
+            number: number;
+            /** At */
+            at: string | null;
         };
         /**
          * ChangeRequest
@@ -2430,6 +2941,16 @@ export interface components {
             ][];
         };
         /**
+         * CommentRequest
+         * @description What is said of a decision as a whole, or of one derivative.
+         */
+        CommentRequest: {
+            /** Text */
+            text: string;
+            /** Derivative */
+            derivative?: string | null;
+        };
+        /**
          * ComparedInput
          * @description One way to excite: largest deflection [rad], load factor [g], energy [rad2 s].
          *
@@ -2466,6 +2987,21 @@ export interface components {
             sources: components["schemas"]["Source"][];
             /** Rows */
             rows: components["schemas"]["Row"][];
+        };
+        /**
+         * ComparisonRequest
+         * @description Runs and predictions to be compared, of one coefficient or all.
+         */
+        ComparisonRequest: {
+            /** Run Ids */
+            run_ids: number[];
+            /**
+             * Prediction Ids
+             * @default []
+             */
+            prediction_ids: number[];
+            /** Coefficient */
+            coefficient?: string | null;
         };
         /**
          * Condition
@@ -2608,6 +3144,192 @@ export interface components {
             /** Notes */
             notes: string[];
         };
+        /**
+         * Decision
+         * @description Where a decision stands after its events; ``version`` counts them.
+         *
+         *     ``authors`` have made a revision of the proposal; ``votes`` are those that stand
+         *     on the newest one.
+         */
+        Decision: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Axis */
+            axis: string;
+            proposal: components["schemas"]["flexsid__records__decision__Proposal"];
+            state: components["schemas"]["DecisionState"];
+            /** Revision */
+            revision: number;
+            /** Authors */
+            authors: string[];
+            /** Votes */
+            votes?: {
+                [key: string]: components["schemas"]["Vote"];
+            };
+            /** Superseded By */
+            superseded_by?: number | null;
+            /** Version */
+            version: number;
+            /** Created At */
+            created_at?: string | null;
+            /** Changed At */
+            changed_at?: string | null;
+            /** Adopted At */
+            adopted_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * DecisionDetail
+         * @description A decision with its events, rules and what it proposes.
+         *
+         *     ``newest_version`` is that of the proposed structure by now.
+         */
+        DecisionDetail: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Axis */
+            axis: string;
+            proposal: components["schemas"]["flexsid__records__decision__Proposal"];
+            state: components["schemas"]["DecisionState"];
+            /** Revision */
+            revision: number;
+            /** Authors */
+            authors: string[];
+            /** Votes */
+            votes?: {
+                [key: string]: components["schemas"]["Vote"];
+            };
+            /** Superseded By */
+            superseded_by?: number | null;
+            /** Version */
+            version: number;
+            /** Created At */
+            created_at?: string | null;
+            /** Changed At */
+            changed_at?: string | null;
+            /** Adopted At */
+            adopted_at?: string | null;
+            /** Id */
+            id?: number | null;
+            rules: components["schemas"]["ReviewRules"];
+            /** Events */
+            events: components["schemas"]["DecisionEvent"][];
+            structure: components["schemas"]["StructureVersion"];
+            /** Newest Version */
+            newest_version: number;
+            changes: components["schemas"]["StructureVersion"] | null;
+            /** Figures */
+            figures: components["schemas"]["FrozenFigure"][];
+        };
+        /**
+         * DecisionEvent
+         * @description One entry of the record of a decision; written once and never changed.
+         *
+         *     ``author`` is the name that was set, which nobody verified. ``data`` names all
+         *     that the event rests on by hash, ``data_hash`` is the hash of that. ``sealed`` is the
+         *     event as JSON, ``previous_hash`` included, and ``hash`` the SHA-256 of that text, so
+         *     that no entry can be changed or taken out unnoticed.
+         */
+        DecisionEvent: {
+            /** Decision Id */
+            decision_id: number;
+            /** Number */
+            number: number;
+            kind: components["schemas"]["EventKind"];
+            /** Author */
+            author: string;
+            /**
+             * Author Verified
+             * @default false
+             */
+            author_verified: boolean;
+            /** Text */
+            text: string;
+            /** Revision */
+            revision: number;
+            /** Derivative */
+            derivative?: string | null;
+            vote?: components["schemas"]["Vote"] | null;
+            proposal?: components["schemas"]["flexsid__records__decision__Proposal"] | null;
+            rules?: components["schemas"]["ReviewRules"] | null;
+            /** By Decision Id */
+            by_decision_id?: number | null;
+            /** Data */
+            data: {
+                [key: string]: string;
+            };
+            /** Data Hash */
+            data_hash: string;
+            /** Software */
+            software: {
+                [key: string]: string;
+            };
+            /** Previous Hash */
+            previous_hash: string;
+            /**
+             * Sealed
+             * @default
+             */
+            sealed: string;
+            /**
+             * Hash
+             * @default
+             */
+            hash: string;
+            /** Created At */
+            created_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * DecisionItem
+         * @description A decision with the name of the structure that it proposes.
+         */
+        DecisionItem: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Axis */
+            axis: string;
+            proposal: components["schemas"]["flexsid__records__decision__Proposal"];
+            state: components["schemas"]["DecisionState"];
+            /** Revision */
+            revision: number;
+            /** Authors */
+            authors: string[];
+            /** Votes */
+            votes?: {
+                [key: string]: components["schemas"]["Vote"];
+            };
+            /** Superseded By */
+            superseded_by?: number | null;
+            /** Version */
+            version: number;
+            /** Created At */
+            created_at?: string | null;
+            /** Changed At */
+            changed_at?: string | null;
+            /** Adopted At */
+            adopted_at?: string | null;
+            /** Id */
+            id?: number | null;
+            /** Structure Name */
+            structure_name: string;
+        };
+        /**
+         * DecisionList
+         * @description Decisions, newest first.
+         */
+        DecisionList: {
+            /** Items */
+            items: components["schemas"]["DecisionItem"][];
+        };
+        /**
+         * DecisionState
+         * @description Where a decision stands; the first two can still be voted on.
+         * @enum {string}
+         */
+        DecisionState: "open" | "changes-requested" | "approved" | "rejected" | "withdrawn" | "superseded";
         /**
          * DerivativeValue
          * @description One predicted derivative.
@@ -2807,6 +3529,12 @@ export interface components {
             /** Id */
             id?: number | null;
         };
+        /**
+         * EventKind
+         * @description What happened to a decision.
+         * @enum {string}
+         */
+        EventKind: "proposed" | "revised" | "commented" | "voted" | "withdrawn" | "adopted" | "declined" | "superseded" | "narrowed";
         /**
          * Excitation
          * @description Which harmonics of 1/period each input owns (the sets K_j of Eq. 4).
@@ -3361,6 +4089,38 @@ export interface components {
             start_s: number;
         };
         /**
+         * FreezeRequest
+         * @description A figure of ``GET /figures/{kind}?{query}``, to be kept as it is now.
+         */
+        FreezeRequest: {
+            /** Kind */
+            kind: string;
+            /** Query */
+            query: string;
+            /** Title */
+            title: string;
+        };
+        /**
+         * FrozenFigure
+         * @description A figure as it was when somebody pointed to it; ``array`` holds its JSON.
+         */
+        FrozenFigure: {
+            /** Kind */
+            kind: string;
+            /** Query */
+            query: string;
+            /** Title */
+            title: string;
+            /** Array */
+            array: string;
+            /** Author */
+            author: string;
+            /** Created At */
+            created_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
          * Geometry
          * @description Reference dimensions of the wing.
          */
@@ -3605,6 +4365,21 @@ export interface components {
             state: components["schemas"]["RunState"];
         };
         /**
+         * LinkedComparison
+         * @description Runs and predictions that were compared; ``coefficient`` where only one was.
+         */
+        LinkedComparison: {
+            /** Run Ids */
+            run_ids: number[];
+            /**
+             * Prediction Ids
+             * @default []
+             */
+            prediction_ids: number[];
+            /** Coefficient */
+            coefficient?: string | null;
+        };
+        /**
          * Maneuver
          * @description One research maneuver: its interval, excitation and condition.
          */
@@ -3647,6 +4422,23 @@ export interface components {
             deleted_at?: string | null;
             /** Id */
             id?: number | null;
+        };
+        /**
+         * ManeuverBaseline
+         * @description The baseline of a maneuver; none where nothing was approved for its condition.
+         */
+        ManeuverBaseline: {
+            /** Maneuver Id */
+            maneuver_id: number;
+            baseline: components["schemas"]["Baseline"] | null;
+        };
+        /**
+         * ManeuverBaselineList
+         * @description Baselines of maneuvers, in the order asked for.
+         */
+        ManeuverBaselineList: {
+            /** Items */
+            items: components["schemas"]["ManeuverBaseline"][];
         };
         /**
          * ManeuverDetail
@@ -4163,6 +4955,16 @@ export interface components {
             note: string;
         };
         /**
+         * Notifications
+         * @description What waits, and the newest changes (at most 100), newest first.
+         */
+        Notifications: {
+            /** Waiting */
+            waiting: components["schemas"]["Waiting"][];
+            /** Changes */
+            changes: components["schemas"]["Change"][];
+        };
+        /**
          * OutputQuality
          * @description Fit of one output of one block: R2, Theil's inequality, probability of white residuals.
          */
@@ -4412,16 +5214,40 @@ export interface components {
             message: string;
         };
         /**
-         * Proposal
-         * @description A mapping to begin with; ``origin`` says where it comes from.
+         * ProposalRequest
+         * @description A model structure for a range of conditions, and what speaks for it.
+         *
+         *     ``limits`` are closed intervals; without any it is proposed for all conditions.
          */
-        Proposal: {
-            /** Text */
-            text: string;
-            /** Origin */
-            origin: string;
-            /** Fitting */
-            fitting: string[];
+        ProposalRequest: {
+            /** Title */
+            title: string;
+            structure: components["schemas"]["ReferenceRequest"];
+            /** Reasoning */
+            reasoning: string;
+            changes?: components["schemas"]["ReferenceRequest"] | null;
+            /** Limits */
+            limits?: {
+                [key: string]: [
+                    number,
+                    number
+                ];
+            } | null;
+            /**
+             * Run Ids
+             * @default []
+             */
+            run_ids: number[];
+            /**
+             * Comparisons
+             * @default []
+             */
+            comparisons: components["schemas"]["ComparisonRequest"][];
+            /**
+             * Figure Ids
+             * @default []
+             */
+            figure_ids: number[];
         };
         /**
          * QualityItem
@@ -4489,6 +5315,12 @@ export interface components {
             not_checked: string[];
         };
         /**
+         * Quantity
+         * @description What a range of conditions can limit.
+         * @enum {string}
+         */
+        Quantity: "dynamic_pressure_pa" | "fuel_fraction" | "airspeed_m_s" | "airspeed_ratio" | "alpha_rad";
+        /**
          * Question
          * @description Something that the files do not say.
          */
@@ -4515,6 +5347,16 @@ export interface components {
             effort: "quick" | "thorough" | "patient";
         };
         /**
+         * ReferenceRequest
+         * @description One version of one model structure.
+         */
+        ReferenceRequest: {
+            /** Id */
+            id: number;
+            /** Version */
+            version: number;
+        };
+        /**
          * RescaleRequest
          * @description Factors on the amplitudes of inputs; those left out stay.
          */
@@ -4530,6 +5372,52 @@ export interface components {
              * @default
              */
             note: string;
+        };
+        /**
+         * ReviewRules
+         * @description How many must approve, and whether one's own proposal may be judged; one per change.
+         */
+        ReviewRules: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /**
+             * Quorum
+             * @default 1
+             */
+            quorum: number;
+            /**
+             * Own Allowed
+             * @default false
+             */
+            own_allowed: boolean;
+            /**
+             * Version
+             * @default 0
+             */
+            version: number;
+            /**
+             * Reason
+             * @default
+             */
+            reason: string;
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /** Created At */
+            created_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * RevisionRequest
+         * @description Another proposal in the place of ``revision``.
+         */
+        RevisionRequest: {
+            /** Revision */
+            revision: number;
+            proposal: components["schemas"]["ProposalRequest"];
         };
         /**
          * Role
@@ -4555,6 +5443,29 @@ export interface components {
             consistent?: boolean | null;
             /** Max Difference Sigma */
             max_difference_sigma?: number | null;
+        };
+        /**
+         * RulesHistory
+         * @description Rules of review in force, and all of them, oldest first.
+         */
+        RulesHistory: {
+            current: components["schemas"]["ReviewRules"];
+            /** Items */
+            items: components["schemas"]["ReviewRules"][];
+        };
+        /**
+         * RulesRequest
+         * @description Rules of review on top of ``version``, and why they change.
+         */
+        RulesRequest: {
+            /** Quorum */
+            quorum: number;
+            /** Own Allowed */
+            own_allowed: boolean;
+            /** Version */
+            version: number;
+            /** Reason */
+            reason: string;
         };
         /**
          * Run
@@ -5118,6 +6029,29 @@ export interface components {
             std_error?: number | null;
         };
         /**
+         * StaleProposal
+         * @description Why a vote or revision was refused: ``current`` stands in the place of ``base`` by now.
+         */
+        StaleProposal: {
+            /** Type */
+            type: string;
+            /** Title */
+            title: string;
+            /** Status */
+            status: number;
+            /** Detail */
+            detail: string;
+            /** Code */
+            code: string;
+            /** Errors */
+            errors?: components["schemas"]["FieldError"][] | null;
+            base: components["schemas"]["flexsid__records__decision__Proposal"];
+            current: components["schemas"]["flexsid__records__decision__Proposal"];
+            sent: components["schemas"]["flexsid__records__decision__Proposal"] | null;
+            /** Revision */
+            revision: number;
+        };
+        /**
          * StaleStructure
          * @description Why an edit was refused, with all that is needed to make it again.
          *
@@ -5298,6 +6232,16 @@ export interface components {
             questions: components["schemas"]["Question"][];
         };
         /**
+         * StructureReference
+         * @description One version of one model structure.
+         */
+        StructureReference: {
+            /** Id */
+            id: number;
+            /** Version */
+            version: number;
+        };
+        /**
          * StructureVersion
          * @description One version of a model structure; it is written once and never changed.
          */
@@ -5426,7 +6370,7 @@ export interface components {
             files: components["schemas"]["flexsid__workflow__describing__FoundFile"][];
             /** Fields */
             fields: components["schemas"]["FoundField"][];
-            proposal: components["schemas"]["Proposal"];
+            proposal: components["schemas"]["flexsid__workflow__describing__Proposal"];
         };
         /**
          * UploadMappingRequest
@@ -5444,6 +6388,39 @@ export interface components {
          * @enum {string}
          */
         UploadState: "read" | "importing" | "imported" | "failed";
+        /**
+         * Vote
+         * @description What a reviewer says of a proposal.
+         * @enum {string}
+         */
+        Vote: "approve" | "request-changes" | "reject";
+        /**
+         * VoteRequest
+         * @description A vote on ``revision``, and why.
+         */
+        VoteRequest: {
+            /** Revision */
+            revision: number;
+            vote: components["schemas"]["Vote"];
+            /** Text */
+            text: string;
+        };
+        /**
+         * Waiting
+         * @description A decision that cannot go on without this analyst; ``what`` is review or revise.
+         */
+        Waiting: {
+            /** Decision Id */
+            decision_id: number;
+            /** Title */
+            title: string;
+            /** What */
+            what: string;
+            /** Revision */
+            revision: number;
+            /** Since */
+            since: string | null;
+        };
         /**
          * Wish
          * @description What is wanted of a design; with its phases, the whole recipe.
@@ -5474,6 +6451,16 @@ export interface components {
              * @default 0
              */
             seed: number;
+        };
+        /**
+         * WithdrawalRequest
+         * @description Why ``revision`` is taken back.
+         */
+        WithdrawalRequest: {
+            /** Revision */
+            revision: number;
+            /** Text */
+            text: string;
         };
         /**
          * Problem
@@ -5670,6 +6657,42 @@ export interface components {
             has_modes: boolean;
         };
         /**
+         * Proposal
+         * @description What a decision is about, and the evidence for it.
+         *
+         *     ``changes`` is the version that ``structure`` changes, where it is not new.
+         */
+        flexsid__records__decision__Proposal: {
+            /** Title */
+            title: string;
+            structure: components["schemas"]["StructureReference"];
+            changes?: components["schemas"]["StructureReference"] | null;
+            /** Limits */
+            limits: {
+                [key: string]: [
+                    number,
+                    number
+                ];
+            };
+            /** Reasoning */
+            reasoning: string;
+            /**
+             * Run Ids
+             * @default []
+             */
+            run_ids: number[];
+            /**
+             * Comparisons
+             * @default []
+             */
+            comparisons: components["schemas"]["LinkedComparison"][];
+            /**
+             * Figure Ids
+             * @default []
+             */
+            figure_ids: number[];
+        };
+        /**
          * Verdict
          * @description What a pair of ground records says of the structure.
          * @enum {string}
@@ -5704,6 +6727,18 @@ export interface components {
             message: string;
             /** Key */
             key: string | null;
+        };
+        /**
+         * Proposal
+         * @description A mapping to begin with; ``origin`` says where it comes from.
+         */
+        flexsid__workflow__describing__Proposal: {
+            /** Text */
+            text: string;
+            /** Origin */
+            origin: string;
+            /** Fitting */
+            fitting: string[];
         };
     };
     responses: never;
@@ -6341,7 +7376,10 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Name of the analyst, percent-encoded UTF-8. */
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
@@ -6394,7 +7432,10 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Name of the analyst, percent-encoded UTF-8. */
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
@@ -7195,7 +8236,10 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Name of the analyst, percent-encoded UTF-8. */
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
@@ -7522,7 +8566,10 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Name of the analyst, percent-encoded UTF-8. */
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
                 "X-Flexsid-Analyst"?: string;
             };
             path?: never;
@@ -7615,7 +8662,10 @@ export interface operations {
             header?: {
                 /** @description Version that was edited, e.g. `"3"`. */
                 "if-match"?: string | null;
-                /** @description Name of the analyst, percent-encoded UTF-8. */
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
@@ -7668,7 +8718,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["StaleStructure"];
+                    "application/problem+json": components["schemas"]["StaleStructure"] | components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
             /** @description Client Error */
@@ -7757,6 +8807,866 @@ export interface operations {
             };
         };
     };
+    list_decisions: {
+        parameters: {
+            query?: {
+                /** @example 1 */
+                aircraft_id?: number | null;
+                state?: components["schemas"]["DecisionState"] | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    propose_decision: {
+        parameters: {
+            query?: never;
+            header: {
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
+                "X-Flexsid-Analyst": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "title": "SP + SW1B below 400 Pa",
+                 *       "structure": {
+                 *         "id": 1,
+                 *         "version": 1
+                 *       },
+                 *       "limits": {
+                 *         "dynamic_pressure_pa": [
+                 *           0,
+                 *           400
+                 *         ],
+                 *         "fuel_fraction": [
+                 *           0,
+                 *           1
+                 *         ]
+                 *       },
+                 *       "reasoning": "SW1T lies above the band of FTA 503",
+                 *       "run_ids": [
+                 *         1
+                 *       ],
+                 *       "comparisons": [
+                 *         {
+                 *           "run_ids": [
+                 *             1
+                 *           ],
+                 *           "prediction_ids": [
+                 *             1
+                 *           ],
+                 *           "coefficient": "Cm"
+                 *         }
+                 *       ]
+                 *     }
+                 */
+                "application/json": components["schemas"]["ProposalRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionDetail"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_campaign_audit: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                aircraft_id: number;
+                /** @description For programs or for people. */
+                format?: "json" | "markdown";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AuditTrail"];
+                    "text/markdown": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_decision: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                decision_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionDetail"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    revise_decision: {
+        parameters: {
+            query?: never;
+            header: {
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
+                "X-Flexsid-Analyst": string;
+            };
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                decision_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "revision": 1,
+                 *       "proposal": {
+                 *         "title": "SP + SW1B below 400 Pa",
+                 *         "structure": {
+                 *           "id": 1,
+                 *           "version": 1
+                 *         },
+                 *         "limits": {
+                 *           "dynamic_pressure_pa": [
+                 *             0,
+                 *             400
+                 *           ],
+                 *           "fuel_fraction": [
+                 *             0,
+                 *             1
+                 *           ]
+                 *         },
+                 *         "reasoning": "SW1T lies above the band of FTA 503",
+                 *         "run_ids": [
+                 *           1
+                 *         ],
+                 *         "comparisons": [
+                 *           {
+                 *             "run_ids": [
+                 *               1
+                 *             ],
+                 *             "prediction_ids": [
+                 *               1
+                 *             ],
+                 *             "coefficient": "Cm"
+                 *           }
+                 *         ]
+                 *       }
+                 *     }
+                 */
+                "application/json": components["schemas"]["RevisionRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionDetail"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["StaleProposal"] | components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    comment_decision: {
+        parameters: {
+            query?: never;
+            header: {
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
+                "X-Flexsid-Analyst": string;
+            };
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                decision_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "text": "within 2 σ of zero everywhere",
+                 *       "derivative": "CZ_q"
+                 *     }
+                 */
+                "application/json": components["schemas"]["CommentRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionDetail"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    vote_on_decision: {
+        parameters: {
+            query?: never;
+            header: {
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
+                "X-Flexsid-Analyst": string;
+            };
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                decision_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "revision": 1,
+                 *       "vote": "approve",
+                 *       "text": "agreed"
+                 *     }
+                 */
+                "application/json": components["schemas"]["VoteRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionDetail"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["StaleProposal"] | components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    withdraw_decision: {
+        parameters: {
+            query?: never;
+            header: {
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
+                "X-Flexsid-Analyst": string;
+            };
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                decision_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "revision": 1,
+                 *       "text": "the record was cut wrongly"
+                 *     }
+                 */
+                "application/json": components["schemas"]["WithdrawalRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionDetail"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["StaleProposal"] | components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_decision_audit: {
+        parameters: {
+            query?: {
+                /** @description For programs or for people. */
+                format?: "json" | "markdown";
+            };
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                decision_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AuditTrail"];
+                    "text/markdown": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_review_rules: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                aircraft_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RulesHistory"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    change_review_rules: {
+        parameters: {
+            query?: never;
+            header: {
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
+                "X-Flexsid-Analyst": string;
+            };
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                aircraft_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "quorum": 2,
+                 *       "own_allowed": false,
+                 *       "version": 0,
+                 *       "reason": "two pairs of eyes"
+                 *     }
+                 */
+                "application/json": components["schemas"]["RulesRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ReviewRules"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_campaign_baselines: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                aircraft_id: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BaselineList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_maneuver_baselines: {
+        parameters: {
+            query: {
+                /**
+                 * @description Ids of maneuvers, separated by commas.
+                 * @example 1
+                 */
+                maneuver_ids: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ManeuverBaselineList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    freeze_figure: {
+        parameters: {
+            query?: never;
+            header: {
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
+                "X-Flexsid-Analyst": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "kind": "spectrum",
+                 *       "query": "maneuver_id=1",
+                 *       "title": "Inputs as flown"
+                 *     }
+                 */
+                "application/json": components["schemas"]["FreezeRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FrozenFigure"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_frozen_figure: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                figure_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FrozenFigure"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_notifications: {
+        parameters: {
+            query?: never;
+            header: {
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
+                "X-Flexsid-Analyst": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Notifications"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    mark_notifications_seen: {
+        parameters: {
+            query?: never;
+            header: {
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
+                "X-Flexsid-Analyst": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    mark_decision_seen: {
+        parameters: {
+            query?: never;
+            header: {
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
+                "X-Flexsid-Analyst": string;
+            };
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                decision_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    mark_structure_seen: {
+        parameters: {
+            query?: never;
+            header: {
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
+                "X-Flexsid-Analyst": string;
+            };
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                structure_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     list_runs: {
         parameters: {
             query?: {
@@ -7832,7 +9742,10 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Name of the analyst, percent-encoded UTF-8. */
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
                 "X-Flexsid-Analyst"?: string;
             };
             path?: never;
@@ -10233,6 +12146,42 @@ export interface operations {
             query: {
                 /** @example 1 */
                 maneuver_id: number;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_frozen: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                figure_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
             };
