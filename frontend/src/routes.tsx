@@ -22,6 +22,7 @@ import {
   modelStructuresView,
   modelStructureView,
   newRunView,
+  qualityView,
   runsView,
   runView,
 } from "./views";
@@ -56,6 +57,13 @@ const maneuver = createRoute({
   params: byId,
   validateSearch: maneuverView,
   component: lazyRouteComponent(() => import("./pages/ManeuverPage"), "ManeuverPage"),
+});
+
+const quality = createRoute({
+  getParentRoute: () => root,
+  path: "/quality",
+  validateSearch: qualityView,
+  component: lazyRouteComponent(() => import("./pages/QualityPage"), "QualityPage"),
 });
 
 const miniGvt = createRoute({
@@ -167,6 +175,7 @@ export const router = createRouter({
     glossary,
     maneuver,
     miniGvt,
+    quality,
     newRun,
     run,
     compare,

@@ -9,6 +9,7 @@ import { flag, integer, integers, number, oneOf, text, words, type Search } from
 export const VIEWS = [
   { to: "/", label: "Start", key: "s" },
   { to: "/campaign", label: "Campaign", key: "c" },
+  { to: "/quality", label: "Quality", key: "q" },
   { to: "/runs", label: "Runs", key: "r" },
   { to: "/compare", label: "Compare", key: "m" },
   { to: "/model-structures", label: "Structures", key: "t" },
@@ -44,6 +45,16 @@ export const campaignView = view((search) => ({
 }));
 export type CampaignView = ReturnType<typeof campaignView>;
 
+export const VERDICTS = ["bad", "doubtful", "good", "missing"] as const;
+
+export const qualityView = view((search) => ({
+  verdict: oneOf(search.verdict, VERDICTS),
+  flight: integer(search.flight),
+  search: text(search.search),
+  sort: text(search.sort),
+}));
+export type QualityView = ReturnType<typeof qualityView>;
+
 export const runsView = view((search) => ({
   search: text(search.search),
   aircraft: integer(search.aircraft),
@@ -61,7 +72,15 @@ export type RunsView = ReturnType<typeof runsView>;
 
 export const BODE_PLANES = ["bode", "nichols", "nyquist", "loops"] as const;
 
-export const MANEUVER_TABS = ["time", "spectra", "inputs", "bode", "runs"] as const;
+export const MANEUVER_TABS = [
+  "time",
+  "quality",
+  "spectra",
+  "inputs",
+  "reconstruction",
+  "bode",
+  "runs",
+] as const;
 
 export const maneuverView = view((search) => ({
   tab: oneOf(search.tab, MANEUVER_TABS),
@@ -83,6 +102,9 @@ export const maneuverView = view((search) => ({
   /** The whole spectrum behind the lines. */
   full: flag(search.full),
   domain: oneOf(search.domain, ["time", "frequency"] as const),
+  /** Reconstructed quantities, and the modes they are told apart with. */
+  quantities: words(search.quantities),
+  modes: integers(search.modes),
   /** Modes whose equation-error regressors are compared instead of channels. */
   regressors: integers(search.regressors),
   selected: integers(search.selected),

@@ -19,6 +19,7 @@ from flexsid.figures.plot_matrix import plot_matrix
 from flexsid.figures.poles import poles
 from flexsid.figures.reconstruction import reconstruction, reconstruction_lines
 from flexsid.figures.residual import residual
+from flexsid.figures.signal_to_noise import signal_to_noise
 from flexsid.figures.spectrum import spectrum
 from flexsid.figures.time_check import time_check
 from flexsid.figures.time_history import time_history
@@ -45,6 +46,7 @@ __all__ = [
     "reconstruction_lines",
     "residual",
     "root_locus",
+    "signal_to_noise",
     "spectrum",
     "time_check",
     "time_history",

@@ -21,7 +21,7 @@ def reconstruction(value: Reconstruction) -> Spec:
         "xaxis": {**title("Time [s]"), "anchor": axis(count)},
         "legend": {"orientation": "h", "y": 1.02, "yanchor": "bottom"},
         "hovermode": "x",
-        "meta": {"rows": count},
+        "meta": _meta(value, count),
     }
     data: list[Spec] = []
     for number, (trace, domain) in enumerate(
@@ -40,7 +40,7 @@ def reconstruction_lines(value: Reconstruction) -> Spec:
         "xaxis": {**title("Frequency [Hz]"), "anchor": axis(count)},
         "legend": {"orientation": "h", "y": 1.02, "yanchor": "bottom"},
         "hovermode": "closest",
-        "meta": {"rows": count},
+        "meta": _meta(value, count),
     }
     data: list[Spec] = []
     domains = rows([1.0] * count)
@@ -74,6 +74,22 @@ def reconstruction_lines(value: Reconstruction) -> Spec:
                 }
             )
     return {"data": data, "layout": layout}
+
+
+def _meta(value: Reconstruction, count: int) -> Spec:
+    """What the page offers and tells beside the figure."""
+    finite = value.condition[np.isfinite(value.condition)]
+    return {
+        "rows": count,
+        "offered": list(value.offered),
+        "modes": list(value.modes),
+        "mode_names": list(value.mode_names),
+        "n_motions": value.n_motions,
+        "least_rank": int(value.rank.min()),
+        "worst_condition": float(finite.max()) if finite.size else None,
+        "n_sensors": len(value.sensors),
+        "left_out": [f"{name}: {reason}" for name, reason in value.left_out.items()],
+    }
 
 
 def _heading(quantity: quantities.Quantity) -> str:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 
+import numpy as np
+
 
 class Verdict(StrEnum):
     """Whether a maneuver may be estimated from."""
@@ -142,3 +144,17 @@ class ManeuverQuality:
     report: QualityReport
     created_at: datetime | None = None
     id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SignalToNoise:
+    """Signal over noise of every channel at every line, ``decibel`` (n_lines, n_channels).
+
+    NaN above the Nyquist frequency of a channel.
+    """
+
+    maneuver_id: int
+    names: tuple[str, ...]
+    frequency_hz: np.ndarray
+    owners: tuple[str, ...]
+    decibel: np.ndarray

@@ -3,6 +3,7 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "./client";
 import type {
   Action,
+  CorrectionRequest,
   Design,
   DesignRequest,
   ManyOf,
@@ -215,5 +216,52 @@ export function useEditStructure(id: number) {
         }),
       ),
     onSettled: () => cache.invalidateQueries({ queryKey: ["structures"] }),
+  });
+}
+
+/** What corrections of channels change: everything that is drawn or judged from them. */
+function useRefreshManeuver(id: number) {
+  const cache = useQueryClient();
+  return () =>
+    Promise.all(
+      [["conditioning", id], ["quality"], ["figure"]].map((queryKey) =>
+        cache.invalidateQueries({ queryKey }),
+      ),
+    );
+}
+
+export function useTakeCorrections(id: number) {
+  return useMutation({
+    mutationFn: (items: CorrectionRequest[]) =>
+      body(
+        api.POST("/api/v1/maneuvers/{maneuver_id}/conditioning", {
+          params: { path: { maneuver_id: id } },
+          body: { items },
+        }),
+      ),
+    onSuccess: useRefreshManeuver(id),
+  });
+}
+
+export function useUndoCorrection(id: number) {
+  return useMutation({
+    mutationFn: (step: number) =>
+      body(
+        api.DELETE("/api/v1/maneuvers/{maneuver_id}/conditioning/{step_id}", {
+          params: { path: { maneuver_id: id, step_id: step } },
+        }),
+      ),
+    onSuccess: useRefreshManeuver(id),
+  });
+}
+
+export function useAssess() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: "begin" | "stop") =>
+      wanted === "begin"
+        ? body(api.POST("/api/v1/quality/assess", { body: {} }))
+        : body(api.DELETE("/api/v1/quality/assess")),
+    onSettled: () => cache.invalidateQueries({ queryKey: ["quality"] }),
   });
 }

@@ -46,6 +46,56 @@ export const maneuverQuery = (id: number) =>
       ),
   });
 
+export const qualityQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["quality", "maneuver", id],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/maneuvers/{maneuver_id}/quality", {
+          params: { path: { maneuver_id: id } },
+          signal,
+        }),
+      ),
+    staleTime: 60_000,
+  });
+
+export const conditioningQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["conditioning", id],
+    queryFn: async ({ signal }) =>
+      (
+        await body(
+          api.GET("/api/v1/maneuvers/{maneuver_id}/conditioning", {
+            params: { path: { maneuver_id: id } },
+            signal,
+          }),
+        )
+      ).items,
+  });
+
+export interface QualityFilters {
+  verdict?: "good" | "doubtful" | "bad" | "missing";
+  flight_id?: number;
+  search?: string;
+}
+
+export const qualitiesQuery = (filters: QualityFilters, sort: string) =>
+  infiniteQueryOptions({
+    queryKey: ["quality", "list", filters, sort],
+    queryFn: ({ pageParam, signal }) =>
+      body(
+        api.GET("/api/v1/quality", {
+          params: { query: { ...filters, sort, limit: 200, after: pageParam } },
+          signal,
+        }),
+      ),
+    initialPageParam: undefined as string | undefined,
+    getNextPageParam: (page) => page.next ?? undefined,
+    placeholderData: keepPreviousData,
+    refetchInterval: (query) =>
+      query.state.data?.pages[0]?.assessing.running === true ? 4 * POLL_MS : false,
+  });
+
 export const flightsQuery = queryOptions({
   queryKey: ["flights"],
   queryFn: async ({ signal }) => (await body(api.GET("/api/v1/flights", { signal }))).items,

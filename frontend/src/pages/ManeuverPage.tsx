@@ -10,6 +10,8 @@ import { BodeTab } from "../components/BodeTab";
 import { ManeuverRuns } from "../components/ManeuverRuns";
 import { PageHead } from "../components/PageHead";
 import { PlotMatrixTab } from "../components/PlotMatrixTab";
+import { QualityTab } from "../components/QualityTab";
+import { ReconstructionTab } from "../components/ReconstructionTab";
 import { SpectraTab } from "../components/SpectraTab";
 import { TimeHistoryTab } from "../components/TimeHistoryTab";
 import { MANEUVER_TABS, type ManeuverView } from "../views";
@@ -18,8 +20,10 @@ const route = getRouteApi("/maneuvers/$id");
 
 const TAB_NAMES: Record<(typeof MANEUVER_TABS)[number], string> = {
   time: "Time histories",
+  quality: "Quality",
   spectra: "Spectra",
   inputs: "Correlation",
+  reconstruction: "Reconstruction",
   bode: "Bode",
   runs: "Runs",
 };
@@ -88,6 +92,12 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
         </Tabs.List>
         <Tabs.Panel value="time" pt="md">
           <TimeHistoryTab maneuver={maneuver} view={view} onChange={change} />
+        </Tabs.Panel>
+        <Tabs.Panel value="quality" pt="md">
+          <QualityTab maneuver={maneuver} view={view} onChange={change} />
+        </Tabs.Panel>
+        <Tabs.Panel value="reconstruction" pt="md">
+          <ReconstructionTab maneuver={maneuver} view={view} onChange={change} />
         </Tabs.Panel>
         <Tabs.Panel value="spectra" pt="md">
           <SpectraTab maneuver={maneuver} view={view} onChange={change} />

@@ -78,6 +78,15 @@ def draw_spectrum(
     return sent(figures.spectrum(views.spectrum(store, maneuver_id, chosen, full=full)), form)
 
 
+@router.get("/signal-to-noise", response_model=Figure)
+def draw_signal_to_noise(
+    store: TheStore, maneuver_id: _Id, channels: _Names = None, form: Form = "json"
+) -> Response:
+    """Draw signal over noise per channel and line; all inputs and outputs by default."""
+    chosen = split_names(channels) or ()
+    return sent(figures.signal_to_noise(views.signal_to_noise(store, maneuver_id, chosen)), form)
+
+
 @router.get("/plot-matrix", response_model=Figure)
 def draw_plot_matrix(
     store: TheStore,

@@ -3,7 +3,7 @@
 from flexsid.workflow.views.campaign import envelope
 from flexsid.workflow.views.channels import read_channels
 from flexsid.workflow.views.loops import loops
-from flexsid.workflow.views.maneuver import POINTS, spectrum, time_history
+from flexsid.workflow.views.maneuver import POINTS, signal_to_noise, spectrum, time_history
 from flexsid.workflow.views.plot_matrix import Domain, plot_matrix
 from flexsid.workflow.views.response import bode
 from flexsid.workflow.views.run import (
@@ -30,6 +30,7 @@ __all__ = [
     "poles",
     "read_channels",
     "residual",
+    "signal_to_noise",
     "spectrum",
     "time_check",
     "time_history",

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.maneuver import Maneuver
+from flexsid.records.maneuver import Maneuver, Role
+from flexsid.records.quality import SignalToNoise
 from flexsid.records.views import ChannelHistories, Spectra
 from flexsid.storage.store import Store
 from flexsid.sysid.spectra.scatter import noise_about_responses
@@ -88,6 +89,38 @@ def spectrum(
         background_hz=background_hz,
         background=background,
         band_hz=(float(frequency_hz[0]), float(frequency_hz[-1])) if frequency_hz.size else None,
+    )
+
+
+def signal_to_noise(
+    store: Store, maneuver_id: int, channels: Sequence[str] = ()
+) -> SignalToNoise:
+    """Signal over noise of channels at every line; all inputs and outputs by default.
+
+    Raises
+    ------
+    BadInput
+        If the noise of single lines cannot be told.
+    """
+    if not channels:
+        recorded = store.channels.find(maneuver_id=maneuver_id)
+        channels = [c.name for c in recorded if c.role in (Role.INPUT, Role.OUTPUT)]
+    found = spectrum(store, maneuver_id, channels)
+    if found.noise is None:
+        raise BadInput(
+            "the noise of single lines is only known where the excitation is: import the maneuver "
+            "with its [excitation]",
+            code="no-noise",
+        )
+    floor = np.where(found.noise > 0, found.noise, np.nan)
+    with np.errstate(divide="ignore"):
+        decibel = 20.0 * np.log10(found.magnitude / floor)
+    return SignalToNoise(
+        maneuver_id=maneuver_id,
+        names=found.names,
+        frequency_hz=found.frequency_hz,
+        owners=found.owners,
+        decibel=np.where(np.isfinite(decibel), decibel, np.nan),
     )
 
 

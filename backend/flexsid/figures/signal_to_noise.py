@@ -1,0 +1,39 @@
+"""Signal over noise, one row per channel and one column per line."""
+
+from __future__ import annotations
+
+from flexsid.figures import quantities
+from flexsid.figures.spec import Spec, column, empty, title
+from flexsid.records.quality import SignalToNoise
+
+_ROW_PX = 17
+_SHOWN_DB = (0.0, 40.0)
+
+
+def signal_to_noise(value: SignalToNoise) -> Spec:
+    """Draw a map: dark where a channel says nothing at a line."""
+    if not value.names:
+        return empty("No channel chosen")
+    labels = [quantities.of_channel(name).label for name in value.names]
+    return {
+        "data": [
+            {
+                "type": "heatmap",
+                "name": "signal over noise",
+                "x": column(value.frequency_hz),
+                "y": labels,
+                "z": column(value.decibel.T),
+                "zmin": _SHOWN_DB[0],
+                "zmax": _SHOWN_DB[1],
+                "colorscale": "Viridis",
+                "colorbar": {"title": {"text": "dB"}, "thickness": 12},
+                "hovertemplate": "%{y} at %{x:.3f} Hz: %{z:.1f} dB<extra></extra>",
+            }
+        ],
+        "layout": {
+            "xaxis": title("Frequency [Hz]"),
+            "yaxis": {"autorange": "reversed", "automargin": True, "tickfont": {"size": 10}},
+            "height": 120 + _ROW_PX * len(labels),
+            "meta": {"rows": 1},
+        },
+    }

@@ -1,0 +1,193 @@
+import { Alert, Button, Group, List, Stack, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { qualityQuery } from "../api/queries";
+import type { ManeuverQuality } from "../api/types";
+import { useTakeCorrections } from "../api/commands";
+import { calibrationsOf, delaysOf, repairsOf } from "./corrections";
+import { count, fixed, percent } from "../lib/format";
+import { ConditioningSteps } from "./ConditioningSteps";
+import { Facts } from "./ConditionFacts";
+import { Figure } from "./Figure";
+import { Loaded } from "./Loaded";
+import { ProblemAlert } from "./ProblemAlert";
+import { QualityChannels } from "./QualityChannels";
+import { Section } from "./Section";
+import type { ManeuverTabProps } from "./TimeHistoryTab";
+import { VERDICT_COLORS } from "./VerdictBadge";
+
+const TITLES = {
+  good: "Good",
+  doubtful: "Doubtful: to be looked at first",
+  bad: "Bad: not to be estimated from as it is",
+} as const;
+
+/** What was found about the recording: verdict, findings, channels, condition, corrections. */
+export function QualityTab({ maneuver }: ManeuverTabProps) {
+  const quality = useQuery(qualityQuery(maneuver.id));
+  return (
+    <Loaded query={quality} rows={10}>
+      {(data) => <Found id={maneuver.id} quality={data} />}
+    </Loaded>
+  );
+}
+
+function Found({ id, quality }: { id: number; quality: ManeuverQuality }) {
+  const { report } = quality;
+  return (
+    <Stack gap="md">
+      <Alert
+        color={VERDICT_COLORS[quality.verdict]}
+        variant="light"
+        title={TITLES[quality.verdict]}
+        role="status"
+        data-testid={`quality-${quality.verdict}`}
+      >
+        {report.findings.length === 0 ? (
+          <Text size="sm">{quality.summary}</Text>
+        ) : (
+          <List size="sm" spacing={2}>
+            {quality.verdict === "good" && <List.Item>{quality.summary}</List.Item>}
+            {report.findings.map((finding, place) => (
+              <List.Item key={place} fw={finding.severity === "bad" ? 600 : undefined}>
+                {finding.text}
+              </List.Item>
+            ))}
+          </List>
+        )}
+      </Alert>
+      <Corrections id={id} quality={quality} />
+      <Section title="Channels" note={<SkewNote quality={quality} />}>
+        <QualityChannels channels={report.channels} />
+      </Section>
+      <Section
+        title="Flight condition"
+        note="Averages over the maneuver with their spread; drift is the trend from start to end"
+      >
+        <Condition quality={quality} />
+      </Section>
+      <div className="panel" style={{ padding: 12 }}>
+        <Figure
+          kind="signal-to-noise"
+          title="Signal over noise by channel and line"
+          params={{ maneuver_id: id }}
+          height={140 + 15 * report.channels.filter(isHeard).length}
+        />
+      </div>
+      {report.not_checked.length > 0 && (
+        <Section title="Not looked at">
+          <List size="sm">
+            {report.not_checked.map((reason) => (
+              <List.Item key={reason}>{reason}</List.Item>
+            ))}
+          </List>
+        </Section>
+      )}
+    </Stack>
+  );
+}
+
+const isHeard = (channel: { role: string }) =>
+  channel.role === "input" || channel.role === "output";
+
+function bandOf(quality: ManeuverQuality): string {
+  const band = quality.report.skew_band_hz;
+  return band === null ? "" : `${fixed(band[0], 2)} to ${fixed(band[1], 2)} Hz`;
+}
+
+function SkewNote({ quality }: { quality: ManeuverQuality }) {
+  const { skew_reference: reference } = quality.report;
+  if (reference === null) return "Skews are not known: the sensors are not redundant here";
+  return `Skews against ${reference}, from ${bandOf(quality)}; ± are standard errors`;
+}
+
+/** What can be corrected from the findings, each as one recorded step, and what was. */
+function Corrections({ id, quality }: { id: number; quality: ManeuverQuality }) {
+  const take = useTakeCorrections(id);
+  const channels = quality.report.channels;
+  const offers = [
+    { label: "Undo delays", what: "delay", items: delaysOf(channels, bandOf(quality)) },
+    { label: "Calibrate", what: "calibration", items: calibrationsOf(channels) },
+    { label: "Repair spikes", what: "repair", items: repairsOf(channels) },
+  ].filter((offer) => offer.items.length > 0);
+  return (
+    <Section
+      title="Corrections"
+      note="What was recorded stays as it is: a step stands beside it, and can be undone"
+      actions={
+        <Group gap="xs">
+          {offers.map((offer) => (
+            <Button
+              key={offer.what}
+              variant="default"
+              loading={take.isPending}
+              data-testid={`take-${offer.what}`}
+              onClick={() => {
+                take.mutate(offer.items);
+              }}
+            >
+              {offer.label} ({count(offer.items.length, "channel")})
+            </Button>
+          ))}
+        </Group>
+      }
+    >
+      {take.isError && <ProblemAlert error={take.error} />}
+      <ConditioningSteps id={id} />
+    </Section>
+  );
+}
+
+function Condition({ quality }: { quality: ManeuverQuality }) {
+  const { condition } = quality.report;
+  const lasting =
+    condition.time_invariant === null ? "unknown" : condition.time_invariant ? "holds" : "does not";
+  return (
+    <Stack gap="sm">
+      <Facts
+        facts={[
+          [
+            <>
+              V/V<sub>f</sub>
+            </>,
+            fixed(condition.airspeed_ratio, 3),
+          ],
+          ["Fuel", percent(condition.fuel_fraction), "%"],
+          ["Fuel burnt meanwhile", percent(condition.fuel_change, 2), "%"],
+          ["Airspeed drift", percent(condition.airspeed_drift, 2), "%"],
+          ["Separation factor", fixed(condition.separation_factor, 2)],
+          ["One linear model", lasting],
+        ]}
+      />
+      {condition.averages.length > 0 && (
+        <div className="table-scroll">
+          <table className="data-table" aria-label="Averages">
+            <thead>
+              <tr>
+                <th scope="col">Channel</th>
+                {["Mean", "Spread", "Smallest", "Largest", "Drift"].map((name) => (
+                  <th scope="col" className="end" key={name}>
+                    {name}
+                  </th>
+                ))}
+                <th scope="col">Unit</th>
+              </tr>
+            </thead>
+            <tbody>
+              {condition.averages.map((one) => (
+                <tr key={one.name}>
+                  <td>{one.name}</td>
+                  {[one.mean, one.std, one.smallest, one.largest, one.drift].map((value, place) => (
+                    <td className="end numbers" key={place}>
+                      {fixed(value, 4)}
+                    </td>
+                  ))}
+                  <td>{one.unit}</td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </div>
+      )}
+    </Stack>
+  );
+}

@@ -1,0 +1,88 @@
+import { MultiSelect, SegmentedControl, Stack, Text, TextInput } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { figureQuery } from "../api/queries";
+import { integers } from "../lib/urlState";
+import { fixed } from "../lib/format";
+import { Figure } from "./Figure";
+import type { ManeuverTabProps } from "./TimeHistoryTab";
+
+interface Meta {
+  offered?: string[];
+  modes?: number[];
+  mode_names?: string[];
+  n_motions?: number;
+  least_rank?: number;
+  worst_condition?: number | null;
+  n_sensors?: number;
+  left_out?: string[];
+}
+
+/** Rigid and modal motion and coefficients that all sensors together tell (Fig. 16a). */
+export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps) {
+  const domain = view.domain ?? "time";
+  const params = {
+    maneuver_id: maneuver.id,
+    quantities: view.quantities,
+    modes: view.modes,
+    domain,
+  };
+  const figure = useQuery(figureQuery("reconstruction", params));
+  const meta = (figure.data?.layout.meta ?? {}) as Meta;
+  const first = meta.modes?.[0];
+  const chosen = view.quantities ?? (first === undefined ? ["CZ"] : ["CZ", `etaddot${first}`]);
+  return (
+    <div className="split">
+      <Stack gap="md">
+        <SegmentedControl
+          aria-label="Domain"
+          data={[
+            { value: "time", label: "Time" },
+            { value: "frequency", label: "Lines" },
+          ]}
+          value={domain}
+          onChange={(value) => {
+            onChange({ domain: value === "frequency" ? "frequency" : undefined });
+          }}
+        />
+        <MultiSelect
+          label="Quantities"
+          data={meta.offered ?? chosen}
+          value={chosen}
+          searchable
+          maxValues={8}
+          onChange={(names) => {
+            onChange({ quantities: names.length > 0 ? names : undefined });
+          }}
+        />
+        <TextInput
+          label="Modes"
+          description="Numbers; empty takes as many as move"
+          placeholder={meta.modes?.join(", ")}
+          defaultValue={view.modes?.join(", ") ?? ""}
+          onBlur={(event) => {
+            onChange({ modes: integers(event.currentTarget.value) });
+          }}
+        />
+        {meta.n_motions !== undefined && (
+          <Text size="xs" className="quiet" data-testid="reconstruction-rank">
+            {meta.n_sensors} sensors, {meta.n_motions} motions: α, q and{" "}
+            {meta.mode_names?.join(", ")}. Rank {meta.least_rank} at every line or more, condition
+            number up to {fixed(meta.worst_condition, 0)}.
+          </Text>
+        )}
+        {(meta.left_out ?? []).map((reason) => (
+          <Text size="xs" className="quiet" key={reason}>
+            {reason}
+          </Text>
+        ))}
+      </Stack>
+      <div className="panel" style={{ padding: 12 }}>
+        <Figure
+          kind="reconstruction"
+          title={domain === "time" ? "Smoothed by a Kalman filter" : "Line by line"}
+          params={params}
+        />
+      </div>
+    </div>
+  );
+}

@@ -1,0 +1,18 @@
+import { Badge } from "@mantine/core";
+import type { Verdict } from "../api/types";
+
+export const VERDICT_COLORS: Record<Verdict, string> = {
+  good: "green",
+  doubtful: "yellow",
+  bad: "red",
+};
+
+/** Whether a maneuver may be estimated from; the word says it, the color only helps. */
+export function VerdictBadge({ verdict }: { verdict: Verdict | null }) {
+  if (verdict === null) return <span className="quiet">not looked at</span>;
+  return (
+    <Badge color={VERDICT_COLORS[verdict]} data-testid={`verdict-${verdict}`}>
+      {verdict}
+    </Badge>
+  );
+}

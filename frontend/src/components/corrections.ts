@@ -1,0 +1,61 @@
+/** Corrections that follow from what was found about channels. */
+import type { ChannelQuality, CorrectionRequest } from "../api/types";
+
+const NONE = { delay_s: 0, scale: 1, bias: 0, stretches: [] as [number, number][], basis: "" };
+const SIGMAS = 3;
+const LEAST_SKEW_S = 1e-3;
+
+/** Delays that stand out of their errors. */
+export function delaysOf(channels: ChannelQuality[], band: string): CorrectionRequest[] {
+  return channels.flatMap((one) => {
+    const { delay_s: delay, delay_std: std } = one;
+    if (delay === null || std === null) return [];
+    if (Math.abs(delay) <= Math.max(LEAST_SKEW_S, SIGMAS * std)) return [];
+    return [
+      {
+        ...NONE,
+        channel: one.name,
+        kind: "delay" as const,
+        delay_s: delay,
+        std,
+        basis: `redundancy of the sensors, ${band}`,
+      },
+    ];
+  });
+}
+
+/** Scale factors and biases that stand out of their errors. */
+export function calibrationsOf(channels: ChannelQuality[]): CorrectionRequest[] {
+  return channels.flatMap((one) => {
+    const scale = sure(one.scale === null ? null : one.scale - 1, one.scale_std);
+    const bias = sure(one.bias, one.bias_std);
+    if (scale === 0 && bias === 0) return [];
+    return [
+      {
+        ...NONE,
+        channel: one.name,
+        kind: "calibration" as const,
+        scale: 1 + scale,
+        bias,
+        std: one.scale_std,
+        basis: ["kinematic consistency", one.bias_basis].filter(Boolean).join("; "),
+      },
+    ];
+  });
+}
+
+/** Spikes, which a spline replaces; what is longer would be invented. */
+export function repairsOf(channels: ChannelQuality[]): CorrectionRequest[] {
+  return channels.flatMap((one) => {
+    const stretches = one.stretches
+      .filter((part) => part.kind === "spike")
+      .map((part): [number, number] => [part.first, part.stop]);
+    return stretches.length === 0
+      ? []
+      : [{ ...NONE, channel: one.name, kind: "repair" as const, stretches, basis: "spikes" }];
+  });
+}
+
+function sure(value: number | null, std: number | null): number {
+  return value !== null && std !== null && Math.abs(value) > SIGMAS * std ? value : 0;
+}
