@@ -92,9 +92,7 @@ def spectrum(
     )
 
 
-def signal_to_noise(
-    store: Store, maneuver_id: int, channels: Sequence[str] = ()
-) -> SignalToNoise:
+def signal_to_noise(store: Store, maneuver_id: int, channels: Sequence[str] = ()) -> SignalToNoise:
     """Signal over noise of channels at every line; all inputs and outputs by default.
 
     Raises
