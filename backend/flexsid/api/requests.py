@@ -243,7 +243,7 @@ Sample = Annotated[int, Field(strict=True, ge=0, le=LARGEST_ID)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CorrectionRequest:
+class StepRequest:
     """One correction; see ``Correction``."""
 
     channel: Name
@@ -262,7 +262,7 @@ class CorrectionRequest:
 class ConditioningRequest:
     """Corrections to take together."""
 
-    items: Annotated[tuple[CorrectionRequest, ...], Field(min_length=1, max_length=1000)]
+    items: Annotated[tuple[StepRequest, ...], Field(min_length=1, max_length=1000)]
 
     __pydantic_config__ = _STRICT
 

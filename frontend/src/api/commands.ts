@@ -3,7 +3,7 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "./client";
 import type {
   Action,
-  CorrectionRequest,
+  StepRequest,
   Design,
   DesignRequest,
   ManyOf,
@@ -232,7 +232,7 @@ function useRefreshManeuver(id: number) {
 
 export function useTakeCorrections(id: number) {
   return useMutation({
-    mutationFn: (items: CorrectionRequest[]) =>
+    mutationFn: (items: StepRequest[]) =>
       body(
         api.POST("/api/v1/maneuvers/{maneuver_id}/conditioning", {
           params: { path: { maneuver_id: id } },

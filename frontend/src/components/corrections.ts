@@ -1,12 +1,12 @@
 /** Corrections that follow from what was found about channels. */
-import type { ChannelQuality, CorrectionRequest } from "../api/types";
+import type { ChannelQuality, StepRequest } from "../api/types";
 
 const NONE = { delay_s: 0, scale: 1, bias: 0, stretches: [] as [number, number][], basis: "" };
 const SIGMAS = 3;
 const LEAST_SKEW_S = 1e-3;
 
 /** Delays that stand out of their errors. */
-export function delaysOf(channels: ChannelQuality[], band: string): CorrectionRequest[] {
+export function delaysOf(channels: ChannelQuality[], band: string): StepRequest[] {
   return channels.flatMap((one) => {
     const { delay_s: delay, delay_std: std } = one;
     if (delay === null || std === null) return [];
@@ -25,7 +25,7 @@ export function delaysOf(channels: ChannelQuality[], band: string): CorrectionRe
 }
 
 /** Scale factors and biases that stand out of their errors. */
-export function calibrationsOf(channels: ChannelQuality[]): CorrectionRequest[] {
+export function calibrationsOf(channels: ChannelQuality[]): StepRequest[] {
   return channels.flatMap((one) => {
     const scale = sure(one.scale === null ? null : one.scale - 1, one.scale_std);
     const bias = sure(one.bias, one.bias_std);
@@ -45,7 +45,7 @@ export function calibrationsOf(channels: ChannelQuality[]): CorrectionRequest[] 
 }
 
 /** Spikes, which a spline replaces; what is longer would be invented. */
-export function repairsOf(channels: ChannelQuality[]): CorrectionRequest[] {
+export function repairsOf(channels: ChannelQuality[]): StepRequest[] {
   return channels.flatMap((one) => {
     const stretches = one.stretches
       .filter((part) => part.kind === "spike")
