@@ -1925,6 +1925,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/figures/signal-to-noise": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Signal To Noise
+         * @description Draw signal over noise per channel and line; all inputs and outputs by default.
+         */
+        get: operations["draw_signal_to_noise"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/figures/plot-matrix": {
         parameters: {
             query?: never;
@@ -3054,7 +3074,7 @@ export interface components {
          */
         ConditioningRequest: {
             /** Items */
-            items: components["schemas"]["flexsid__api__requests__CorrectionRequest"][];
+            items: components["schemas"]["StepRequest"][];
         };
         /**
          * ConditioningStep
@@ -3121,6 +3141,20 @@ export interface components {
              * @default
              */
             basis: string;
+        };
+        /**
+         * CorrectionRequest
+         * @description What a mode is to be called, whether it is symmetric, and why the rule was wrong.
+         */
+        CorrectionRequest: {
+            /** Number */
+            number: number;
+            /** Name */
+            name: string;
+            /** Symmetric */
+            symmetric: boolean;
+            /** Reason */
+            reason: string;
         };
         /**
          * Correlation
@@ -6085,6 +6119,45 @@ export interface components {
          */
         StepKind: "delay" | "calibration" | "repair";
         /**
+         * StepRequest
+         * @description One correction; see ``Correction``.
+         */
+        StepRequest: {
+            /** Channel */
+            channel: string;
+            kind: components["schemas"]["StepKind"];
+            /**
+             * Delay S
+             * @default 0
+             */
+            delay_s: number;
+            /**
+             * Scale
+             * @default 1
+             */
+            scale: number;
+            /**
+             * Bias
+             * @default 0
+             */
+            bias: number;
+            /**
+             * Stretches
+             * @default []
+             */
+            stretches: [
+                number,
+                number
+            ][];
+            /** Std */
+            std?: number | null;
+            /**
+             * Basis
+             * @default
+             */
+            basis: string;
+        };
+        /**
          * StoredMapping
          * @description A mapping under a name; ``text`` is the TOML as it was written.
          */
@@ -6481,45 +6554,6 @@ export interface components {
             errors?: components["schemas"]["FieldError"][] | null;
         };
         /**
-         * CorrectionRequest
-         * @description One correction; see ``Correction``.
-         */
-        flexsid__api__requests__CorrectionRequest: {
-            /** Channel */
-            channel: string;
-            kind: components["schemas"]["StepKind"];
-            /**
-             * Delay S
-             * @default 0
-             */
-            delay_s: number;
-            /**
-             * Scale
-             * @default 1
-             */
-            scale: number;
-            /**
-             * Bias
-             * @default 0
-             */
-            bias: number;
-            /**
-             * Stretches
-             * @default []
-             */
-            stretches: [
-                number,
-                number
-            ][];
-            /** Std */
-            std?: number | null;
-            /**
-             * Basis
-             * @default
-             */
-            basis: string;
-        };
-        /**
          * StructureRequest
          * @description A model structure; see ``Structure``.
          */
@@ -6578,20 +6612,6 @@ export interface components {
             instruments?: {
                 [key: string]: string | null;
             } | null;
-        };
-        /**
-         * CorrectionRequest
-         * @description What a mode is to be called, whether it is symmetric, and why the rule was wrong.
-         */
-        flexsid__api__routes__modal_tables__CorrectionRequest: {
-            /** Number */
-            number: number;
-            /** Name */
-            name: string;
-            /** Symmetric */
-            symmetric: boolean;
-            /** Reason */
-            reason: string;
         };
         /**
          * StructureRequest
@@ -8253,7 +8273,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["flexsid__api__routes__modal_tables__CorrectionRequest"];
+                "application/json": components["schemas"]["CorrectionRequest"];
             };
         };
         responses: {
@@ -11266,6 +11286,47 @@ export interface operations {
                 channels?: string | null;
                 /** @description The whole spectrum behind the lines. */
                 full?: boolean;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_signal_to_noise: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                maneuver_id: number;
+                /**
+                 * @description Names separated by commas.
+                 * @example bfs,q
+                 */
+                channels?: string | null;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
             };
