@@ -177,3 +177,46 @@ def test_maewing1_comes_in_with_its_flutter_summary(client: TestClient) -> None:
     summary = client.post(at, json={"aircraft_id": 1, "name": "SOL 145", "speed_unit": "kt"}).json()
     assert summary["points"][0]["airspeed_m_s"] == pytest.approx(32.33, abs=0.02)
     assert summary["points"][0]["omega_rad_s"] == pytest.approx(36.5, abs=0.3)
+
+
+def test_the_number_of_modes_a_condition_needs_is_told_with_evidence(client: TestClient) -> None:
+    condition = "aircraft_id=1&airspeed_m_s=39.8&fuel=0.5&altitude_m=1524"
+    told = client.get(f"/api/v1/modal-tables/order?{condition}").json()
+    assert told["needed"] in (2, 3, 4)
+    assert len(told["steps"]) == 9
+    assert told["steps"][-1]["bias"] == pytest.approx(0.0, abs=1e-9)
+    assert "every derivative of the rigid body is within" in told["evidence"][0]
+    assert "With one mode fewer" in told["evidence"][1]
+    drawn = client.get(f"/api/v1/figures/model-order?{condition}&derivatives=Cm_alpha").json()
+    assert [trace["name"] for trace in drawn["data"]] == ["residualised", "truncated"]
+    band = drawn["layout"]["shapes"][0]
+    assert band["y1"] / band["y0"] == pytest.approx(1.1 / 0.9)
+    responses = client.get(
+        f"/api/v1/figures/reduced-responses?{condition}&output=q&surface=bfs&counts=1,3"
+    ).json()
+    names = [trace["name"] for trace in responses["data"][::2]]
+    assert names[0] == "all 8 modes"
+    assert names[1:] == ["SP + SW1B", "SP + SW1B + SW1T + SFA", "sensors blind to the structure"]
+
+
+def test_observability_tells_which_sensor_sees_what(client: TestClient) -> None:
+    told = client.get("/api/v1/modal-tables/1/observability?fuel=0.5").json()
+    assert told["names"][:4] == ["SW1B", "SW1T", "SFA", "SWL"]
+    rows = {row["sensor"]: row["share"] for row in told["rows"]}
+    # Outboard accelerometers see wing torsion; the one at the c.g. next to nothing of it.
+    assert rows["az_oar"][1] > 4 * rows["az_egi"][1]
+    assert all(error is not None and error >= 1.0 for error in told["std_error"])
+    best = told["candidates"][0]
+    assert best["gain"] == max(c["gain"] for c in told["candidates"])
+    assert best["helps"] in told["names"]
+    assert 0.0 < best["shrinks_to"] < 1.0
+
+
+def test_modes_are_drawn_over_fuel_and_against_each_other(client: TestClient, table: Any) -> None:
+    figure = client.get(f"/api/v1/figures/modes-against-fuel?modal_table_id={table['id']}").json()
+    (crossing,) = [trace for trace in figure["data"] if trace["name"] == "crossing"]
+    assert crossing["text"] == ["SW1B × AW1B"]
+    assert 0.5 < crossing["x"][0] < 1.0
+    mac = client.get("/api/v1/figures/mac?modal_table_id=1&fuel=0&other_fuel=1").json()
+    assert mac["data"][0]["type"] == "heatmap"
+    assert client.get("/api/v1/figures/mac?modal_table_id=2").json()["code"] == "no-shapes"

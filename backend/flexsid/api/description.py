@@ -41,6 +41,9 @@ _EXAMPLES: dict[str, Any] = {
     "step_id": 1,
     "quantities": "CZ,etaddot7",
     "X-Flexsid-Analyst": "Ann%20Analyst",
+    "number": 9,
+    "airspeed_m_s": 40.0,
+    "surface": "bfs",
 }
 
 _STRUCTURE = {"modes": [7, 9], "inputs": ["bfs", "wf1s"], "outputs": ["q", "az_egi"]}
@@ -102,6 +105,20 @@ _BODIES: dict[str, Any] = {
     "take_conditioning": {"items": [{"channel": "q", "kind": "delay", "delay_s": 0.004}]},
     "assess_maneuvers": {"maneuver_ids": [1]},
     "rescale_design": {"name": "FTA 500, less body flap", "gains": {"bfs": 0.8}},
+    "correct_mode": {
+        "number": 12,
+        "name": "SW2B",
+        "symmetric": True,
+        "reason": "the winglets follow the second bending",
+    },
+    "import_structure": {
+        "aircraft_id": 1,
+        "name": "FEM 5.1",
+        "length_unit": "in",
+        "mass_unit": "slinch",
+        "fuel": {"empty.op2": 0.0, "full.op2": 1.0},
+    },
+    "import_flutter_summary": {"aircraft_id": 1, "name": "SOL 145", "speed_unit": "kt"},
     "add_mapping": {"name": "recorder A", "text": _MAPPING},
     "check_upload": {"mapping": _MAPPING},
     "preview_upload": {"mapping": _MAPPING, "channels": ["bfs"]},

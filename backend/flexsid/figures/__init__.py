@@ -21,11 +21,18 @@ from flexsid.figures.reconstruction import reconstruction, reconstruction_lines
 from flexsid.figures.residual import residual
 from flexsid.figures.signal_to_noise import signal_to_noise
 from flexsid.figures.spectrum import spectrum
+from flexsid.figures.structure import (
+    assurance,
+    model_order,
+    modes_against_fuel,
+    reduced_responses,
+)
 from flexsid.figures.time_check import time_check
 from flexsid.figures.time_history import time_history
 
 __all__ = [
     "View",
+    "assurance",
     "bode",
     "derivatives",
     "design_history",
@@ -39,11 +46,14 @@ __all__ = [
     "ground_test",
     "iterations",
     "loops",
+    "model_order",
+    "modes_against_fuel",
     "parameter_correlation",
     "plot_matrix",
     "poles",
     "reconstruction",
     "reconstruction_lines",
+    "reduced_responses",
     "residual",
     "root_locus",
     "signal_to_noise",

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from fastapi import APIRouter, Query, Response, status
+from fastapi import APIRouter, Depends, Query, Response, status
 from pydantic import ConfigDict, Field
 
 from flexsid.api.analyst import TheAnalyst
@@ -22,9 +22,11 @@ from flexsid.api.requests import Text, Title
 from flexsid.api.wire import Identity, Json, Reference
 from flexsid.errors import BadInput
 from flexsid.records.modal_table import ModalKind, ModeCorrection
-from flexsid.records.modal_views import Correlation
+from flexsid.records.modal_views import Correlation, ModelOrder, Observability
+from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow.modes import corrected
-from flexsid.workflow.views import structure
+from flexsid.workflow.views import model_order, structure
+from flexsid.workflow.views.observability import observability
 
 router = APIRouter(prefix="/modal-tables", tags=["modal-tables"])
 
@@ -32,6 +34,32 @@ _STRICT: Any = ConfigDict(extra="forbid")
 
 Fuel = Annotated[float, Query(ge=0.0, le=1.0, description="Fuel fraction.")]
 Mode = Annotated[int, Query(ge=0, le=10**9, description="Number of the mode.")]
+
+
+def _order_question(
+    aircraft_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
+    airspeed_m_s: Annotated[float, Query(gt=0.0, le=1000.0)],
+    fuel: Fuel = 0.5,
+    altitude_m: Annotated[float, Query(ge=-1000.0, le=11_000.0)] = 0.0,
+    modal_table_id: Reference = None,
+    prediction_id: Reference = None,
+    low_hz: Annotated[float, Query(ge=0.01, le=100.0)] = model_order.BAND_HZ[0],
+    high_hz: Annotated[float, Query(gt=0.01, le=1000.0)] = model_order.BAND_HZ[1],
+) -> model_order.OrderQuestion:
+    if high_hz <= low_hz:
+        raise BadInput("the band must end above where it begins", code="bad-band")
+    return model_order.OrderQuestion(
+        aircraft_id=aircraft_id,
+        airspeed_m_s=airspeed_m_s,
+        fuel=fuel,
+        altitude_m=altitude_m,
+        modal_table_id=modal_table_id,
+        prediction_id=prediction_id,
+        band_hz=(low_hz, high_hz),
+    )
+
+
+TheOrderQuestion = Annotated[model_order.OrderQuestion, Depends(_order_question)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +83,12 @@ def list_modal_tables(
     wanted = {name: value for name, value in chosen.items() if value is not None}
     tables = [corrected(store, table) for table in store.modal_tables.find(**wanted)]
     return Json(ModalTableList(items=tables))
+
+
+@router.get("/order", response_model=ModelOrder)
+def get_model_order(store: TheStore, question: TheOrderQuestion) -> Json:
+    """Reduce the predicted model to every order at a condition, and say how many modes it needs."""
+    return Json(model_order.model_order(store, question))
 
 
 @router.get("/{modal_table_id}", response_model=ModalTableDetail)
@@ -105,6 +139,19 @@ def get_correlation(
     """Compare two sources: modes paired by MAC, frequency, damping, and COMAC by point."""
     at_other = fuel if other_fuel is None else other_fuel
     return Json(structure.correlate(store, modal_table_id, fuel, other_id, at_other))
+
+
+@router.get("/{modal_table_id}/observability", response_model=Observability)
+def get_observability(
+    store: TheStore,
+    modal_table_id: Identity,
+    fuel: Fuel = 0.5,
+    symmetry: Literal["symmetric", "antisymmetric", "all"] = "symmetric",
+    up_to_hz: Annotated[float, Query(gt=0.0, le=10_000.0)] = 20.0,
+) -> Json:
+    """Say which sensor sees which mode, and where a further accelerometer would help most."""
+    wanted = None if symmetry == "all" else symmetry == "symmetric"
+    return Json(observability(store, modal_table_id, fuel, wanted, up_to_hz))
 
 
 @router.post(

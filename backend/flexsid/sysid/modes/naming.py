@@ -110,6 +110,7 @@ class _Wing:
     winglet: Bool[np.ndarray, " n_nodes"]
     winglet_root: Int[np.ndarray, " n_nodes"]  # nearest node of the wing
     chord: float  # that of a typical station [m]
+    rigid: Float[np.ndarray, "n_dof n_rigid"]
 
     @classmethod
     def of(cls, nodes: Float[np.ndarray, "n_nodes 3"]) -> _Wing:
@@ -136,7 +137,7 @@ class _Wing:
         ]
         wide = [spread for spread in spreads if spread > 0.02 * span]
         chord = float(np.median(wide)) if wide else 0.1 * span
-        return cls(nodes, station, n_stations, winglet, root, chord)
+        return cls(nodes, station, n_stations, winglet, root, chord, _rigid_motions(nodes))
 
     def motion(
         self,
@@ -177,13 +178,17 @@ class _Wing:
     def _rigid_share(self, shape: Float[np.ndarray, "n_nodes 3"]) -> float:
         """Share of the motion that six motions of a rigid body account for."""
         norm = float(np.sum(shape**2))
-        if norm == 0.0:
-            return 0.0
-        arm = self.nodes - self.nodes.mean(axis=0)
-        motions = np.zeros((6, *shape.shape))
-        for axis in range(3):
-            motions[axis, :, axis] = 1.0
-            motions[3 + axis] = np.cross(np.eye(3)[axis], arm)
-        basis = motions.reshape(6, -1).T
-        fitted = basis @ np.linalg.lstsq(basis, shape.ravel(), rcond=None)[0]
-        return float(fitted @ fitted) / norm
+        return float(np.sum((self.rigid.T @ shape.ravel()) ** 2)) / norm if norm > 0 else 0.0
+
+
+def _rigid_motions(nodes: Float[np.ndarray, "n_nodes 3"]) -> Float[np.ndarray, "n_dof n_rigid"]:
+    """Orthonormal basis of the motions of a rigid body (fewer than six of a straight line)."""
+    arm = nodes - nodes.mean(axis=0)
+    motions = np.zeros((6, *nodes.shape))
+    for axis in range(3):
+        motions[axis, :, axis] = 1.0
+        motions[3 + axis] = np.cross(np.eye(3)[axis], arm)
+    flat = motions.reshape(6, -1)
+    values, vectors = np.linalg.eigh(flat @ flat.T)
+    held = values > 1e-9 * values[-1]
+    return flat.T @ (vectors[:, held] / np.sqrt(values[held]))
