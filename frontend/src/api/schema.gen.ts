@@ -551,6 +551,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/modal-tables/order": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Model Order
+         * @description Reduce the predicted model to every order at a condition, and say how many modes it needs.
+         */
+        get: operations["get_model_order"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/modal-tables/{modal_table_id}": {
         parameters: {
             query?: never;
@@ -627,6 +647,26 @@ export interface paths {
          * @description Compare two sources: modes paired by MAC, frequency, damping, and COMAC by point.
          */
         get: operations["get_correlation"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/modal-tables/{modal_table_id}/observability": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Observability
+         * @description Say which sensor sees which mode, and where a further accelerometer would help most.
+         */
+        get: operations["get_observability"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2367,6 +2407,86 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/figures/modes-against-fuel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Modes Against Fuel
+         * @description Draw frequency and damping of the modes of a table over fuel, crossings marked.
+         */
+        get: operations["draw_modes_against_fuel"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/mac": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Assurance
+         * @description Draw the MAC of a table's modes with themselves, another fuel weight, or another table.
+         */
+        get: operations["draw_assurance"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/model-order": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Model Order
+         * @description Draw derivatives against the number of modes kept, with the band of ±10 %.
+         */
+        get: operations["draw_model_order"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/reduced-responses": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Reduced Responses
+         * @description Draw one response of the full and the reduced models, and to sensors of a rigid body.
+         */
+        get: operations["draw_reduced_responses"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/nomenclature": {
         parameters: {
             query?: never;
@@ -2750,6 +2870,28 @@ export interface components {
             order: number;
             /** Corner */
             corner: number;
+        };
+        /**
+         * Candidate
+         * @description A place for a further accelerometer: what it would add, and whom it would help most.
+         */
+        Candidate: {
+            /** Node */
+            node: number;
+            /** Axis */
+            axis: string;
+            /** Place M */
+            place_m: [
+                number,
+                number,
+                number
+            ];
+            /** Gain */
+            gain: number;
+            /** Helps */
+            helps: string;
+            /** Shrinks To */
+            shrinks_to: number;
         };
         /**
          * CatalogueList
@@ -4931,6 +5073,32 @@ export interface components {
             } | null;
         };
         /**
+         * ModelOrder
+         * @description Reduced models of every order at one condition, against the full one.
+         */
+        ModelOrder: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Modal Table Id */
+            modal_table_id: number;
+            /** Prediction Id */
+            prediction_id: number;
+            /** Airspeed M S */
+            airspeed_m_s: number;
+            /** Fuel */
+            fuel: number;
+            /** Needed */
+            needed: number;
+            /** Evidence */
+            evidence: string[];
+            /** Full */
+            full: {
+                [key: string]: number;
+            };
+            /** Steps */
+            steps: components["schemas"]["OrderStep"][];
+        };
+        /**
          * ModelStructure
          * @description A named structure that runs can share, as its newest version has it.
          */
@@ -4997,6 +5165,67 @@ export interface components {
             waiting: components["schemas"]["Waiting"][];
             /** Changes */
             changes: components["schemas"]["Change"][];
+        };
+        /**
+         * Observability
+         * @description Which sensor sees which mode, and where a further one would help most.
+         *
+         *     ``seen`` says for each mode the best share any sensor has; ``std_error`` is relative to
+         *     the best known mode's, None for a mode that cannot be told apart.
+         */
+        Observability: {
+            /** Modal Table Id */
+            modal_table_id: number;
+            /** Fuel */
+            fuel: number;
+            /** Numbers */
+            numbers: number[];
+            /** Names */
+            names: string[];
+            /** Rows */
+            rows: components["schemas"]["SensorRow"][];
+            /** Std Error */
+            std_error: (number | null)[];
+            /** Candidates */
+            candidates: components["schemas"]["Candidate"][];
+        };
+        /**
+         * OrderStep
+         * @description A model that keeps so many modes; None where a number does not exist.
+         */
+        OrderStep: {
+            /** Modes */
+            modes: number[];
+            /** Names */
+            names: string[];
+            /** Worst */
+            worst: string;
+            /** Bias */
+            bias: number;
+            /** Pole Error */
+            pole_error: number | null;
+            /** Response Error */
+            response_error: number | null;
+            /** Poles */
+            poles: [
+                number,
+                number
+            ][];
+            /** Truncated Poles */
+            truncated_poles: [
+                number,
+                number
+            ][];
+            /** Residualized */
+            residualized: {
+                [key: string]: number;
+            };
+            /** Truncated */
+            truncated: {
+                [key: string]: number;
+            };
+            /** Sufficient */
+            sufficient: boolean;
         };
         /**
          * OutputQuality
@@ -5923,6 +6152,20 @@ export interface components {
          * @enum {string}
          */
         SensorKind: "accelerometer" | "gyro" | "attitude" | "vane" | "strain";
+        /**
+         * SensorRow
+         * @description How much of each mode one sensor sees: share of the largest motion of that kind.
+         */
+        SensorRow: {
+            /** Sensor */
+            sensor: string;
+            /** Kind */
+            kind: string;
+            /** Axis */
+            axis: string;
+            /** Share */
+            share: (number | null)[];
+        };
         /**
          * SensorSight
          * @description What one sensor sees of one mode: its place, its motion there, and its signal.
@@ -8054,6 +8297,53 @@ export interface operations {
             };
         };
     };
+    get_model_order: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                aircraft_id: number;
+                /** @example 40 */
+                airspeed_m_s: number;
+                /**
+                 * @description Fuel fraction.
+                 * @example 0.5
+                 */
+                fuel?: number;
+                /** @example 1000 */
+                altitude_m?: number;
+                /** @example 1 */
+                modal_table_id?: number | null;
+                /** @example 1 */
+                prediction_id?: number | null;
+                low_hz?: number;
+                high_hz?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ModelOrder"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     get_modal_table: {
         parameters: {
             query?: never;
@@ -8166,7 +8456,10 @@ export interface operations {
     get_shape: {
         parameters: {
             query: {
-                /** @description Number of the mode. */
+                /**
+                 * @description Number of the mode.
+                 * @example 9
+                 */
                 number: number;
                 /**
                  * @description Fuel fraction.
@@ -8252,6 +8545,49 @@ export interface operations {
             };
         };
     };
+    get_observability: {
+        parameters: {
+            query?: {
+                /**
+                 * @description Fuel fraction.
+                 * @example 0.5
+                 */
+                fuel?: number;
+                symmetry?: "symmetric" | "antisymmetric" | "all";
+                up_to_hz?: number;
+            };
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                modal_table_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Observability"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     correct_mode: {
         parameters: {
             query?: never;
@@ -8273,6 +8609,14 @@ export interface operations {
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "number": 12,
+                 *       "name": "SW2B",
+                 *       "symmetric": true,
+                 *       "reason": "the winglets follow the second bending"
+                 *     }
+                 */
                 "application/json": components["schemas"]["CorrectionRequest"];
             };
         };
@@ -8347,6 +8691,18 @@ export interface operations {
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "aircraft_id": 1,
+                 *       "name": "FEM 5.1",
+                 *       "length_unit": "in",
+                 *       "mass_unit": "slinch",
+                 *       "fuel": {
+                 *         "empty.op2": 0,
+                 *         "full.op2": 1
+                 *       }
+                 *     }
+                 */
                 "application/json": components["schemas"]["flexsid__api__routes__structure_files__StructureRequest"];
             };
         };
@@ -8386,6 +8742,13 @@ export interface operations {
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "aircraft_id": 1,
+                 *       "name": "SOL 145",
+                 *       "speed_unit": "kt"
+                 *     }
+                 */
                 "application/json": components["schemas"]["FlutterSummaryRequest"];
             };
         };
@@ -12245,6 +12608,196 @@ export interface operations {
                 figure_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_modes_against_fuel: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                modal_table_id: number;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_assurance: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                modal_table_id: number;
+                /**
+                 * @description Fuel fraction.
+                 * @example 0.5
+                 */
+                fuel?: number;
+                /** @example 1 */
+                other_id?: number | null;
+                other_fuel?: number | null;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_model_order: {
+        parameters: {
+            query: {
+                /** @description Derivatives to draw, separated by commas. */
+                derivatives?: string;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+                /** @example 1 */
+                aircraft_id: number;
+                /** @example 40 */
+                airspeed_m_s: number;
+                /**
+                 * @description Fuel fraction.
+                 * @example 0.5
+                 */
+                fuel?: number;
+                /** @example 1000 */
+                altitude_m?: number;
+                /** @example 1 */
+                modal_table_id?: number | null;
+                /** @example 1 */
+                prediction_id?: number | null;
+                low_hz?: number;
+                high_hz?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_reduced_responses: {
+        parameters: {
+            query: {
+                /** @example q */
+                output: string;
+                /** @example bfs */
+                surface: string;
+                /** @description Modes kept, separated by commas. */
+                counts?: string;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+                /** @example 1 */
+                aircraft_id: number;
+                /** @example 40 */
+                airspeed_m_s: number;
+                /**
+                 * @description Fuel fraction.
+                 * @example 0.5
+                 */
+                fuel?: number;
+                /** @example 1000 */
+                altitude_m?: number;
+                /** @example 1 */
+                modal_table_id?: number | null;
+                /** @example 1 */
+                prediction_id?: number | null;
+                low_hz?: number;
+                high_hz?: number;
             };
             header?: never;
             path?: never;
