@@ -18,7 +18,7 @@ export UV_NO_PROGRESS := 1
 export UV_LINK_MODE := copy
 say = @printf '\033[1mflexsid: %s\033[0m\n'
 
-.PHONY: help install demo serve test lint types rules page-checks browser format lock clean
+.PHONY: help install demo serve test lint types rules page-checks browser database format lock clean
 .DEFAULT_GOAL := help
 
 help:
@@ -76,7 +76,7 @@ serve: install
 
 # --- Checking --------------------------------------------------------------
 
-test: lint types rules page-checks browser
+test: lint types rules page-checks browser database
 	$(say) 'running the tests'
 	@$(BIN)/python -m pytest --numprocesses auto
 
@@ -110,6 +110,17 @@ browser:
 			apt-get install -qq -y --no-install-recommends chromium fonts-dejavu-core >/dev/null; \
 		else \
 			echo 'flexsid: no Chromium here; the walk in a browser will be skipped'; \
+		fi
+
+# The suite runs on PostgreSQL too, whose server comes from the system.
+database:
+	@ls /usr/lib/postgresql/*/bin/postgres >/dev/null 2>&1 || command -v postgres >/dev/null || \
+		if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+			echo 'flexsid: installing PostgreSQL for the tests'; \
+			apt-get update -qq && DEBIAN_FRONTEND=noninteractive \
+			apt-get install -qq -y --no-install-recommends postgresql >/dev/null; \
+		else \
+			echo 'flexsid: no PostgreSQL here; its part of the tests will be skipped'; \
 		fi
 
 format: install

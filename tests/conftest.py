@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import socket
 import threading
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import postgresql as postgresql_server
 import pytest
 
 from flexsid.records.aircraft import Aircraft, Geometry, MassTable, Sensor, SensorKind, Surface
@@ -20,6 +22,7 @@ from flexsid.records.flight import Flight
 from flexsid.records.maneuver import Channel, Condition, Excitation, Maneuver, Role
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage import queue
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.model.instruments import Butterworth, FirstOrder, Instrument, SecondOrder
@@ -68,11 +71,39 @@ def migrated_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[postgresql_server.Cluster]:
+    """A PostgreSQL server; its database ``empty`` has been migrated."""
+    programs = postgresql_server.find_programs()
+    if programs is None:
+        reason = "no PostgreSQL server here; on Debian: apt-get install postgresql"
+        if os.environ.get("CI") == "true":
+            pytest.fail(reason)
+        pytest.skip(reason)
+    cluster = postgresql_server.Cluster(programs)
+    upgrade(cluster.url(cluster.copy(name="empty")))
+    yield cluster
+    cluster.remove()
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def backend(request: pytest.FixtureRequest) -> str:
+    """Kind of database; what is said of one must hold for both."""
+    return request.param
+
+
 @pytest.fixture
-def database_url(migrated_file: Path, tmp_path: Path) -> str:
-    file = tmp_path / "flexsid.db"
-    file.write_bytes(migrated_file.read_bytes())
-    return f"sqlite:///{file}"
+def database_url(backend: str, request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
+    if backend == "sqlite":
+        migrated: Path = request.getfixturevalue("migrated_file")
+        file = tmp_path / "flexsid.db"
+        file.write_bytes(migrated.read_bytes())
+        yield f"sqlite:///{file}"
+    else:
+        cluster: postgresql_server.Cluster = request.getfixturevalue("postgresql")
+        name = cluster.copy("empty")
+        yield cluster.url(name)
+        cluster.drop(name)
 
 
 @pytest.fixture
@@ -146,22 +177,19 @@ def add_run(store: Store, maneuver: Maneuver) -> Callable[..., EstimationRun]:
             structure=Structure(modes=(7,), fixed={}),
             settings=RunSettings(band_hz=(0.5, 12.0)),
         )
-        return store.runs.add(replace(run, **changes))
+        return queue.add(store, replace(run, **changes))
 
     return add
 
 
-@pytest.fixture(scope="session")
-def flown_file(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A database with FLEX-28, one maneuver that was flown, and an EE run of it."""
+def _fly(url: str) -> None:
+    """Put FLEX-28 into a database, one maneuver that was flown, and an EE run of it."""
     from flexsid.demo.campaign import add_aircraft, add_maneuver
     from flexsid.demo.flights import fly
     from flexsid.jobs.direct import carry_out
     from flexsid.jobs.steps import estimation_steps
 
-    file = tmp_path_factory.mktemp("flown") / "flown.db"
-    file.write_bytes(migrated_file.read_bytes())
-    store = Store.open(f"sqlite:///{file}")
+    store = Store.open(url)
     aircraft = add_aircraft(store)
     assert aircraft.id is not None
     flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=1))
@@ -176,14 +204,21 @@ def flown_file(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory) ->
     )
     carry_out(store, wanted, estimation_steps(), lambda progress: None)
     store.close()
+
+
+@pytest.fixture(scope="session")
+def flown_file(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("flown") / "flown.db"
+    file.write_bytes(migrated_file.read_bytes())
+    _fly(f"sqlite:///{file}")
     return file
 
 
-@pytest.fixture
-def flown_url(flown_file: Path, tmp_path: Path) -> str:
-    file = tmp_path / "flown.db"
-    file.write_bytes(flown_file.read_bytes())
-    return f"sqlite:///{file}"
+@pytest.fixture(scope="session")
+def flown_template(postgresql: postgresql_server.Cluster) -> str:
+    name = postgresql.copy("empty", "flown")
+    _fly(postgresql.url(name))
+    return name
 
 
 @pytest.fixture(scope="session")
@@ -220,3 +255,18 @@ def listening() -> Listening:
             thread.join()
 
     return serve
+
+
+@pytest.fixture
+def flown_url(backend: str, request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
+    """A database with FLEX-28, one maneuver that was flown, and an EE run of it."""
+    if backend == "sqlite":
+        flown: Path = request.getfixturevalue("flown_file")
+        file = tmp_path / "flown.db"
+        file.write_bytes(flown.read_bytes())
+        yield f"sqlite:///{file}"
+    else:
+        cluster: postgresql_server.Cluster = request.getfixturevalue("postgresql")
+        name = cluster.copy(request.getfixturevalue("flown_template"))
+        yield cluster.url(name)
+        cluster.drop(name)

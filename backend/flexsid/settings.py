@@ -14,20 +14,36 @@ DEFAULT_PORT = 8000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """Where the database is, which port serves the page, and the file reports are put into."""
+    """Where the database is, on which port of this computer the page is served, who computes.
+
+    ``dask`` is the address of a scheduler; without it ``workers`` processes of this
+    computer compute (None: one less than there are cores). Reports are put into the file
+    ``report_template``.
+    """
 
     database: str = DEFAULT_DATABASE
     port: int = DEFAULT_PORT
+    dask: str | None = None
+    workers: int | None = None
     report_template: str | None = None
 
 
 def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
-    """Read ``FLEXSID_DATABASE`` and the like; what is not set has its default."""
-    text = environment.get("FLEXSID_PORT") or str(DEFAULT_PORT)
-    if not (text.isascii() and text.isdigit() and 0 < int(text) < 65536):
-        raise BadInput(f"FLEXSID_PORT is {text!r}; expected a port number from 1 to 65535")
+    """Read the variables ``FLEXSID_...``; what is not set has its default."""
+    port = _number(environment, "FLEXSID_PORT", "a port number", 65535)
     return Settings(
         database=environment.get("FLEXSID_DATABASE") or DEFAULT_DATABASE,
-        port=int(text),
+        port=DEFAULT_PORT if port is None else port,
+        dask=environment.get("FLEXSID_DASK") or None,
+        workers=_number(environment, "FLEXSID_WORKERS", "a number of processes", 256),
         report_template=environment.get("FLEXSID_REPORT_TEMPLATE") or None,
     )
+
+
+def _number(environment: Mapping[str, str], name: str, what: str, most: int) -> int | None:
+    text = environment.get(name)
+    if not text:
+        return None
+    if not (text.isascii() and text.isdigit() and 0 < int(text[:9]) <= most):
+        raise BadInput(f"{name} is {text!r}; expected {what} from 1 to {most}")
+    return int(text)

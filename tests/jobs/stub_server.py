@@ -1,4 +1,4 @@
-"""A server with nothing but a dispatcher, to be killed."""
+"""A server with nothing but a dispatcher, to be killed or frozen: database, Dask, patience."""
 
 from __future__ import annotations
 
@@ -8,14 +8,17 @@ import time
 import stub_steps
 
 from flexsid.jobs.dispatcher import Dispatcher
+from flexsid.jobs.executors import make_workers
 from flexsid.jobs.steps import Steps
 from flexsid.storage.store import Store
 
 if __name__ == "__main__":
+    database, dask, patience = sys.argv[1:]
     dispatcher = Dispatcher(
-        Store.open(sys.argv[1]),
+        Store.open(database),
         Steps(stub_steps.prepare, stub_steps.compute, stub_steps.keep),
-        count=1,
+        make_workers(stub_steps.compute, dask or None, 1),
+        patience_s=float(patience),
     )
     dispatcher.start()
-    time.sleep(60)
+    time.sleep(120)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import signal
 import time
@@ -31,11 +32,23 @@ def compute(task: dict[str, Any], report: Callable[[Progress], None]) -> dict[st
         raise NotIdentifiable("the input never moves")
     if what == "stumble":
         return {"value": [][0]}
-    if what == "hold":
+    if what == "sleep":
+        time.sleep(60)
+    if what == "hold" or (what == "hold-once" and task["attempt"] == 1):
         Path(task["file"]).write_text(str(os.getpid()))
         time.sleep(60)
     if what == "crash" or (what == "crash-once" and task["attempt"] == 1):
         os.kill(os.getpid(), signal.SIGKILL)
+    if what == "segfault":
+        ctypes.string_at(0)
+    if what == "devour":
+        return {"value": float(np.ones((4096, 1024**2))[0, 0])}
+    if what == "loop":
+        Path(task["file"]).write_text(str(os.getpid()))
+        while True:
+            pass
+    if what == "brief":
+        time.sleep(0.05)
     if what == "unpicklable":
         return {"value": lambda: 1}
     if what == "threads":
@@ -43,7 +56,9 @@ def compute(task: dict[str, Any], report: Callable[[Progress], None]) -> dict[st
     return {"value": 2.0}
 
 
-def keep(store: Store, run_id: int, attempt: int, outcome: dict[str, Any]) -> EstimationRun:
+def keep(
+    store: Store, run_id: int, attempt: int, outcome: dict[str, Any], worker: str
+) -> EstimationRun:
     with store.transaction():
         result = RunResult(
             parameters=(ParameterEstimate(name="Cm_q", value=outcome["value"], std_error=0.1),),
@@ -62,4 +77,4 @@ def keep(store: Store, run_id: int, attempt: int, outcome: dict[str, Any]) -> Es
             poles=(),
             blocks=(),
         )
-        return queue.finish(store, run_id, attempt, result, {"flexsid": "test"})
+        return queue.finish(store, run_id, attempt, result, {"flexsid": "test"}, worker)

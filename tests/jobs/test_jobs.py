@@ -4,88 +4,53 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
-import sys
+import sqlite3
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import sqlalchemy as sa
 
 from flexsid.jobs.direct import carry_out
 from flexsid.jobs.dispatcher import Dispatcher
+from flexsid.jobs.executors import make_workers
 from flexsid.jobs.steps import Steps
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
-from flexsid.storage import queue
+from flexsid.records.run import EstimationRun, Limits, Method, RunSettings, RunState
+from flexsid.storage import queue, run_log
 from flexsid.storage.store import Store
 
 AddRun = Callable[..., EstimationRun]
-PATIENCE_S = 20.0
+Until = Callable[..., EstimationRun]
+ProcessOf = Callable[[Path], int]
+IsOver = Callable[[int], None]
 
 
-@pytest.fixture
-def steps(monkeypatch: pytest.MonkeyPatch) -> Steps:
-    # The workers find the stub by the path that they inherit.
-    monkeypatch.syspath_prepend(str(Path(__file__).parent))
-    import stub_steps
-
-    return Steps(stub_steps.prepare, stub_steps.compute, stub_steps.keep)
-
-
-@pytest.fixture
-def dispatcher(store: Store, steps: Steps) -> Iterator[Dispatcher]:
-    made = Dispatcher(store, steps, count=2)
-    yield made
-    made.stop()
-
-
-def _until(store: Store, run: EstimationRun, *states: RunState) -> EstimationRun:
+def _kinds(store: Store, run: EstimationRun) -> list[str]:
     assert run.id is not None
-    deadline = time.monotonic() + PATIENCE_S
-    while (now := store.runs.get(run.id)).state not in states:
-        assert time.monotonic() < deadline, f"still {now.state}"
-        time.sleep(0.01)
-    return now
-
-
-def _ended(store: Store, run: EstimationRun) -> EstimationRun:
-    return _until(store, run, RunState.SUCCEEDED, RunState.FAILED, RunState.CANCELLED)
-
-
-def _process_of(file: Path) -> int:
-    deadline = time.monotonic() + PATIENCE_S
-    while not (file.exists() and file.read_text()):
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-    return int(file.read_text())
-
-
-def _alive(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    return True
+    return [event.kind for event in run_log.of_run(store, run.id) if event.kind != "said"]
 
 
 def test_what_is_queued_is_carried_out(
-    store: Store, add_run: AddRun, dispatcher: Dispatcher
+    store: Store, add_run: AddRun, dispatcher: Dispatcher, until: Until
 ) -> None:
     before = add_run(author="compute")
     dispatcher.start()
     later = [add_run(author=word) for word in ("compute", "threads", "compute")]
     dispatcher.wake()
-    assert _ended(store, before).state is RunState.SUCCEEDED
+    assert until(before).state is RunState.SUCCEEDED
     values = []
     for run in later:
-        ended = _ended(store, run)
+        ended = until(run)
         assert ended.result is not None
         values.append(ended.result.parameters[0].value)
         assert ended.progress is not None
         assert (ended.progress.message, ended.progress.cost) == ("half way", None)
+        assert ended.worker
+        assert _kinds(store, run) == ["queued", "started", "succeeded"]
     # One BLAS thread: several workers share the cores.
     assert values == [2.0, 1.0, 2.0]
 
@@ -98,87 +63,143 @@ def test_what_is_queued_is_carried_out(
         ("stumble", "internal-error", "IndexError"),
         ("unpicklable", "internal-error", "log of the server"),
         ("crash", "worker-died", "died 3 times"),
+        ("segfault", "worker-died", "signal 11"),
+        ("devour", "out-of-memory", "memory limit"),
+        ("sleep", "time-limit", "longer than 0.5 s"),
     ],
 )
 def test_a_run_that_cannot_be_done_fails_in_words(
-    store: Store, add_run: AddRun, dispatcher: Dispatcher, task: str, code: str, words: str
+    store: Store,
+    add_run: AddRun,
+    dispatcher: Dispatcher,
+    until: Until,
+    task: str,
+    code: str,
+    words: str,
 ) -> None:
-    run, bystander = add_run(author=task), add_run(author="compute")
+    time_s = 0.5 if task == "sleep" else None
+    run = add_run(author=task, limits=Limits(time_s=time_s, memory_mb=500))
+    bystander = add_run(author="compute")
     dispatcher.start()
-    failed = _ended(store, run)
+    failed = until(run)
     assert failed.state is RunState.FAILED
     assert failed.error is not None
     assert failed.error["code"] == code
     assert words in failed.error["message"]
     assert "Traceback" not in failed.error["message"]
-    assert _ended(store, bystander).state is RunState.SUCCEEDED
+    assert until(bystander).state is RunState.SUCCEEDED
+
+
+def test_an_endless_loop_is_stopped_and_leaves_no_process(
+    store: Store,
+    add_run: AddRun,
+    dispatcher: Dispatcher,
+    until: Until,
+    process_of: ProcessOf,
+    is_over: IsOver,
+    tmp_path: Path,
+) -> None:
+    run = add_run(author=f"loop {tmp_path}/pid", limits=Limits(time_s=2.0))
+    dispatcher.start()
+    worker = process_of(tmp_path / "pid")
+    assert until(run).state is RunState.FAILED
+    is_over(worker)
+    assert _kinds(store, run) == ["queued", "started", "failed"]
 
 
 def test_a_killed_worker_costs_an_attempt_not_the_run(
-    store: Store, add_run: AddRun, dispatcher: Dispatcher
+    store: Store, add_run: AddRun, dispatcher: Dispatcher, until: Until
 ) -> None:
     run = add_run(author="crash-once")
     dispatcher.start()
-    ended = _ended(store, run)
+    ended = until(run)
     assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 2)
 
 
 def test_cancelling_stops_the_work_at_once(
-    store: Store, add_run: AddRun, dispatcher: Dispatcher, tmp_path: Path
+    store: Store,
+    add_run: AddRun,
+    dispatcher: Dispatcher,
+    until: Until,
+    process_of: ProcessOf,
+    is_over: IsOver,
+    tmp_path: Path,
 ) -> None:
     run = add_run(author=f"hold {tmp_path}/pid")
     dispatcher.start()
-    worker = _process_of(tmp_path / "pid")
+    worker = process_of(tmp_path / "pid")
     assert run.id is not None
-    start = time.monotonic()
     queue.request_cancel(store, run.id)
     dispatcher.wake()
-    while _alive(worker):
-        assert time.monotonic() - start < 5.0
-        time.sleep(0.01)
+    is_over(worker)
     following = add_run(author="compute")
     dispatcher.wake()
-    assert _ended(store, following).state is RunState.SUCCEEDED
+    assert until(following).state is RunState.SUCCEEDED
     assert store.runs.get(run.id).state is RunState.CANCELLED
 
 
 def test_stopping_is_quick_and_leaves_the_run_for_the_next_server(
-    store: Store, add_run: AddRun, steps: Steps, tmp_path: Path
+    store: Store,
+    add_run: AddRun,
+    dispatcher: Dispatcher,
+    until: Until,
+    process_of: ProcessOf,
+    is_over: IsOver,
+    tmp_path: Path,
 ) -> None:
-    first = Dispatcher(store, steps, count=1)
     run = add_run(author=f"hold {tmp_path}/pid")
-    first.start()
-    worker = _process_of(tmp_path / "pid")
+    dispatcher.start()
+    worker = process_of(tmp_path / "pid")
     start = time.monotonic()
-    first.stop()
-    first.stop()
-    assert time.monotonic() - start < 1.0
-    assert not _alive(worker)
-    assert _until(store, run, RunState.QUEUED).attempt == 1
+    dispatcher.stop()
+    dispatcher.stop()
+    assert time.monotonic() - start < 5.0
+    is_over(worker)
+    assert until(run, RunState.QUEUED).attempt == 1
 
 
-def test_a_killed_server_leaves_no_orphans_and_its_runs_resume(
-    store: Store, add_run: AddRun, steps: Steps, database_url: str, tmp_path: Path
+def test_the_most_urgent_starts_first(
+    store: Store, steps: Steps, add_run: AddRun, until: Until
 ) -> None:
-    run = add_run(author=f"hold {tmp_path}/pid")
-    server = subprocess.Popen(
-        [sys.executable, str(Path(__file__).with_name("stub_server.py")), database_url],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-    )
-    worker = _process_of(tmp_path / "pid")
-    server.send_signal(signal.SIGKILL)
-    server.wait()
-    deadline = time.monotonic() + 5.0
-    while _alive(worker):
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-    assert _until(store, run, RunState.RUNNING).attempt == 1
-    following = Dispatcher(store, steps, count=1)
-    following.start()
-    (tmp_path / "pid").unlink()
-    _process_of(tmp_path / "pid")
-    assert _until(store, run, RunState.RUNNING).attempt == 2
-    following.stop()
+    single = Dispatcher(store, steps, make_workers(steps.compute, None, 1))
+    runs = [add_run(author="compute", priority=k) for k in (0, 5, -1, 5)]
+    single.start()
+    ended = [until(run) for run in runs]
+    single.stop()
+    order = sorted(range(4), key=lambda k: ended[k].started_at or 0)  # type: ignore[arg-type]
+    assert order == [1, 3, 0, 2]
+
+
+def test_a_run_waits_for_the_one_it_starts_from(
+    store: Store, add_run: AddRun, dispatcher: Dispatcher, until: Until
+) -> None:
+    first = add_run(author="brief")
+    second = add_run(author="compute", after_run_id=first.id, priority=9)
+    dispatcher.start()
+    ended, begun = until(second), until(first)
+    assert ended.state is RunState.SUCCEEDED
+    assert ended.started_at is not None
+    assert begun.finished_at is not None
+    assert ended.started_at >= begun.finished_at
+
+
+def test_what_waits_for_a_failure_fails_with_it_and_both_can_be_asked_for_again(
+    store: Store, add_run: AddRun, dispatcher: Dispatcher, until: Until
+) -> None:
+    first = add_run(author="refuse")
+    second = add_run(author="compute", after_run_id=first.id)
+    third = add_run(author="compute", after_run_id=second.id)
+    dispatcher.start()
+    for run in (second, third):
+        ended = until(run)
+        assert (ended.state, ended.attempt) == (RunState.FAILED, 0)
+        assert ended.error is not None
+        assert ended.error["code"] == "start-missing"
+    assert first.id is not None
+    store.runs.replace(replace(store.runs.get(first.id), author="compute"))
+    assert queue.retry(store, [run.id for run in (first, second, third) if run.id]) == 3
+    dispatcher.wake()
+    assert until(third, RunState.SUCCEEDED).attempt == 1
 
 
 def test_one_run_can_be_carried_out_without_a_server(
@@ -201,3 +222,98 @@ def test_one_run_can_be_carried_out_without_a_server(
     assert state("refuse") is RunState.FAILED
     assert state("stumble") is RunState.FAILED
     assert said == ["half way"] * 3
+
+
+def test_a_full_disk_loses_no_result(
+    store: Store, add_run: AddRun, dispatcher: Dispatcher, until: Until, backend: str
+) -> None:
+    run = add_run(author="brief")
+    lift = _fill_disk(store, backend)
+    dispatcher.start()
+    time.sleep(2.0)
+    assert run.id is not None
+    assert store.runs.get(run.id).state is RunState.RUNNING
+    lift()
+    ended = until(run)
+    assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 1)
+
+
+def _fill_disk(store: Store, backend: str) -> Callable[[], None]:
+    """Let no result be written; progress and leases still fit into what is allocated."""
+    if backend == "sqlite":
+
+        def refuse(connection, cursor, statement, parameters, context, executemany) -> None:
+            if statement.startswith("INSERT INTO arrays"):
+                raise sqlite3.OperationalError("database or disk is full")
+
+        sa.event.listen(store.database.engine, "before_cursor_execute", refuse)
+        return lambda: sa.event.remove(store.database.engine, "before_cursor_execute", refuse)
+    with store.database.transaction() as connection:
+        connection.execute(
+            sa.text(
+                "CREATE FUNCTION full_disk() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN"
+                " RAISE EXCEPTION 'could not extend file' USING ERRCODE = '53100'; END $$"
+            )
+        )
+        connection.execute(
+            sa.text(
+                "CREATE TRIGGER full_disk BEFORE INSERT ON arrays"
+                " FOR EACH ROW EXECUTE FUNCTION full_disk()"
+            )
+        )
+
+    def lift() -> None:
+        with store.database.transaction() as connection:
+            connection.execute(sa.text("DROP TRIGGER full_disk ON arrays"))
+
+    return lift
+
+
+def test_a_killed_server_leaves_no_orphans_and_its_runs_resume(
+    store: Store,
+    add_run: AddRun,
+    start_server: Callable[..., object],
+    dispatcher: Dispatcher,
+    until: Until,
+    process_of: ProcessOf,
+    is_over: IsOver,
+    tmp_path: Path,
+) -> None:
+    run = add_run(author=f"hold {tmp_path}/pid")
+    server = start_server()
+    worker = process_of(tmp_path / "pid")
+    os.kill(server.pid, signal.SIGKILL)  # type: ignore[attr-defined]
+    server.wait()  # type: ignore[attr-defined]
+    is_over(worker)
+    assert until(run, RunState.RUNNING).attempt == 1
+    (tmp_path / "pid").unlink()
+    dispatcher.start()
+    process_of(tmp_path / "pid")
+    assert until(run, RunState.RUNNING).attempt == 2
+
+
+def test_a_frozen_server_is_relieved_and_finds_out_when_it_thaws(
+    store: Store,
+    add_run: AddRun,
+    start_server: Callable[..., object],
+    until: Until,
+    process_of: ProcessOf,
+    is_over: IsOver,
+    tmp_path: Path,
+) -> None:
+    held = add_run(author=f"hold-once {tmp_path}/pid")
+    first = start_server(patience_s=1.5)
+    frozen_worker = process_of(tmp_path / "pid")
+    start_server(patience_s=1.5)
+    os.kill(first.pid, signal.SIGSTOP)  # type: ignore[attr-defined]
+    others = [add_run(author="compute") for _ in range(5)]
+    for run in (held, *others):
+        assert until(run, RunState.SUCCEEDED)
+    os.kill(first.pid, signal.SIGCONT)  # type: ignore[attr-defined]
+    is_over(frozen_worker)
+    late = [add_run(author="compute") for _ in range(5)]
+    for run in late:
+        assert until(run).attempt == 1
+    assert store.runs.get(held.id or 0).attempt == 2
+    for run in (held, *others, *late):
+        assert _kinds(store, run).count("succeeded") == 1

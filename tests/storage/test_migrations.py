@@ -8,6 +8,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+import sqlalchemy as sa
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
 
@@ -53,6 +54,7 @@ def test_tables_and_migrations_agree(database_url: str) -> None:
     connection.engine.dispose()
 
 
+@pytest.mark.parametrize("backend", ["sqlite"])
 def test_every_foreign_key_and_filter_has_an_index(database_url: str) -> None:
     with closing(sqlite3.connect(_file(database_url))) as connection:
         for table in metadata.tables:
@@ -79,6 +81,7 @@ def test_up_and_down_with_data_in_it(
     assert migrate.upgrade(database_url) == "9999"
 
 
+@pytest.mark.parametrize("backend", ["sqlite"])
 def test_the_database_is_copied_before_it_changes(
     database_url: str, store: Store, aircraft: Aircraft, monkeypatch, tmp_path: Path
 ) -> None:
@@ -108,9 +111,10 @@ def test_a_migration_that_fails_changes_nothing(
 
 
 def test_a_database_of_a_newer_release_is_left_alone(database_url: str) -> None:
-    with closing(sqlite3.connect(_file(database_url))) as connection:
-        connection.execute("UPDATE alembic_version SET version_num = '7777'")
-        connection.commit()
+    engine = make_engine(parse_url(database_url))
+    with engine.begin() as connection:
+        connection.execute(sa.text("UPDATE alembic_version SET version_num = '7777'"))
+    engine.dispose()
     with pytest.raises(migrate.DatabaseTooNew, match=r"7777.*newer flexsid"):
         migrate.upgrade(database_url)
 

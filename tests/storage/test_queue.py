@@ -17,7 +17,7 @@ from flexsid.records.run import (
     RunResult,
     RunState,
 )
-from flexsid.storage import queue
+from flexsid.storage import job_list, queue
 from flexsid.storage.store import Store
 
 AddRun = Callable[..., EstimationRun]
@@ -130,7 +130,7 @@ def test_an_earlier_attempt_is_fenced_off(store: Store, add_run: AddRun) -> None
 def test_what_a_dead_server_left_runs_again_but_not_for_ever(store: Store, add_run: AddRun) -> None:
     run = add_run()
     assert run.id is not None
-    for attempt in range(1, queue.MOST_ATTEMPTS + 1):
+    for attempt in range(1, queue.MOST_DEATHS + 1):
         assert _claimed(store, run).attempt == attempt
         assert queue.take_over(store) == 1
     assert queue.claim(store) is None
@@ -140,21 +140,11 @@ def test_what_a_dead_server_left_runs_again_but_not_for_ever(store: Store, add_r
     assert left.error["code"] == "worker-died"
 
 
-def test_only_an_ended_run_is_deleted(store: Store, add_run: AddRun) -> None:
-    run = add_run()
-    assert run.id is not None
-    with pytest.raises(Conflict, match="cancel it first"):
-        queue.delete(store, run.id)
-    queue.request_cancel(store, run.id)
-    queue.delete(store, run.id)
-    assert store.runs.find() == []
-
-
-def test_pages_of_runs_go_from_new_to_old(store: Store, add_run: AddRun) -> None:
+def test_pages_of_jobs_go_from_new_to_old(store: Store, add_run: AddRun) -> None:
     runs = [add_run(method) for method in (Method.OE, Method.EE, Method.OE)]
-    first = queue.page(store, limit=2)
-    assert first.items == [runs[2], runs[1]]
-    second = queue.page(store, limit=2, after=first.next)
-    assert (second.items, second.next) == ([runs[0]], None)
-    assert queue.page(store, method=Method.EE, state=RunState.QUEUED).items == [runs[1]]
-    assert queue.page(store, maneuver_id=99).items == []
+    first = job_list.page(store, limit=2)
+    assert [job.id for job in first.items] == [runs[2].id, runs[1].id]
+    second = job_list.page(store, limit=2, after=first.next)
+    assert ([job.id for job in second.items], second.next) == ([runs[0].id], None)
+    assert len(job_list.page(store, state=RunState.QUEUED).items) == 3
+    assert job_list.page(store, state=RunState.RUNNING).items == []

@@ -20,6 +20,7 @@ from flexsid.records.prediction import Prediction
 from flexsid.records.run import (
     EstimationRun,
     Fit,
+    Limits,
     Method,
     Pole,
     Progress,
@@ -156,7 +157,10 @@ class RunError:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
-    """An estimation run; ``parameters``, ``fit`` and ``poles`` are there once it succeeded."""
+    """An estimation run; ``parameters``, ``fit`` and ``poles`` are there once it succeeded.
+
+    ``repeated`` tells who asked for it that the same run had been asked for before.
+    """
 
     id: int
     maneuver_id: int
@@ -183,21 +187,13 @@ class Run:
     started_at: datetime | None
     finished_at: datetime | None
     deleted_at: datetime | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Job:
-    """How far a run is; a job has the id of its run."""
-
-    id: int
-    run_id: int
-    state: RunState
-    attempt: int
-    progress: Progress | None
-    error: RunError | None
-    created_at: datetime
-    started_at: datetime | None
-    finished_at: datetime | None
+    priority: int
+    limits: Limits | None
+    after_run_id: int | None
+    data_hash: str | None
+    input_hash: str | None
+    worker: str | None
+    repeated: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -348,14 +344,6 @@ class SavedViewList:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class JobList:
-    """A page of jobs, newest first."""
-
-    items: list[Job]
-    next: str | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Glossary:
     """All quantities."""
 
@@ -371,7 +359,7 @@ def extend(detail: type[T], record: Any, **more: Any) -> T:
     return detail(**{f.name: getattr(record, f.name) for f in fields(record)}, **more)
 
 
-def run_answer(run: EstimationRun) -> Run:
+def run_answer(run: EstimationRun, *, repeated: bool = False) -> Run:
     """Lay the result of a run out as it is answered."""
     assert run.id is not None
     assert run.created_at is not None
@@ -417,23 +405,13 @@ def run_answer(run: EstimationRun) -> Run:
         started_at=run.started_at,
         finished_at=run.finished_at,
         deleted_at=run.deleted_at,
-    )
-
-
-def job_answer(run: EstimationRun) -> Job:
-    """Tell how far a run is."""
-    assert run.id is not None
-    assert run.created_at is not None
-    return Job(
-        id=run.id,
-        run_id=run.id,
-        state=run.state,
-        attempt=run.attempt,
-        progress=run.progress,
-        error=_error(run),
-        created_at=run.created_at,
-        started_at=run.started_at,
-        finished_at=run.finished_at,
+        priority=run.priority,
+        limits=run.limits,
+        after_run_id=run.after_run_id,
+        data_hash=run.data_hash,
+        input_hash=run.input_hash,
+        worker=run.worker,
+        repeated=repeated,
     )
 
 

@@ -22,6 +22,7 @@ from flexsid.api.guards import Guards
 from flexsid.api.page import add_page
 from flexsid.api.routes import (
     aircraft,
+    batches,
     comparisons,
     conditioning,
     decisions,
@@ -48,6 +49,7 @@ from flexsid.api.routes import (
 )
 from flexsid.api.routes import tasks as task_routes
 from flexsid.jobs.dispatcher import Dispatcher
+from flexsid.jobs.executors import make_workers
 from flexsid.jobs.steps import Steps, estimation_steps
 from flexsid.reports import read_template
 from flexsid.settings import Settings
@@ -90,7 +92,9 @@ def create_app(
         template = None if own is None else read_template(own)
         migration = upgrade(settings.database)
         store = Store.open(settings.database)
-        dispatcher = Dispatcher(store, load_steps())
+        steps = load_steps()
+        workers = make_workers(steps.compute, settings.dask, settings.workers)
+        dispatcher = Dispatcher(store, steps, workers)
         dispatcher.start()
         received = Uploads(store, _upload_folder(settings.database), bring_along)
         received.start()
@@ -145,6 +149,7 @@ def create_app(
         runs,
         saved_views,
         jobs,
+        batches,
         comparisons,
         reports,
         designs,

@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field
 
 from flexsid.records.conditioning import Correction, StepKind
 from flexsid.records.model_structure import FixedTo, HeldBy, Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings, Start
+from flexsid.records.run import EstimationRun, Limits, Method, RunSettings, Start
 from flexsid.records.saved_view import SavedView
 from flexsid.storage.bulk import Action
 from flexsid.storage.repository import LARGEST_ID
@@ -110,6 +110,23 @@ class SettingsRequest:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class LimitsRequest:
+    """What a run may take before it is stopped."""
+
+    time_s: Annotated[float | None, Field(gt=0.0, le=86_400.0)] = None
+    memory_mb: Annotated[int | None, Field(strict=True, ge=64, le=1_000_000)] = None
+
+    __pydantic_config__ = _STRICT
+
+    def record(self) -> Limits:
+        """Return what is kept."""
+        return Limits(time_s=self.time_s, memory_mb=self.memory_mb)
+
+
+Priority = Annotated[int, Field(strict=True, ge=-100, le=100)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RunRequest:
     """Estimate a model of one maneuver by one method.
 
@@ -128,6 +145,8 @@ class RunRequest:
     structure_id: Id | None = None
     structure_version: Version | None = None
     author: Annotated[str, Field(max_length=200)] = ""
+    priority: Priority = 0
+    limits: LimitsRequest | None = None
 
     __pydantic_config__ = _STRICT
 
@@ -144,6 +163,55 @@ class RunRequest:
             structure_id=self.structure_id,
             structure_version=version,
             author=self.author or analyst,
+            priority=self.priority,
+            limits=None if self.limits is None else self.limits.record(),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BatchStructure:
+    """A structure of a batch: in full, or a kept one, in its newest version if none is named."""
+
+    structure: StructureRequest | None = None
+    structure_id: Id | None = None
+    structure_version: Version | None = None
+
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BatchRequest:
+    """Estimate many maneuvers, by each of the methods, with each of the structures.
+
+    With ``from_equation_error`` OE and FRE wait for the EE run of the same maneuver and
+    structure, and start from it.
+    """
+
+    name: Title
+    maneuver_ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=20_000)]
+    methods: Annotated[tuple[Method, ...], Field(min_length=1, max_length=3)]
+    structures: Annotated[tuple[BatchStructure, ...], Field(min_length=1, max_length=100)]
+    settings: SettingsRequest | None = None
+    from_equation_error: Annotated[bool, Field(strict=True)] = False
+    priority: Priority = 0
+    limits: LimitsRequest | None = None
+
+    __pydantic_config__ = _STRICT
+
+    def template(
+        self, structure: Structure, structure_id: int | None, version: int | None, analyst: str
+    ) -> EstimationRun:
+        """Return what its runs with one structure have in common."""
+        return EstimationRun(
+            maneuver_id=self.maneuver_ids[0],
+            method=self.methods[0],
+            structure=structure,
+            settings=(self.settings or SettingsRequest()).record(),
+            structure_id=structure_id,
+            structure_version=version,
+            author=analyst,
+            priority=self.priority,
+            limits=None if self.limits is None else self.limits.record(),
         )
 
 

@@ -16,6 +16,8 @@ from flexsid.jobs.steps import estimation_steps
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, Progress, RunSettings, RunState, Start
 from flexsid.settings import Settings
+from flexsid.storage import batches
+from flexsid.workflow.identity import identified
 
 T = TypeVar("T")
 
@@ -57,7 +59,7 @@ def run(settings: Settings, wanted: EstimationRun, *, wait: bool, as_json: bool)
             kept = carry_out(store, wanted, steps, _show)
         else:
             steps.prepare(store, wanted)  # what cannot be done is refused at once
-            kept = store.runs.add(wanted)
+            kept, _ = batches.add_once(store, identified(store, wanted))
     if as_json:
         options = orjson.OPT_INDENT_2 | orjson.OPT_NON_STR_KEYS | orjson.OPT_UTC_Z
         print(orjson.dumps(kept, option=options).decode())

@@ -6,8 +6,9 @@ import logging
 from collections.abc import Callable
 
 from flexsid.errors import FlexsidError
+from flexsid.jobs.news import unexpected
+from flexsid.jobs.place import short, this_process
 from flexsid.jobs.steps import Steps
-from flexsid.jobs.worker import unexpected
 from flexsid.records.run import EstimationRun, Progress
 from flexsid.storage import queue
 from flexsid.storage.store import Store
@@ -26,15 +27,14 @@ def carry_out(
         If it was cancelled, or a server that started meanwhile took it over.
     """
     with store.transaction():  # no server sees it queued
-        kept = store.runs.add(wanted)
-        run = queue.claim(store, kept.id)
+        kept = queue.add(store, wanted)
+        run = queue.claim(store, kept.id, owner=this_process())
     assert run is not None
     assert run.id is not None
     run_id = run.id
     try:
-        return steps.keep(
-            store, run_id, run.attempt, steps.compute(steps.prepare(store, run), report)
-        )
+        outcome = steps.compute(steps.prepare(store, run), report)
+        return steps.keep(store, run_id, run.attempt, outcome, short(this_process()))
     except queue.StaleAttempt:
         raise
     except FlexsidError as error:

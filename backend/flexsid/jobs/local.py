@@ -5,34 +5,20 @@ from __future__ import annotations
 import multiprocessing
 import os
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
-from multiprocessing.context import SpawnProcess
 from typing import Any
 
-from flexsid.jobs.worker import News, Progressed, unexpected, work
-from flexsid.records.run import Progress
-
-Key = tuple[int, int]
-"""Which run, which attempt."""
+from flexsid.jobs.child import Child
+from flexsid.jobs.news import Begun, Died, Key, News, Progressed
+from flexsid.jobs.worker import Compute
 
 _MOST_WORKERS = 8
-_BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
-
-
-@dataclass(frozen=True, slots=True)
-class Died:
-    """The worker of a task is gone: killed from outside, out of memory, or crashed."""
-
-    exit_code: int | None
 
 
 @dataclass(slots=True)
 class _Worker:
-    process: SpawnProcess
-    connection: Connection
+    child: Child
     key: Key | None = None
 
 
@@ -45,12 +31,9 @@ class LocalWorkers:
     one thread.
     """
 
-    def __init__(
-        self,
-        compute: Callable[[Any, Callable[[Progress], None]], Any],
-        count: int | None = None,
-    ) -> None:
+    def __init__(self, compute: Compute, count: int | None = None) -> None:
         self.count = count or default_count()
+        self.place = "processes of this computer"
         self._compute = compute
         self._workers: list[_Worker] = []
         self._alarm, self._bell = multiprocessing.Pipe(duplex=False)
@@ -71,20 +54,18 @@ class LocalWorkers:
         if self.room and all(worker.key is not None for worker in self._workers):
             self._start()
 
-    def submit(self, key: Key, task: Any) -> None:
+    def submit(self, key: Key, task: Any, memory_mb: int | None) -> None:
         """Give a task to an idle worker; there must be ``room``."""
-        worker = next((w for w in self._workers if w.key is None), None)
-        while worker is not None:
+        for worker in [w for w in self._workers if w.key is None]:
             try:
-                worker.connection.send(task)
+                worker.child.submit(task, memory_mb)
             except (BrokenPipeError, ConnectionResetError):  # it died while idle
                 self._remove(worker)
-                worker = next((w for w in self._workers if w.key is None), None)
             else:
                 worker.key = key
                 return
         worker = self._start()
-        worker.connection.send(task)
+        worker.child.submit(task, memory_mb)
         worker.key = key
 
     def cancel(self, key: Key) -> None:
@@ -93,10 +74,10 @@ class LocalWorkers:
             if worker.key == key:
                 self._remove(worker)
 
-    def wait(self, timeout: float) -> list[tuple[Key, News | Died]]:
+    def wait(self, timeout: float) -> list[tuple[Key, News]]:
         """Return what workers have to tell; at once when someone calls ``wake``."""
-        by_connection = {worker.connection: worker for worker in self._workers}
-        news: list[tuple[Key, News | Died]] = []
+        by_connection = {worker.child.connection: worker for worker in self._workers}
+        news: list[tuple[Key, News]] = []
         for ready in wait([self._alarm, *by_connection], timeout):
             if ready is self._alarm:
                 self._rung.clear()
@@ -105,7 +86,11 @@ class LocalWorkers:
             assert isinstance(ready, Connection)
             worker = by_connection[ready]
             key = worker.key
-            said = self._listen(worker)
+            said = worker.child.listen()
+            if isinstance(said, Died):
+                self._remove(worker)
+            elif not isinstance(said, Begun | Progressed):
+                worker.key = None
             if key is not None:
                 news.append((key, said))
         return news
@@ -123,41 +108,14 @@ class LocalWorkers:
         self._alarm.close()
         self._bell.close()
 
-    def _listen(self, worker: _Worker) -> News | Died:
-        try:
-            said: News = worker.connection.recv()
-        except (EOFError, OSError):
-            worker.process.join(timeout=1.0)
-            exit_code = worker.process.exitcode
-            self._remove(worker)
-            return Died(exit_code)
-        except Exception as error:  # whatever unpickling a foreign outcome raises
-            worker.key = None
-            return unexpected(error)
-        if not isinstance(said, Progressed):
-            worker.key = None
-        return said
-
     def _start(self) -> _Worker:
-        context = multiprocessing.get_context("spawn")
-        ours, theirs = context.Pipe()
-        process = context.Process(
-            target=work, args=(theirs, self._compute), name="flexsid-worker", daemon=True
-        )
-        with _one_blas_thread():
-            process.start()
-        # Ours must be the only copies, or a dead worker's pipe would not end.
-        theirs.close()
-        worker = _Worker(process, ours)
+        worker = _Worker(Child(self._compute))
         self._workers.append(worker)
         return worker
 
     def _remove(self, worker: _Worker) -> None:
         self._workers.remove(worker)
-        worker.process.kill()
-        worker.process.join()
-        worker.process.close()
-        worker.connection.close()
+        worker.child.kill()
 
 
 def default_count() -> int:
@@ -165,22 +123,3 @@ def default_count() -> int:
     affinity = getattr(os, "sched_getaffinity", None)
     cores = len(affinity(0)) if affinity is not None else os.cpu_count() or 1
     return max(1, min(cores - 1, _MOST_WORKERS))
-
-
-@contextmanager
-def _one_blas_thread() -> Iterator[None]:
-    """Let processes that start here use one BLAS thread: their matrices are small.
-
-    It must stand in the environment before numpy is loaded, which may be as
-    soon as the child imports our main module.
-    """
-    before = {name: os.environ.get(name) for name in _BLAS_THREADS}
-    os.environ.update(dict.fromkeys(_BLAS_THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value

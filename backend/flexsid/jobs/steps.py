@@ -16,12 +16,12 @@ class Steps:
 
     ``prepare`` reads the store and returns a picklable task; ``compute`` is a pure
     function of the task that tells its progress and returns a picklable outcome;
-    ``keep`` writes the outcome of one attempt.
+    ``keep`` writes the outcome of one attempt, and which worker it comes from.
     """
 
     prepare: Callable[[Store, EstimationRun], Any]
     compute: Callable[[Any, Callable[[Progress], None]], Any]
-    keep: Callable[[Store, int, int, Any], EstimationRun]
+    keep: Callable[[Store, int, int, Any, str], EstimationRun]
 
 
 def estimation_steps() -> Steps:

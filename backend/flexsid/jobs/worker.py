@@ -1,98 +1,118 @@
 """Inside a worker process: take a task, compute, tell progress, hand back the outcome.
 
-A worker has no database. It dies with the server, and the server kills it to
-cancel its task, so nothing here needs to be tidied up.
+A worker has no database. It dies with the process that started it, which kills
+it to cancel its task, so nothing here needs to be tidied up.
 """
 
 from __future__ import annotations
 
-import multiprocessing
 import os
+import pickle
+import re
 import signal
+import socket
+import sys
 import threading
-import traceback
-from collections.abc import Callable
-from dataclasses import dataclass
-from multiprocessing.connection import Connection, wait
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any
 
 from flexsid.errors import FlexsidError
+from flexsid.jobs.news import Begun, Computed, Failed, News, Progressed, unexpected
 from flexsid.records.run import Progress
 
-
-@dataclass(frozen=True, slots=True)
-class Progressed:
-    """A task is this far."""
-
-    progress: Progress
+Compute = Callable[[Any, Callable[[Progress], None]], Any]
 
 
-@dataclass(frozen=True, slots=True)
-class Computed:
-    """A task is done."""
-
-    outcome: Any
-
-
-@dataclass(frozen=True, slots=True)
-class Failed:
-    """A task cannot be done: why, for the analyst, and the trace, for the log."""
-
-    code: str
-    message: str
-    trace: str = ""
-
-
-News = Progressed | Computed | Failed
-
-
-def work(connection: Connection, compute: Callable[[Any, Callable[[Progress], None]], Any]) -> None:
-    """Carry out one task after the other until the server hangs up."""
+def main(arguments: list[str]) -> None:
+    """Serve the connection and die with the lifeline whose file numbers are given."""
     # Ctrl-C reaches the whole group of processes; the server decides what it means.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_die_with_parent, daemon=True).start()
-    while True:
-        try:
-            task = connection.recv()
-        except EOFError:
-            return
-        news = _carry_out(compute, task, lambda progress: connection.send(Progressed(progress)))
-        try:
-            connection.send(news)
-        except (TypeError, AttributeError, ValueError) as error:  # it cannot be pickled
-            connection.send(unexpected(error))
+    connection, lifeline = (int(number) for number in arguments)
+    threading.Thread(target=_die_with, args=(lifeline,), daemon=True).start()
+    work(Connection(connection))
 
 
-def unexpected(error: Exception) -> Failed:
-    """Return what an analyst is told of an error that is ours; the trace is for the log."""
-    return Failed(
-        "internal-error",
-        f"the estimation stopped on an error of the software ({type(error).__name__});"
-        " the log of the server has the details",
-        "".join(traceback.format_exception(error)),
-    )
-
-
-def _carry_out(
-    compute: Callable[[Any, Callable[[Progress], None]], Any],
-    task: Any,
-    report: Callable[[Progress], None],
-) -> News:
+def work(connection: Connection) -> None:
+    """Carry out one task after the other until the other side hangs up."""
+    me = f"{socket.gethostname()}/{os.getpid()}"
     try:
-        return Computed(compute(task, report))
+        compute: Compute = connection.recv()
+        while True:
+            # In two steps: a task that cannot be read is no reason to stop.
+            content = connection.recv_bytes()
+            try:
+                task, memory_mb = pickle.loads(content)
+                del content
+            except Exception as error:
+                connection.send(unexpected(error))
+                continue
+            connection.send(Begun())
+            with _at_most(memory_mb):
+                news = carry_out(
+                    compute, task, lambda progress: connection.send(Progressed(progress)), me
+                )
+                del task
+            try:
+                connection.send(news)
+            except (TypeError, AttributeError, ValueError, pickle.PicklingError) as error:
+                connection.send(unexpected(error))  # it cannot be sent
+    except (EOFError, BrokenPipeError, ConnectionResetError):
+        return
+
+
+def carry_out(
+    compute: Compute, task: Any, report: Callable[[Progress], None], worker: str = ""
+) -> News:
+    """Compute; whatever it raises becomes news."""
+    try:
+        return Computed(compute(task, report), worker)
     except FlexsidError as error:
-        return Failed(error.code, error.message)
+        return Failed(error.code, error.message, worker=worker)
     except MemoryError:
         return Failed(
-            "out-of-memory", "the estimation needs more memory than there is; take a smaller model"
+            "out-of-memory",
+            "the estimation needs more memory than it may take; take a smaller model or band,"
+            " or raise its memory limit",
+            worker=worker,
         )
     except Exception as error:
         return unexpected(error)
 
 
-def _die_with_parent() -> None:
-    """Leave at once when the server is gone, even in the middle of a task."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        wait([parent.sentinel])
-        os._exit(1)
+@contextmanager
+def _at_most(memory_mb: int | None) -> Iterator[None]:
+    """Let a task take this much memory beyond what the process has; then MemoryError."""
+    present = _data_bytes()
+    if memory_mb is None or present is None:
+        yield
+        return
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_DATA)
+    resource.setrlimit(resource.RLIMIT_DATA, (present + memory_mb * 1024**2, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_DATA, before)
+
+
+def _data_bytes() -> int | None:
+    """Return the memory of this process that the limit counts; None where it cannot be told."""
+    try:
+        found = re.search(r"^VmData:\s*(\d+) kB", Path("/proc/self/status").read_text(), re.M)
+    except OSError:
+        return None
+    return None if found is None else int(found[1]) * 1024
+
+
+def _die_with(lifeline: int) -> None:
+    """Leave at once when the other end is gone, even in the middle of a task."""
+    os.read(lifeline, 1)
+    os._exit(1)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

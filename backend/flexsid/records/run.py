@@ -162,8 +162,21 @@ class RunResult:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """What a run may take before it is stopped; None leaves it to the server."""
+
+    time_s: float | None = None
+    memory_mb: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class EstimationRun:
-    """A request and, once done, its result."""
+    """A request and, once done, its result.
+
+    Of those that wait, the one with the highest ``priority`` starts first, and none
+    before ``after_run_id`` has succeeded. ``data_hash`` names what was recorded and
+    assumed, ``input_hash`` that and all that was asked for: equal inputs are one run.
+    """
 
     maneuver_id: int
     method: Method
@@ -185,4 +198,10 @@ class EstimationRun:
     started_at: datetime | None = None
     finished_at: datetime | None = None
     deleted_at: datetime | None = None
+    priority: int = 0
+    after_run_id: int | None = None
+    limits: Limits | None = None
+    data_hash: str | None = None
+    input_hash: str | None = None
+    worker: str | None = None
     id: int | None = None

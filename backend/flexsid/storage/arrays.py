@@ -8,6 +8,7 @@ from typing import Any, TypedDict
 
 import numpy as np
 import sqlalchemy as sa
+from sqlalchemy.dialects import postgresql, sqlite
 
 from flexsid.errors import BadInput, UnknownRecord
 from flexsid.storage.database import Database
@@ -68,7 +69,10 @@ class Arrays:
             }
             new = [row for name, row in rows.items() if name not in known]
             if new:
-                connection.execute(sa.insert(arrays), [dict(row) for row in new])
+                # On PostgreSQL another may keep the same array at the same moment.
+                dialect = postgresql if connection.dialect.name == "postgresql" else sqlite
+                insert = dialect.insert(arrays).on_conflict_do_nothing()
+                connection.execute(insert, [dict(row) for row in new])
         return [row["hash"] for row in content]
 
     def get(self, name: str) -> np.ndarray:

@@ -79,11 +79,12 @@ def _read(
 @lru_cache(maxsize=256)
 def _query(table: str, owner: str, fields: tuple[str, ...], mark: str, n_names: int | None) -> str:
     """Plain SQL for the driver: SQLAlchemy around it takes as long as the answer of SQLite."""
-    columns = ", ".join(f"{table}.{name}" for name in fields)
+    # Quoted, for PostgreSQL keeps ``array`` to itself.
+    columns = ", ".join(f'{table}."{name}"' for name in fields)
     chosen = "" if n_names is None else f" AND name IN ({', '.join([mark] * n_names)})"
     return (
         f"SELECT {columns}, dtype, data FROM {table} "
-        f"JOIN {arrays.name} ON hash = array WHERE {owner} = {mark}{chosen}"
+        f'JOIN {arrays.name} ON hash = "array" WHERE {owner} = {mark}{chosen}'
     )
 
 

@@ -24,6 +24,7 @@ from sqlalchemy.exc import (
 from flexsid.errors import BadInput, FlexsidError
 
 _WRITES = "flexsid_writes"
+_ALONE = 0x666C6578  # any number that nobody else takes
 
 
 class DatabaseUnavailable(FlexsidError):
@@ -42,6 +43,8 @@ def parse_url(url: str) -> URL:
     """Read a database address, e.g. ``sqlite:///var/flexsid.db``."""
     try:
         parsed = make_url(url)
+        if parsed.drivername == "postgresql":
+            parsed = parsed.set(drivername="postgresql+psycopg")
         parsed.get_dialect()
     except (ArgumentError, NoSuchModuleError) as error:
         raise BadInput(
@@ -90,9 +93,9 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
             raise DatabaseUnavailable(
                 f"the folder of the database {file} cannot be made: {error.strerror}"
             ) from error
-    engine = sa.create_engine(url, json_serializer=_to_json)
     if file is None:
-        return engine
+        return _make_postgresql_engine(url)
+    engine = sa.create_engine(url, json_serializer=_to_json)
 
     @event.listens_for(engine, "connect")
     def _prepare(connection: sqlite3.Connection, _record: object) -> None:
@@ -119,6 +122,16 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
     return engine
 
 
+def _make_postgresql_engine(url: URL) -> Engine:
+    try:
+        # Pinged before use, for the server may have been started again meanwhile.
+        return sa.create_engine(url, json_serializer=_to_json, pool_pre_ping=True, pool_size=10)
+    except ModuleNotFoundError as error:
+        raise BadInput(
+            "PostgreSQL needs the extra `postgresql`: pip install 'flexsid[postgresql]'"
+        ) from error
+
+
 class Database:
     """One engine, and for each thread the transaction it is in."""
 
@@ -126,6 +139,11 @@ class Database:
         self.url = parse_url(url)
         self.engine = make_engine(self.url)
         self._writing_engine = self.engine.execution_options(**{_WRITES: True})
+        self._reading_engine = self.engine
+        if self.url.get_backend_name() == "postgresql":
+            self._reading_engine = self.engine.execution_options(
+                isolation_level="REPEATABLE READ", postgresql_readonly=True
+            )
         self._of_thread = threading.local()
 
     def close(self) -> None:
@@ -146,6 +164,11 @@ class Database:
             finally:
                 self._of_thread.connection = None
 
+    def alone(self, connection: Connection) -> None:
+        """Let no other transaction that asks for this go on before the present one ends."""
+        if connection.dialect.name == "postgresql":  # writers of SQLite are alone anyway
+            connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_ALONE)))
+
     @contextmanager
     def reading(self) -> Iterator[Connection]:
         """Read one consistent state; inside a transaction, its own."""
@@ -153,8 +176,13 @@ class Database:
         if current is not None:
             yield current
             return
-        with answering(), self.engine.connect() as connection:
+        with answering(), self._reading_engine.connect() as connection:
             yield connection
+
+    @property
+    def in_transaction(self) -> bool:
+        """Whether this thread is in a transaction that writes."""
+        return self._current is not None
 
     @property
     def _current(self) -> Connection | None:

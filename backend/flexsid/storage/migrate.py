@@ -7,6 +7,7 @@ import sqlite3
 from contextlib import closing
 from pathlib import Path
 
+import sqlalchemy as sa
 from alembic import command
 from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
@@ -20,6 +21,7 @@ from flexsid.errors import FlexsidError
 from flexsid.storage.database import answering, make_engine, parse_url, sqlite_file
 
 _log = logging.getLogger(__name__)
+_MIGRATING = 0x666C6D67  # any number that nobody else takes
 
 
 class DatabaseTooNew(FlexsidError):
@@ -66,6 +68,8 @@ def move(url: str, target: str) -> str:
         # One transaction, taken for writing at once: of two servers that start
         # together the second waits here and then finds nothing to do.
         with answering(), writing.begin() as connection:
+            if connection.dialect.name == "postgresql":
+                connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_MIGRATING)))
             present = _present_revision(connection, scripts)
             wanted = scripts.get_current_head() if target == "head" else target
             if present == wanted and present is not None:

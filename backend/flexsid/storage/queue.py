@@ -1,25 +1,35 @@
 """The run table is the job queue: how a run passes from state to state.
 
-Every passage is a conditional update. ``attempt`` counts the starts of a run
-and fences it: what an earlier attempt still says, or says after the run was
-cancelled, changes nothing.
+Every passage is a conditional update, written to the log in the same
+transaction. ``attempt`` counts the starts of a run and fences it: what an
+earlier attempt still says, or says after the run was cancelled, changes nothing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
 import sqlalchemy as sa
 
 from flexsid.errors import Conflict
-from flexsid.records.run import EstimationRun, Method, Progress, RunResult, RunState
-from flexsid.storage.paging import Page, read_cursor
+from flexsid.records.run import EstimationRun, Progress, RunResult, RunState
+from flexsid.storage import leases, run_log
 from flexsid.storage.store import Store
 from flexsid.storage.tables import runs
 
-MOST_ATTEMPTS = 3
+MOST_DEATHS = 3
+"""So many workers may die of a run before it is given up."""
+
+_QUEUED = runs.c.state == RunState.QUEUED.value
+_first = runs.alias("first")
+_may_start = sa.or_(
+    runs.c.after_run_id.is_(None),
+    sa.exists().where(
+        _first.c.id == runs.c.after_run_id, _first.c.state == RunState.SUCCEEDED.value
+    ),
+)
 
 
 class StaleAttempt(Conflict):
@@ -28,24 +38,56 @@ class StaleAttempt(Conflict):
     code = "stale-attempt"
 
 
-def claim(store: Store, run_id: int | None = None) -> EstimationRun | None:
-    """Start a queued run: the one asked for, else the oldest; None where none waits."""
+def add(store: Store, run: EstimationRun) -> EstimationRun:
+    """Queue a run."""
     with store.database.transaction() as connection:
-        query = sa.select(runs.c.id).where(runs.c.state == RunState.QUEUED.value)
+        kept = store.runs.add(run)
+        assert kept.id is not None
+        run_log.write(connection, [kept.id], "queued", message=_asked_by(run.author))
+        return kept
+
+
+def claim(
+    store: Store, run_id: int | None = None, *, owner: str | None = None, epoch: int | None = None
+) -> EstimationRun | None:
+    """Start a queued run: the one asked for, else the most urgent; None where none may start.
+
+    Parameters
+    ----------
+    store
+        Where runs are queued.
+    run_id
+        Which one.
+    owner
+        The process that answers for it from now on.
+    epoch
+        Of the lease under which it is started; without the lease nothing starts.
+    """
+    with store.database.transaction() as connection:
+        query = sa.select(runs.c.id).where(_QUEUED, _may_start)
         if run_id is not None:
             query = query.where(runs.c.id == run_id)
-        found = connection.scalar(query.order_by(runs.c.id).limit(1))
+        query = query.order_by(runs.c.priority.desc(), runs.c.id).limit(1)
+        found = connection.scalar(query)
         if found is None:
             return None
+        condition = sa.and_(runs.c.id == found, _QUEUED)
+        if epoch is not None:
+            condition = sa.and_(condition, leases.holds(epoch))
         claimed = _change(
             store,
-            sa.and_(runs.c.id == found, runs.c.state == RunState.QUEUED.value),
+            condition,
             state=RunState.RUNNING,
             attempt=runs.c.attempt + 1,
             started_at=_now(),
             progress=None,
+            owner=owner,
         )
-        return store.runs.get(found) if claimed else None
+        if not claimed:
+            return None
+        run = store.runs.get(found)
+        run_log.write(connection, [found], "started", run.attempt)
+        return run
 
 
 def note_progress(store: Store, run_id: int, attempt: int, progress: Progress) -> bool:
@@ -53,8 +95,20 @@ def note_progress(store: Store, run_id: int, attempt: int, progress: Progress) -
     return _change(store, _is_attempt(run_id, attempt), progress=progress)
 
 
+def say(store: Store, run_id: int, attempt: int, message: str) -> None:
+    """Add a line to the log of a run."""
+    with store.database.transaction() as connection:
+        if connection.scalar(sa.select(sa.exists().where(runs.c.id == run_id))):
+            run_log.write(connection, [run_id], "said", attempt, message)
+
+
 def finish(
-    store: Store, run_id: int, attempt: int, result: RunResult, versions: Mapping[str, str]
+    store: Store,
+    run_id: int,
+    attempt: int,
+    result: RunResult,
+    versions: Mapping[str, str],
+    worker: str | None = None,
 ) -> EstimationRun:
     """Keep the result of a run.
 
@@ -63,7 +117,7 @@ def finish(
     StaleAttempt
         If the run was cancelled or started again meanwhile.
     """
-    with store.transaction():
+    with store.database.transaction() as connection:
         kept = _change(
             store,
             _is_attempt(run_id, attempt),
@@ -72,52 +126,82 @@ def finish(
             versions=dict(versions),
             finished_at=_now(),
             error=None,
+            worker=worker,
         )
-        run = store.runs.get(run_id)
         if not kept:
+            run = store.runs.get(run_id)
             raise StaleAttempt(
                 f"attempt {attempt} of run {run_id} comes too late: the run is {run.state.value}"
                 f" in attempt {run.attempt}"
             )
-        return run
+        run_log.write(connection, [run_id], "succeeded", attempt, worker or "")
+        return store.runs.get(run_id)
 
 
-def fail(store: Store, run_id: int, attempt: int, code: str, message: str) -> bool:
-    """Mark a run as failed; False where this attempt no longer counts."""
-    return _change(
-        store,
-        _is_attempt(run_id, attempt),
-        state=RunState.FAILED,
-        error={"code": code, "message": message},
-        finished_at=_now(),
-    )
+def fail(
+    store: Store, run_id: int, attempt: int, code: str, message: str, worker: str | None = None
+) -> bool:
+    """Mark a run as failed, and those that wait for it; False where the attempt is over."""
+    with store.database.transaction() as connection:
+        failed = _change(
+            store,
+            _is_attempt(run_id, attempt),
+            state=RunState.FAILED,
+            error={"code": code, "message": message},
+            finished_at=_now(),
+            worker=worker,
+        )
+        if failed:
+            run_log.write(connection, [run_id], "failed", attempt, message)
+            _end_those_waiting(store, [run_id], RunState.FAILED)
+        return failed
 
 
-def put_back(store: Store, run_id: int, attempt: int) -> bool:
+def put_back(store: Store, run_id: int, attempt: int, why: str = "the server stopped") -> bool:
     """Queue a started run again, as when the server stops."""
-    return _change(
-        store, _is_attempt(run_id, attempt), state=RunState.QUEUED, started_at=None, progress=None
-    )
+    with store.database.transaction() as connection:
+        done = _change(
+            store,
+            _is_attempt(run_id, attempt),
+            state=RunState.QUEUED,
+            started_at=None,
+            progress=None,
+            owner=None,
+        )
+        if done:
+            run_log.write(connection, [run_id], "queued", attempt, why)
+        return done
 
 
 def retry_or_fail(store: Store, run_id: int, attempt: int, message: str) -> bool:
-    """Queue a run whose worker died again, or give it up after the last attempt."""
-    if attempt >= MOST_ATTEMPTS:
-        return fail(store, run_id, attempt, "worker-died", message)
-    return put_back(store, run_id, attempt)
+    """Queue a run whose worker died again, or give it up after too many deaths.
+
+    ``message`` is told in the end; ``{deaths}`` in it is how many there were.
+    """
+    with store.database.transaction() as connection:
+        died = _change(store, _is_attempt(run_id, attempt), deaths=runs.c.deaths + 1)
+        if not died:
+            return False
+        deaths = connection.scalar(sa.select(runs.c.deaths).where(runs.c.id == run_id))
+        message = message.format(deaths=deaths)
+        if deaths is None or deaths >= MOST_DEATHS:
+            return fail(store, run_id, attempt, "worker-died", message)
+        return put_back(store, run_id, attempt, message)
 
 
-def take_over(store: Store) -> int:
-    """Queue again, or give up, what a server that is gone left running; returns how many."""
-    with store.transaction():
-        left = store.runs.find(state=RunState.RUNNING)
-        for run in left:
-            assert run.id is not None
+def take_over(store: Store, is_gone: Callable[[str | None], bool] = lambda owner: True) -> int:
+    """Queue again, or give up, what processes that are gone left running; returns how many."""
+    query = sa.select(runs.c.id, runs.c.attempt, runs.c.owner).where(
+        runs.c.state == RunState.RUNNING.value
+    )
+    with store.database.transaction() as connection:
+        left = [row for row in connection.execute(query) if is_gone(row.owner)]
+        for row in left:
             retry_or_fail(
                 store,
-                run.id,
-                run.attempt,
-                f"the server stopped {run.attempt} times while it carried this run out",
+                row.id,
+                row.attempt,
+                "the server stopped {deaths} times while it carried this run out",
             )
     return len(left)
 
@@ -134,17 +218,57 @@ def request_cancel(store: Store, run_id: int) -> EstimationRun:
                 " cancelled",
                 code="run-ended",
             )
-        _change(store, runs.c.id == run_id, state=RunState.CANCELLED, finished_at=_now())
+        cancel(store, [run_id])
         return store.runs.get(run_id)
 
 
-def delete(store: Store, run_id: int) -> None:
-    """Forget a run that has ended."""
+def cancel(store: Store, run_ids: Sequence[int]) -> None:
+    """Cancel those of these runs that have not ended, and those that wait for them."""
+    active = (RunState.QUEUED.value, RunState.RUNNING.value)
+    which = sa.and_(runs.c.id.in_(run_ids), runs.c.state.in_(active))
+    with store.database.transaction() as connection:
+        found = list(connection.scalars(sa.select(runs.c.id).where(which)))
+        _change(store, which, state=RunState.CANCELLED, finished_at=_now())
+        run_log.write(connection, found, "cancelled")
+        _end_those_waiting(store, found, RunState.CANCELLED)
+
+
+def request_retry(store: Store, run_id: int) -> None:
+    """Queue one run again that failed or was cancelled.
+
+    Raises
+    ------
+    Conflict
+        If it did neither.
+    """
     with store.transaction():
         run = store.runs.get(run_id)
-        if run.state in (RunState.QUEUED, RunState.RUNNING):
-            raise Conflict(f"run {run_id} is {run.state.value}; cancel it first", code="run-active")
-        store.runs.delete(run_id)
+        if not retry(store, [run_id]):
+            raise Conflict(
+                f"run {run_id} is {run.state.value}; only a failed or cancelled one can be asked"
+                " for again",
+                code="run-not-over",
+            )
+
+
+def retry(store: Store, run_ids: Sequence[int]) -> int:
+    """Queue again those of these runs that failed or were cancelled; returns how many."""
+    ended = (RunState.FAILED.value, RunState.CANCELLED.value)
+    which = sa.and_(runs.c.id.in_(run_ids), runs.c.state.in_(ended))
+    with store.database.transaction() as connection:
+        found = list(connection.scalars(sa.select(runs.c.id).where(which)))
+        _change(
+            store,
+            which,
+            state=RunState.QUEUED,
+            error=None,
+            progress=None,
+            started_at=None,
+            finished_at=None,
+            deaths=0,
+        )
+        run_log.write(connection, found, "queued", message="asked for again")
+    return len(found)
 
 
 def still_running(store: Store, attempts: Iterable[tuple[int, int]]) -> set[int]:
@@ -158,38 +282,38 @@ def still_running(store: Store, attempts: Iterable[tuple[int, int]]) -> set[int]
     return {run_id for run_id, attempt in rows if wanted[run_id] == attempt}
 
 
-def page(
-    store: Store,
-    *,
-    maneuver_id: int | None = None,
-    method: Method | None = None,
-    state: RunState | None = None,
-    limit: int = 100,
-    after: str | None = None,
-) -> Page[EstimationRun]:
-    """Return runs, newest first."""
-    query = sa.select(runs).order_by(runs.c.id.desc()).limit(limit + 1)
-    if maneuver_id is not None:
-        query = query.where(runs.c.maneuver_id == maneuver_id)
-    if method is not None:
-        query = query.where(runs.c.method == method.value)
-    if state is not None:
-        query = query.where(runs.c.state == state.value)
-    if after is not None:
-        query = query.where(runs.c.id < read_cursor(after))
-    with store.database.reading() as connection:
-        found = store.runs.decode(connection.execute(query).mappings().all())
-    shown = found[:limit]
-    return Page(items=shown, next=str(shown[-1].id) if len(found) > limit else None)
+def _end_those_waiting(store: Store, run_ids: Sequence[int], state: RunState) -> None:
+    """End the queued runs that would have started after one that gives them nothing."""
+    waiting = sa.and_(runs.c.after_run_id.in_(run_ids), _QUEUED)
+    which = f"run {run_ids[0]}" if len(run_ids) == 1 else "the run"
+    message = f"{which}, whose result it starts from, was cancelled"
+    if state is RunState.FAILED:
+        message = f"{which}, whose result it starts from, failed; ask for both again"
+    with store.database.transaction() as connection:
+        found = list(connection.scalars(sa.select(runs.c.id).where(waiting)))
+        if not found:
+            return
+        error = {"code": "start-missing", "message": message}
+        _change(
+            store,
+            runs.c.id.in_(found),
+            state=state,
+            finished_at=_now(),
+            error=error if state is RunState.FAILED else None,
+        )
+        run_log.write(connection, found, state.value, message=message)
+        _end_those_waiting(store, found, state)
 
 
 def _change(store: Store, condition: sa.ColumnElement[bool], **values: Any) -> bool:
     row = {
-        name: value if isinstance(value, sa.ColumnElement) else store.runs.encode_field(name, value)
+        name: value
+        if isinstance(value, sa.ColumnElement) or name not in store.runs.fields
+        else store.runs.encode_field(name, value)
         for name, value in values.items()
     }
     with store.database.transaction() as connection:
-        return connection.execute(sa.update(runs).where(condition).values(row)).rowcount == 1
+        return connection.execute(sa.update(runs).where(condition).values(row)).rowcount >= 1
 
 
 def _is_attempt(run_id: int, attempt: int) -> sa.ColumnElement[bool]:
@@ -198,6 +322,10 @@ def _is_attempt(run_id: int, attempt: int) -> sa.ColumnElement[bool]:
         runs.c.attempt == attempt,
         runs.c.state == RunState.RUNNING.value,
     )
+
+
+def _asked_by(author: str) -> str:
+    return f"asked for by {author}" if author else "asked for"
 
 
 def _now() -> datetime:

@@ -63,11 +63,11 @@ class Repository(Generic[R]):
         self._noun = noun
         self._copied = copied
         self._adapter = TypeAdapter(record)
-        self._names = tuple(field.name for field in fields(record))
+        self.fields = tuple(field.name for field in fields(record))
         hints = get_type_hints(record)
         self._nested = {
             name: TypeAdapter(hints[name])
-            for name in self._names
+            for name in self.fields
             if isinstance(table.c[name].type, sa.JSON)
         }
 
@@ -100,8 +100,8 @@ class Repository(Generic[R]):
                     raise self._refused(error) from error
 
     def get(self, identity: int) -> R:
-        """Return the record with this id."""
-        found = self._select(self._is(identity))
+        """Return the record with this id; inside a transaction nobody else changes it then."""
+        found = self._select(self._is(identity), lock=self._database.in_transaction)
         if not found:
             raise self._unknown(identity)
         return found[0]
@@ -150,7 +150,7 @@ class Repository(Generic[R]):
 
     def encode(self, record: R) -> dict[str, Any]:
         """Return the row of a record."""
-        row = {name: self.encode_field(name, getattr(record, name)) for name in self._names}
+        row = {name: self.encode_field(name, getattr(record, name)) for name in self.fields}
         if self._copied is not None:
             row.update(self._copied(record))
         return row
@@ -169,11 +169,13 @@ class Repository(Generic[R]):
 
     def decode(self, rows: Sequence[sa.RowMapping]) -> list[R]:
         """Return the records of rows."""
-        return [self._adapter.validate_python({n: row[n] for n in self._names}) for row in rows]
+        return [self._adapter.validate_python({n: row[n] for n in self.fields}) for row in rows]
 
-    def _select(self, *conditions: sa.ColumnElement[bool]) -> list[R]:
-        columns = [self.table.c[name] for name in self._names]
+    def _select(self, *conditions: sa.ColumnElement[bool], lock: bool = False) -> list[R]:
+        columns = [self.table.c[name] for name in self.fields]
         query = sa.select(*columns).where(*conditions).order_by(self.table.c.id)
+        if lock:  # SQLite has one writer anyway
+            query = query.with_for_update(key_share=True)
         with self._database.reading() as connection:
             return self.decode(connection.execute(query).mappings().all())
 

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import Any, Unpack
 
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.batch import Batch
 from flexsid.records.conditioning import ConditioningStep
 from flexsid.records.decision import (
     Decision,
@@ -107,6 +108,7 @@ class Store:
         self.runs = Repository(database, tables.runs, EstimationRun, "run")
         self.searches = Repository(database, tables.searches, StructureSearch, "search")
         self.saved_views = Repository(database, tables.saved_views, SavedView, "saved view")
+        self.batches = Repository(database, tables.batches, Batch, "batch")
 
     @classmethod
     def open(cls, url: str) -> Store:

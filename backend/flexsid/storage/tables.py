@@ -344,8 +344,18 @@ runs = _table(
     _text("author"),
     sa.Column("created_at", UtcDateTime, nullable=False),
     sa.Column("started_at", UtcDateTime),
-    sa.Column("finished_at", UtcDateTime),
+    sa.Column("finished_at", UtcDateTime, index=True),
     sa.Column("deleted_at", UtcDateTime),
+    sa.Column("priority", sa.Integer, nullable=False, server_default="0"),
+    _refers_to("after_run_id", "runs", required=False, ondelete="SET NULL"),
+    _json("limits", required=False),
+    sa.Column("data_hash", sa.String(64)),
+    sa.Column("input_hash", sa.String(64), index=True),
+    _text("worker", required=False),
+    # Not of the record: which process answers for a running run, and how many
+    # workers died of it since it was last asked for.
+    _text("owner", required=False),
+    sa.Column("deaths", sa.Integer, nullable=False, server_default="0"),
     # What lists look up, filter and sort by stands in indices: a row weighs tens of kilobytes.
     sa.Index("ix_runs_newest", "maneuver_id", "method", "id", "deleted_at", "state"),
     sa.Index(
@@ -354,6 +364,50 @@ runs = _table(
         *("created_at", "finished_at"),
     ),
     sa.Index(None, "state", "id"),
+    sa.Index(None, "state", "priority", "id"),
+)
+
+batches = _table(
+    "batches",
+    _identity(),
+    _text("name"),
+    _text("author"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+)
+
+batch_runs = sa.Table(
+    "batch_runs",
+    metadata,
+    sa.Column(
+        "batch_id", sa.Integer, sa.ForeignKey("batches.id", ondelete="CASCADE"), primary_key=True
+    ),
+    sa.Column(
+        "run_id",
+        sa.Integer,
+        sa.ForeignKey("runs.id", ondelete="CASCADE"),
+        primary_key=True,
+        index=True,
+    ),
+)
+
+run_events = _table(
+    "run_events",
+    _identity(),
+    _refers_to("run_id", "runs", ondelete="CASCADE"),
+    sa.Column("at", UtcDateTime, nullable=False),
+    sa.Column("kind", sa.String(16), nullable=False),
+    sa.Column("attempt", sa.Integer, nullable=False),
+    _text("message"),
+)
+
+leases = sa.Table(
+    "leases",
+    metadata,
+    sa.Column("name", sa.String(32), primary_key=True),
+    _text("holder", required=False),
+    sa.Column("epoch", sa.Integer, nullable=False),
+    sa.Column("beats", sa.BigInteger, nullable=False),
+    _json("status", required=False),
 )
 
 searches = _table(

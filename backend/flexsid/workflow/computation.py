@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import platform
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+import scipy
 
+from flexsid import __version__
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import Method, Progress, RunSettings
@@ -26,7 +30,7 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.stability.poles import NamedPole, named_poles
 from flexsid.workflow.judgement import warnings_of
-from flexsid.workflow.measured import MeasuredLines
+from flexsid.workflow.measured import MeasuredLines, Measurement
 
 Report = Callable[[Progress], None]
 EQUATION_ERROR = "equation error"
@@ -51,6 +55,20 @@ class ManeuverData:
 
 
 @dataclass(frozen=True, slots=True)
+class Flown:
+    """A maneuver as it is sent to a worker, which does the transforms too."""
+
+    label: str
+    model: AeroelasticModel
+    companions: AeroelasticModel
+    measurement: Measurement
+
+    def measured(self) -> ManeuverData:
+        """Return what the fit sees."""
+        return ManeuverData(self.label, self.model, self.companions, self.measurement.measured())
+
+
+@dataclass(frozen=True)
 class Task:
     """All that a worker needs: numbers and choices, no database.
 
@@ -61,7 +79,7 @@ class Task:
     method: Method
     settings: RunSettings
     structure: Structure
-    maneuvers: tuple[ManeuverData, ...]
+    flown: tuple[Flown, ...]
     mode_names: tuple[str, ...]
     starts: dict[str, DerivativeTable]
     priors: dict[str, tuple[float, float]]
@@ -73,7 +91,12 @@ class Task:
     @property
     def model(self) -> AeroelasticModel:
         """Model of the first maneuver, whose poles are told."""
-        return self.maneuvers[0].model
+        return self.flown[0].model
+
+    @cached_property
+    def maneuvers(self) -> tuple[ManeuverData, ...]:
+        """What the fit sees; transformed where it is first asked for, in the worker."""
+        return tuple(flown.measured() for flown in self.flown)
 
     @property
     def extras(self) -> tuple[str, ...]:
@@ -85,7 +108,10 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class Computed:
-    """What a worker sends back; ``held`` are the derivatives that were not free."""
+    """What a worker sends back.
+
+    ``held`` are the derivatives that were not free, ``versions`` is the software there.
+    """
 
     estimate: Estimate
     poles: tuple[NamedPole, ...]
@@ -95,6 +121,7 @@ class Computed:
     prediction_id: int | None
     held: dict[str, float]
     seconds: float
+    versions: dict[str, str]
 
 
 def compute(task: Task, report: Report) -> Computed:
@@ -136,6 +163,12 @@ def compute(task: Task, report: Report) -> Computed:
         prediction_id=task.prediction_id,
         held={name: value for name, value in table.items() if name not in estimate.names},
         seconds=time.perf_counter() - began,
+        versions={
+            "flexsid": __version__,
+            "python": platform.python_version(),
+            "numpy": np.__version__,
+            "scipy": scipy.__version__,
+        },
     )
 
 

@@ -6,12 +6,8 @@ run in any process, ``keep`` stores what came out.
 
 from __future__ import annotations
 
-import platform
-
 import numpy as np
-import scipy
 
-from flexsid import __version__
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Maneuver, Role
@@ -29,14 +25,15 @@ from flexsid.records.run import (
     Start,
 )
 from flexsid.storage import queue
+from flexsid.storage.arrays import describe
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.diagnostics import output_quality, parameter_quality
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.workflow.computation import Computed, ManeuverData, Task, compute
-from flexsid.workflow.measured import measure
+from flexsid.workflow.computation import Computed, Flown, Task, compute
+from flexsid.workflow.measured import read_measurement
 from flexsid.workflow.models import (
     OutputDefinition,
     build_model,
@@ -104,7 +101,7 @@ def prepare(store: Store, run: EstimationRun) -> Task:
         method=run.method,
         settings=settings,
         structure=structure,
-        maneuvers=data,
+        flown=data,
         mode_names=tuple(modes.names[number] for number in structure.modes),
         starts=starts,
         priors=priors_of(predicted, free, settings),
@@ -115,25 +112,29 @@ def prepare(store: Store, run: EstimationRun) -> Task:
     )
 
 
-def keep(store: Store, run_id: int, attempt: int, computed: Computed) -> EstimationRun:
+def keep(
+    store: Store, run_id: int, attempt: int, computed: Computed, worker: str = ""
+) -> EstimationRun:
     """Store a result, all of it or nothing, unless the attempt no longer counts."""
     estimate = computed.estimate
+    bulk = [describe(estimate.corrected_covariance)]
+    for block in estimate.lines:
+        bulk += [describe(block.omega, "rad/s"), describe(block.measured), describe(block.fitted)]
     with store.transaction():
+        covariance, *names = store.arrays.put_many(bulk)
         blocks = tuple(
             FitBlock(
                 name=block.name,
                 outputs=block.outputs,
-                arrays={
-                    "omega": store.arrays.put(block.omega, "rad/s"),
-                    "measured": store.arrays.put(block.measured),
-                    "fitted": store.arrays.put(block.fitted),
-                },
+                arrays=dict(
+                    zip(("omega", "measured", "fitted"), names[3 * k : 3 * k + 3], strict=True)
+                ),
             )
-            for block in estimate.lines
+            for k, block in enumerate(estimate.lines)
         )
         result = RunResult(
             parameters=_parameter_rows(estimate),
-            covariance=store.arrays.put(estimate.corrected_covariance),
+            covariance=covariance,
             fit=_fit(computed),
             poles=tuple(
                 Pole(
@@ -154,17 +155,7 @@ def keep(store: Store, run_id: int, attempt: int, computed: Computed) -> Estimat
             prediction_id=computed.prediction_id,
             held=computed.held,
         )
-        return queue.finish(store, run_id, attempt, result, versions())
-
-
-def versions() -> dict[str, str]:
-    """Software that made a result."""
-    return {
-        "flexsid": __version__,
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-    }
+        return queue.finish(store, run_id, attempt, result, computed.versions, worker)
 
 
 def _maneuver_data(
@@ -176,14 +167,14 @@ def _maneuver_data(
     inputs: tuple[str, ...],
     outputs: tuple[OutputDefinition, ...],
     settings: RunSettings,
-) -> ManeuverData:
-    lines = measure(store, maneuver, aircraft, inputs, outputs, settings.band_hz)
+) -> Flown:
+    measurement = read_measurement(store, maneuver, aircraft, inputs, outputs, settings.band_hz)
     fuel = maneuver.condition.fuel_fraction
     own = structure.modes
-    companions = companion_modes(modes, fuel, own, float(lines.omega[-1]), len(outputs))
+    companions = companion_modes(modes, fuel, own, measurement.highest, len(outputs))
     shapes = modes.table.at(fuel).select((*own, *companions))
     extended = build_model(aircraft, maneuver.condition, shapes, inputs, outputs)
-    return ManeuverData(maneuver.label, extended.with_modes(len(own)), extended, lines)
+    return Flown(maneuver.label, extended.with_modes(len(own)), extended, measurement)
 
 
 def _check_names(
@@ -208,8 +199,8 @@ def _check_names(
     return parameters.names
 
 
-def _out_of_band(data: ManeuverData, modes: AircraftModes) -> tuple[str, ...]:
-    highest = float(data.measured.omega[-1])
+def _out_of_band(data: Flown, modes: AircraftModes) -> tuple[str, ...]:
+    highest = data.measurement.highest
     return tuple(
         f"{modes.names[number]} ({omega / 2 / np.pi:.3g} Hz in vacuo) lies above the highest line "
         f"({highest / 2 / np.pi:.3g} Hz): the data hold little of its dynamics."

@@ -14,7 +14,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyData, FrequencyResponse
 from flexsid.sysid.spectra.response import bare_airframe_responses
 from flexsid.workflow.models import OutputDefinition, input_correction, output_instrument
-from flexsid.workflow.transforms import Lines, maneuver_lines, spectra_of
+from flexsid.workflow.transforms import Lines, Recording, maneuver_lines, read_recording
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +63,88 @@ class MeasuredLines:
         return bare_airframe_responses(self.inputs, self.true_outputs(), commands, self.owner)
 
 
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """What ``MeasuredLines`` are made of: samples as read, and how to transform them."""
+
+    recording: Recording
+    aircraft: Aircraft
+    inputs: tuple[str, ...]
+    outputs: tuple[OutputDefinition, ...]
+    lines: Lines
+    has_commands: bool
+
+    @property
+    def highest(self) -> float:
+        """Highest line. [rad/s]"""
+        return float(self.lines.omega[-1])
+
+    def measured(self) -> MeasuredLines:
+        """Transform inputs, outputs and recorded excitation; needs no database."""
+        inputs, lines = self.inputs, self.lines
+        recorded = self.recording.spectra(inputs, lines)
+        factors = np.stack(
+            [input_correction(self.aircraft, n, lines.omega) for n in inputs], axis=1
+        )
+        shape = (len(self.outputs), lines.omega.size)
+        responses = [
+            output_instrument(self.aircraft, o).response(lines.omega) for o in self.outputs
+        ]
+        clocks = {c.name: (c.n_samples, c.rate_hz) for c, _ in self.recording.channels}
+        duration_s = max(clocks[n][0] / clocks[n][1] for n in inputs)
+        known = {s.name: s.noise_std_rad for s in self.aircraft.surfaces}
+        levels = [known.get(name) for name in inputs]
+        noise = None
+        if all(level is not None for level in levels):
+            # The transform of white samples has variance sigma^2 T / rate.
+            density = np.array(
+                [
+                    float(lv or 0.0) ** 2 * duration_s / clocks[n][1]
+                    for lv, n in zip(levels, inputs, strict=True)
+                ]
+            )
+            noise = density * np.abs(factors) ** 2
+        commands = None
+        if self.has_commands:
+            data = self.recording.spectra(_command_names(inputs), lines)
+            commands = FrequencyData(lines.omega, data.values, inputs)
+        return MeasuredLines(
+            owner=lines.owner,
+            inputs=FrequencyData(lines.omega, recorded.values * factors, inputs),
+            outputs=self.recording.spectra(tuple(o.name for o in self.outputs), lines),
+            instruments=np.reshape(np.array(responses, dtype=complex), shape).T,
+            commands=commands,
+            input_noise=noise,
+            crowding=_crowding(lines.omega, duration_s),
+        )
+
+
+def read_measurement(
+    store: Store,
+    maneuver: Maneuver,
+    aircraft: Aircraft,
+    inputs: tuple[str, ...],
+    outputs: tuple[OutputDefinition, ...],
+    band_hz: tuple[float, float] | None = None,
+) -> Measurement:
+    """Read the inputs, outputs and recorded excitation of a maneuver.
+
+    Raises
+    ------
+    BadInput
+        If a channel is not recorded in its role, or the band holds no line.
+    """
+    roles = {c.name: c.role for c in store.channels.find(maneuver_id=maneuver.id)}
+    _check_inputs(inputs, roles)
+    lines = _owned_by(maneuver_lines(maneuver, band_hz), inputs)
+    commands = _command_names(inputs)
+    has_commands = all(roles.get(name) is Role.COMMAND for name in commands)
+    names = (*inputs, *(output.name for output in outputs), *(commands if has_commands else ()))
+    recording = read_recording(store, maneuver, aircraft, names)
+    recording.check(lines)
+    return Measurement(recording, aircraft, inputs, outputs, lines, has_commands)
+
+
 def measure(
     store: Store,
     maneuver: Maneuver,
@@ -71,44 +153,18 @@ def measure(
     outputs: tuple[OutputDefinition, ...],
     band_hz: tuple[float, float] | None = None,
 ) -> MeasuredLines:
-    """Transform inputs, outputs and recorded excitation of a maneuver.
+    """Read and transform inputs, outputs and recorded excitation of a maneuver.
 
     Raises
     ------
     BadInput
-        If a channel is not recorded in its role, or the band holds no line.
+        As ``read_measurement``.
     """
-    channels = {c.name: c for c in store.channels.find(maneuver_id=maneuver.id)}
-    _check_inputs(inputs, {name: channel.role for name, channel in channels.items()})
-    lines = _owned_by(maneuver_lines(maneuver, band_hz), inputs)
-    recorded = spectra_of(store, maneuver, aircraft, inputs, lines)
-    factors = np.stack([input_correction(aircraft, n, lines.omega) for n in inputs], axis=1)
-    names = tuple(output.name for output in outputs)
-    responses = [output_instrument(aircraft, o).response(lines.omega) for o in outputs]
-    duration_s = max(c.n_samples / c.rate_hz for n, c in channels.items() if n in inputs)
-    known = {s.name: s.noise_std_rad for s in aircraft.surfaces}
-    levels = [known.get(name) for name in inputs]
-    noise = None
-    if all(level is not None for level in levels):
-        # The transform of white samples has variance sigma^2 T / rate.
-        density = np.array(
-            [
-                float(lv or 0.0) ** 2 * duration_s / channels[n].rate_hz
-                for lv, n in zip(levels, inputs, strict=True)
-            ]
-        )
-        noise = density * np.abs(factors) ** 2
-    return MeasuredLines(
-        owner=lines.owner,
-        inputs=FrequencyData(lines.omega, recorded.values * factors, inputs),
-        outputs=spectra_of(store, maneuver, aircraft, names, lines),
-        instruments=np.reshape(
-            np.array(responses, dtype=complex), (len(outputs), lines.omega.size)
-        ).T,
-        commands=_commands(store, maneuver, aircraft, inputs, lines),
-        input_noise=noise,
-        crowding=_crowding(lines.omega, duration_s),
-    )
+    return read_measurement(store, maneuver, aircraft, inputs, outputs, band_hz).measured()
+
+
+def _command_names(inputs: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(f"{name}_command" for name in inputs)
 
 
 def _check_inputs(names: tuple[str, ...], roles: Mapping[str, Role]) -> None:
@@ -130,18 +186,6 @@ def _owned_by(lines: Lines, inputs: tuple[str, ...]) -> Lines:
     index = [inputs.index(name) if name in inputs else -1 for name in lines.inputs]
     owner = np.array([index[k] if k >= 0 else -1 for k in lines.owner], dtype=int)
     return Lines(lines.omega, owner, inputs)
-
-
-def _commands(
-    store: Store, maneuver: Maneuver, aircraft: Aircraft, inputs: tuple[str, ...], lines: Lines
-) -> FrequencyData | None:
-    """Recorded excitation of every input, None where it was not recorded."""
-    recorded = {c.name for c in store.channels.find(maneuver_id=maneuver.id, role=Role.COMMAND)}
-    names = tuple(f"{name}_command" for name in inputs)
-    if not recorded.issuperset(names):
-        return None
-    data = spectra_of(store, maneuver, aircraft, names, lines)
-    return FrequencyData(lines.omega, data.values, inputs)
 
 
 def _crowding(omega: np.ndarray, duration_s: float) -> float:

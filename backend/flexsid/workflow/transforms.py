@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import finite_fourier_transform, unit_lines
 from flexsid.units import to_si
-from flexsid.workflow.conditioning import conditioning_of
+from flexsid.workflow.conditioning import Conditioning, conditioning_of
 
 _TRIM_S = 0.25  # shortest stretch before the excitation that counts as trim
 
@@ -98,14 +98,7 @@ def load_channels(
     """
     found = read_channels(store.database, maneuver_id, names)
     wanted = list(found) if names is None else list(names)
-    missing = [name for name in wanted if name not in found]
-    if missing:
-        recorded = [channel.name for channel in store.channels.find(maneuver_id=maneuver_id)]
-        raise BadInput(
-            f"the maneuver has no channel '{missing[0]}'; it has {', '.join(recorded)}",
-            code="unknown-channel",
-            channel=missing[0],
-        )
+    _check_recorded(store, maneuver_id, wanted, found)
     steps = conditioning_of(store, maneuver_id)
     result = []
     for channel, samples in (found[name] for name in wanted):
@@ -141,31 +134,112 @@ def spectra_of(
     lines: Lines,
 ) -> FrequencyData:
     """Transform channels and combinations of a loaded maneuver, conditioned."""
+    return read_recording(store, maneuver, aircraft, names).spectra(names, lines)
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """Channels of a maneuver with their samples, read but not yet transformed.
+
+    ``parts`` are the recorded channels that each name stands for, with their weights;
+    ``attitudes`` the channels that need not return to trim; ``conditioning`` the
+    corrections in force by channel.
+    """
+
+    maneuver: Maneuver
+    channels: tuple[tuple[Channel, np.ndarray], ...]
+    parts: dict[str, tuple[tuple[str, float], ...]]
+    attitudes: frozenset[str]
+    conditioning: dict[str, Conditioning]
+
+    def check(self, lines: Lines) -> None:
+        """Refuse lines that a channel was sampled too slowly for.
+
+        Raises
+        ------
+        BadInput
+            If there are such lines.
+        """
+        highest = lines.omega[-1]
+        for channel, _ in self.channels:
+            if highest > np.pi * channel.rate_hz:
+                raise BadInput(
+                    f"lines reach {highest / 2 / np.pi:.4g} Hz but a channel was sampled at "
+                    f"{channel.rate_hz:g} Hz; choose a band below {channel.rate_hz / 2:g} Hz",
+                    code="beyond-nyquist",
+                )
+
+    def spectra(self, names: tuple[str, ...], lines: Lines) -> FrequencyData:
+        """Transform channels and combinations, in SI."""
+        self.check(lines)
+        needed = {part for name in names for part, _ in self.parts[name]}
+        by_clock: dict[tuple[float, float, int], list[tuple[Channel, np.ndarray]]] = {}
+        for channel, samples in self.channels:
+            if channel.name in needed:
+                clock = (channel.rate_hz, channel.start_s, channel.n_samples)
+                by_clock.setdefault(clock, []).append((channel, self._in_si(channel, samples)))
+        spectra: dict[str, np.ndarray] = {}
+        for (rate_hz, start_s, _), group in by_clock.items():
+            samples = np.stack([values for _, values in group], axis=1)
+            settles = np.array([channel.name in self.attitudes for channel, _ in group])
+            transform = _transform(samples, rate_hz, start_s, self.maneuver, lines, settles)
+            spectra.update({c.name: transform[:, k] for k, (c, _) in enumerate(group)})
+        for name, one in self.conditioning.items():
+            if one.delay_s and name in spectra:
+                spectra[name] = spectra[name] * np.exp(1j * lines.omega * one.delay_s)
+        columns = [sum(w * spectra[part] for part, w in self.parts[name]) for name in names]
+        values = np.reshape(np.array(columns, dtype=complex), (len(names), lines.omega.size)).T
+        return FrequencyData(lines.omega, values, names)
+
+    def _in_si(self, channel: Channel, samples: np.ndarray) -> np.ndarray:
+        values = to_si(samples, channel.unit)
+        if channel.name not in self.conditioning:
+            return values
+        one = self.conditioning[channel.name]
+        return one.corrected(np.asarray(values, dtype=float), channel.rate_hz)
+
+
+def read_recording(
+    store: Store, maneuver: Maneuver, aircraft: Aircraft, names: Sequence[str]
+) -> Recording:
+    """Read the channels that these channels and combinations need.
+
+    Raises
+    ------
+    BadInput
+        If the maneuver has no channel of a name.
+    """
     assert maneuver.id is not None
     combinations = {c.name: c.terms for c in aircraft.combinations}
-    recorded = {c.name for c in store.channels.find(maneuver_id=maneuver.id)}
+    composed = {part for terms in combinations.values() for part, _ in terms}
+    found = read_channels(store.database, maneuver.id, (*names, *composed))
     parts = {
-        name: ((name, 1.0),) if name in recorded else combinations.get(name, ((name, 1.0),))
+        name: ((name, 1.0),) if name in found else combinations.get(name, ((name, 1.0),))
         for name in names
     }
     needed = list(dict.fromkeys(part for terms in parts.values() for part, _ in terms))
+    _check_recorded(store, maneuver.id, needed, found)
     attitudes = {s.name for s in aircraft.sensors if s.kind is SensorKind.ATTITUDE}
-    spectra: dict[str, np.ndarray] = {}
-    by_clock: dict[tuple[float, float, int], list[tuple[Channel, np.ndarray]]] = {}
-    for channel, samples in load_channels(store, maneuver.id, needed, aligned=False):
-        clock = (channel.rate_hz, channel.start_s, channel.n_samples)
-        by_clock.setdefault(clock, []).append((channel, samples))
-    for (rate_hz, start_s, _), group in by_clock.items():
-        samples = np.stack([values for _, values in group], axis=1)
-        settles = np.array([channel.name in attitudes for channel, _ in group])
-        transform = _transform(samples, rate_hz, start_s, maneuver, lines, settles)
-        spectra.update({c.name: transform[:, k] for k, (c, _) in enumerate(group)})
-    for name, one in conditioning_of(store, maneuver.id).items():
-        if one.delay_s and name in spectra:
-            spectra[name] = spectra[name] * np.exp(1j * lines.omega * one.delay_s)
-    columns = [sum(w * spectra[part] for part, w in parts[name]) for name in names]
-    values = np.reshape(np.array(columns, dtype=complex), (len(names), lines.omega.size)).T
-    return FrequencyData(lines.omega, values, names)
+    return Recording(
+        maneuver=maneuver,
+        channels=tuple(found[name] for name in needed),
+        parts=parts,
+        attitudes=frozenset(attitudes.intersection(needed)),
+        conditioning=conditioning_of(store, maneuver.id),
+    )
+
+
+def _check_recorded(
+    store: Store, maneuver_id: int, wanted: Sequence[str], found: Container[str]
+) -> None:
+    missing = [name for name in wanted if name not in found]
+    if missing:
+        recorded = [channel.name for channel in store.channels.find(maneuver_id=maneuver_id)]
+        raise BadInput(
+            f"the maneuver has no channel '{missing[0]}'; it has {', '.join(recorded)}",
+            code="unknown-channel",
+            channel=missing[0],
+        )
 
 
 def _transform(
@@ -177,13 +251,6 @@ def _transform(
     settles: np.ndarray,
 ) -> np.ndarray:
     """Whole record of one period, or the whole periods after the first of several."""
-    nyquist = np.pi * rate_hz
-    if lines.omega[-1] > nyquist:
-        raise BadInput(
-            f"lines reach {lines.omega[-1] / 2 / np.pi:.4g} Hz but a channel was sampled at "
-            f"{rate_hz:g} Hz; choose a band below {rate_hz / 2:g} Hz",
-            code="beyond-nyquist",
-        )
     excitation = maneuver.excitation
     samples = trim_removed(samples, rate_hz, start_s, maneuver)
     if excitation is not None and excitation.n_periods > 1:

@@ -42,6 +42,7 @@ export function runRequest(
   const { free } = structure;
   return {
     author: "",
+    priority: 0,
     maneuver_id: maneuver,
     method,
     ...(named

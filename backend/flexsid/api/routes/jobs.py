@@ -1,36 +1,109 @@
-"""Jobs: how far runs are, and a way to stop them."""
+"""Jobs: how far runs are, what happened to them, and a way to stop them."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from fastapi import APIRouter, status
 
-from flexsid.api.answers import Job, JobList, job_answer
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.wire import After, Identity, Json, Limit
+from flexsid.api.wire import After, Identity, Json, Limit, Reference
+from flexsid.records.batch import RunEvent
 from flexsid.records.run import RunState
-from flexsid.storage import queue
+from flexsid.storage import job_list, leases, queue, run_log
+from flexsid.storage.job_list import Job
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JobList:
+    """A page of jobs."""
+
+    items: list[Job]
+    next: str | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JobLog:
+    """The log of a job, oldest line first."""
+
+    items: list[RunEvent]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crew:
+    """The server that hands out work: who computes, and which runs they are at."""
+
+    server: str
+    place: str
+    workers: int
+    running: list[int]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QueueStatus:
+    """How the queue goes: runs by state, ended lately, and when it will be empty at this rate."""
+
+    states: dict[RunState, int]
+    ended: int
+    window_s: float
+    remaining_s: float | None
+    crew: Crew | None
+
+
 @router.get("", response_model=JobList)
 def list_jobs(
-    store: TheStore, state: RunState | None = None, limit: Limit = 100, after: After = None
+    store: TheStore,
+    state: RunState | None = None,
+    batch_id: Reference = None,
+    limit: Limit = 100,
+    after: After = None,
 ) -> Json:
     """List jobs, newest first."""
-    page = queue.page(store, state=state, limit=limit, after=after)
-    return Json(JobList(items=[job_answer(run) for run in page.items], next=page.next))
+    return Json(job_list.page(store, state=state, batch_id=batch_id, limit=limit, after=after))
+
+
+@router.get("/status", response_model=QueueStatus)
+def get_queue_status(store: TheStore) -> Json:
+    """Tell how the queue goes and who works."""
+    rate = job_list.throughput(store)
+    crew = leases.status(store)
+    return Json(
+        QueueStatus(
+            states=rate.states,
+            ended=rate.ended,
+            window_s=rate.window_s,
+            remaining_s=rate.remaining_s,
+            crew=None if crew is None else Crew(**crew),
+        )
+    )
 
 
 @router.get("/{job_id}", response_model=Job)
 def get_job(store: TheStore, job_id: Identity) -> Json:
     """Tell how far a job is."""
-    return Json(job_answer(store.runs.get(job_id)))
+    return Json(job_list.get(store, job_id))
+
+
+@router.get("/{job_id}/log", response_model=JobLog)
+def get_job_log(store: TheStore, job_id: Identity) -> Json:
+    """Tell what happened to a job so far."""
+    job_list.get(store, job_id)
+    return Json(JobLog(items=run_log.of_run(store, job_id)))
 
 
 @router.post("/{job_id}/cancel", response_model=Job, status_code=status.HTTP_202_ACCEPTED)
 def cancel_job(context: TheContext, job_id: Identity) -> Json:
     """Stop a job that has not ended."""
-    run = queue.request_cancel(context.store, job_id)
+    queue.request_cancel(context.store, job_id)
     context.dispatcher.wake()
-    return Json(job_answer(run), status.HTTP_202_ACCEPTED)
+    return Json(job_list.get(context.store, job_id), status.HTTP_202_ACCEPTED)
+
+
+@router.post("/{job_id}/retry", response_model=Job, status_code=status.HTTP_202_ACCEPTED)
+def retry_job(context: TheContext, job_id: Identity) -> Json:
+    """Queue a job again that failed or was cancelled."""
+    queue.request_retry(context.store, job_id)
+    context.dispatcher.wake()
+    return Json(job_list.get(context.store, job_id), status.HTTP_202_ACCEPTED)

@@ -13,13 +13,14 @@ from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import ChangeRequest, RunRequest
 from flexsid.api.wire import After, Identity, Json, Limit, Reference
 from flexsid.records.run import Method, RunState
-from flexsid.storage import bulk
+from flexsid.storage import batches, bulk
 from flexsid.storage.facets import Facets
 from flexsid.storage.run_list import RUN_SORT_FIELDS, RunFilters
 from flexsid.workflow import estimation, structures
 from flexsid.workflow.baselines import baseline_of_run
 from flexsid.workflow.export import RunExport, export_run
 from flexsid.workflow.identified_export import ModelExport, export_model, matlab_model
+from flexsid.workflow.identity import identified
 
 router = APIRouter(prefix="/runs", tags=["runs"])
 
@@ -29,12 +30,19 @@ _MATLAB: dict[int | str, dict[str, Any]] = {
 }
 
 
-@router.post("", response_model=Run, status_code=status.HTTP_202_ACCEPTED)
+@router.post(
+    "",
+    response_model=Run,
+    status_code=status.HTTP_202_ACCEPTED,
+    responses={200: {"model": Run, "description": "The same run had been asked for before"}},
+)
 def request_run(context: TheContext, wanted: RunRequest, analyst: TheAnalyst) -> Json:
     """Queue an estimation run; follow it at the answer's ``Location``.
 
     Without a structure it takes the one that was approved for the condition of the
-    maneuver. What cannot be estimated (an unknown mode, input or output) is refused at once.
+    maneuver. What cannot be estimated (an unknown mode, input or output) is refused at
+    once. A run with the same inputs as one that waits, runs or succeeded is that run (200,
+    ``repeated``).
     """
     store = context.store
     given = None if wanted.structure is None else wanted.structure.record()
@@ -46,10 +54,11 @@ def request_run(context: TheContext, wanted: RunRequest, analyst: TheAnalyst) ->
     structure, version = structures.structure_of_run(store, given, *reference)
     run = replace(wanted.record(structure, version, analyst), structure_id=reference[0])
     estimation.prepare(store, run)
-    kept = store.runs.add(run)
+    kept, is_new = batches.add_once(store, identified(store, run))
     context.dispatcher.wake()
     location = {"Location": f"/api/v1/jobs/{kept.id}"}
-    return Json(run_answer(kept), status.HTTP_202_ACCEPTED, location)
+    code = status.HTTP_202_ACCEPTED if is_new else status.HTTP_200_OK
+    return Json(run_answer(kept, repeated=not is_new), code, location)
 
 
 async def read_filters(

@@ -1,0 +1,54 @@
+"""The log of runs: one table that only grows, read from where a reader stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection, RowMapping
+
+from flexsid.records.batch import RunEvent
+from flexsid.storage.store import Store
+from flexsid.storage.tables import run_events
+
+
+def write(
+    connection: Connection, run_ids: Sequence[int], kind: str, attempt: int = 0, message: str = ""
+) -> None:
+    """Add a line to the log of each of these runs, in the caller's transaction."""
+    row: dict[str, Any] = {
+        "at": datetime.now(UTC),
+        "kind": kind,
+        "attempt": attempt,
+        "message": message,
+    }
+    if run_ids:
+        connection.execute(sa.insert(run_events), [{"run_id": number, **row} for number in run_ids])
+
+
+def of_run(store: Store, run_id: int) -> list[RunEvent]:
+    """Return the log of one run, oldest first."""
+    return _read(store, run_events.c.run_id == run_id)
+
+
+def since(store: Store, event_id: int, limit: int = 1000) -> list[RunEvent]:
+    """Return what was written after an event, oldest first."""
+    return _read(store, run_events.c.id > event_id, limit)
+
+
+def newest(store: Store) -> int:
+    """Return the id of the last event; zero where there is none."""
+    with store.database.reading() as connection:
+        return connection.scalar(sa.select(sa.func.max(run_events.c.id))) or 0
+
+
+def _read(store: Store, which: sa.ColumnElement[bool], limit: int | None = None) -> list[RunEvent]:
+    query = sa.select(run_events).where(which).order_by(run_events.c.id).limit(limit)
+    with store.database.reading() as connection:
+        return [_event(row) for row in connection.execute(query).mappings()]
+
+
+def _event(row: RowMapping) -> RunEvent:
+    return RunEvent(**row)

@@ -1,0 +1,74 @@
+"""Identity: two requests with equal inputs are one run.
+
+The hash covers what was recorded and assumed (maneuvers, aircraft, modal tables,
+predictions), what was asked for, and the release of the software.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+
+from flexsid import __version__
+from flexsid.errors import UnknownRecord
+from flexsid.records.run import EstimationRun
+from flexsid.storage.content import hash_of, maneuver_hashes, record_hash
+from flexsid.storage.store import Store
+
+
+class Identities:
+    """Gives runs their hashes; reads what many runs share once."""
+
+    def __init__(self, store: Store, maneuver_ids: tuple[int, ...]) -> None:
+        self._store = store
+        self._maneuvers = maneuver_hashes(store, maneuver_ids)
+        self._assumed: dict[tuple[int, int | None, int | None, int | None], str] = {}
+
+    def knows(self, maneuver_id: int) -> bool:
+        """Whether there is such a maneuver."""
+        return maneuver_id in self._maneuvers
+
+    def of(self, run: EstimationRun, start_hash: str | None = None) -> EstimationRun:
+        """Return a run with its hashes.
+
+        Parameters
+        ----------
+        run
+            As asked for.
+        start_hash
+            ``input_hash`` of the run that it starts from, where it starts from one.
+        """
+        involved = (run.maneuver_id, *run.settings.together_with)
+        for number in involved:
+            if number not in self._maneuvers:
+                raise UnknownRecord(f"there is no maneuver {number}")
+        data = hash_of([[self._maneuvers[n][1] for n in involved], self._assumptions(run)])
+        settings = asdict(run.settings)
+        settings["start_run_id"] = start_hash or settings["start_run_id"]
+        asked = [run.method.value, asdict(run.structure), settings, __version__]
+        return replace(run, data_hash=data, input_hash=hash_of([data, asked]))
+
+    def _assumptions(self, run: EstimationRun) -> str:
+        """Hash of aircraft, tables and predictions: those named, or all that may be chosen from."""
+        aircraft = self._maneuvers[run.maneuver_id][0]
+        key = (aircraft, run.modal_table_id, run.damping_table_id, run.prediction_id)
+        if key not in self._assumed:
+            tables = [t.id for t in self._store.modal_tables.find(aircraft_id=aircraft) if t.id]
+            predictions = [p.id for p in self._store.predictions.find(aircraft_id=aircraft) if p.id]
+            named = None if run.prediction_id is None else [run.prediction_id]
+            self._assumed[key] = hash_of(
+                [
+                    record_hash(self._store, "aircraft", [aircraft]),
+                    [run.modal_table_id, run.damping_table_id],
+                    record_hash(self._store, "modal_tables", tables),
+                    record_hash(self._store, "predictions", named or predictions),
+                ]
+            )
+        return self._assumed[key]
+
+
+def identified(store: Store, run: EstimationRun) -> EstimationRun:
+    """Return one run with its hashes."""
+    start = run.settings.start_run_id
+    start_hash = None if start is None else store.runs.get(start).input_hash
+    involved = (run.maneuver_id, *run.settings.together_with)
+    return Identities(store, involved).of(run, start_hash)

@@ -1,0 +1,123 @@
+"""Many runs at once: asked for, followed, cancelled, asked for again, and never computed twice."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+
+API = "/api/v1"
+RUN = {"maneuver_id": 1, "method": "EE", "structure": {"modes": [7, 9]}}
+BATCH = {
+    "name": "campaign",
+    "maneuver_ids": [1],
+    "methods": ["OE", "EE", "FRE"],
+    "structures": [{"structure": {"modes": [7, 9]}}, {"structure": {"modes": [7]}}],
+    "from_equation_error": True,
+}
+
+
+def _finished(client: TestClient, batch_id: int) -> dict[str, Any]:
+    deadline = time.monotonic() + 120.0
+    while True:
+        answer = client.get(f"{API}/batches/{batch_id}").json()
+        if answer["states"]["queued"] + answer["states"]["running"] == 0:
+            return answer
+        assert time.monotonic() < deadline, answer
+        time.sleep(0.05)
+
+
+def test_the_same_run_asked_twice_is_one_run_and_says_so(client: TestClient) -> None:
+    first = client.post(f"{API}/runs", json=RUN)
+    assert (first.status_code, first.json()["repeated"]) == (202, False)
+    again = client.post(f"{API}/runs", json=RUN | {"priority": 5})
+    assert (again.status_code, again.json()["repeated"]) == (200, True)
+    assert again.json()["id"] == first.json()["id"]
+    other = client.post(f"{API}/runs", json=RUN | {"structure": {"modes": [7]}})
+    assert other.status_code == 202
+    assert other.json()["data_hash"] == first.json()["data_hash"]
+    assert other.json()["input_hash"] != first.json()["input_hash"]
+
+
+def test_a_failed_or_deleted_run_does_not_stand_for_a_new_one(client: TestClient) -> None:
+    first = client.post(f"{API}/runs", json=RUN).json()["id"]
+    client.post(f"{API}/jobs/{first}/cancel")
+    state = client.get(f"{API}/jobs/{first}").json()["state"]
+    if state == "succeeded":  # it was quicker than we were
+        client.delete(f"{API}/runs/{first}")
+    assert client.post(f"{API}/runs", json=RUN).status_code == 202
+
+
+def test_a_batch_is_carried_out_and_keeps_what_it_rests_on(client: TestClient) -> None:
+    accepted = client.post(f"{API}/batches", json=BATCH)
+    assert accepted.status_code == 202, accepted.text
+    assert accepted.json() == {"id": 1, "total": 6, "repeated": 0}
+    done = _finished(client, 1)
+    assert done["states"]["succeeded"] == 6
+    assert done["finished_at"] >= done["started_at"]
+    jobs = client.get(f"{API}/jobs?batch_id=1").json()["items"]
+    assert len(jobs) == 6
+    by_id = {job["id"]: job for job in jobs}
+    for job in jobs:
+        run = client.get(f"{API}/runs/{job['id']}").json()
+        assert run["worker"]
+        assert run["versions"]["numpy"]
+        assert len(run["data_hash"]) == len(run["input_hash"]) == 64
+        if job["method"] == "EE":
+            assert job["after_run_id"] is None
+            continue
+        first = by_id[job["after_run_id"]]
+        assert first["method"] == "EE"
+        assert run["settings"]["start_run_id"] == first["id"]
+        assert run["fit"]["start"] == f"run {first['id']}"
+        assert job["started_at"] >= first["finished_at"]
+    kinds = [line["kind"] for line in client.get(f"{API}/jobs/{jobs[0]['id']}/log").json()["items"]]
+    assert kinds == ["queued", "started", "succeeded"]
+    again = client.post(f"{API}/batches", json=BATCH | {"name": "again"})
+    assert again.json() == {"id": 2, "total": 6, "repeated": 6}
+    assert [b["batch"]["name"] for b in client.get(f"{API}/batches").json()["items"]] == [
+        "again",
+        "campaign",
+    ]
+    status = client.get(f"{API}/jobs/status").json()
+    assert status["states"]["queued"] == 0
+    assert status["remaining_s"] == 0.0
+    assert status["ended"] >= 6
+
+
+def test_a_batch_is_cancelled_and_asked_for_again(client: TestClient) -> None:
+    wanted = BATCH | {
+        "structures": [{"structure": {"modes": [7, 9]}}],
+        "settings": {"max_iterations": 99},
+    }
+    batch = client.post(f"{API}/batches", json=wanted).json()["id"]
+    cancelled = client.post(f"{API}/batches/{batch}/cancel").json()
+    assert cancelled["states"]["queued"] + cancelled["states"]["running"] == 0
+    assert cancelled["states"]["cancelled"] >= 1
+    client.post(f"{API}/batches/{batch}/retry")
+    assert _finished(client, batch)["states"]["succeeded"] == 3
+
+
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [
+        ({"maneuver_ids": []}, 422),
+        ({"maneuver_ids": [1, 77]}, 404),
+        ({"methods": ["OE"]}, 422),
+        ({"methods": ["XY"]}, 422),
+        ({"structures": [{"structure": {"modes": [99]}}]}, 422),
+        ({"structures": [{"structure_id": 77}]}, 404),
+        ({"limits": {"memory_mb": 1}}, 422),
+        ({"priority": True}, 422),
+    ],
+)
+def test_what_cannot_be_done_is_refused_whole(
+    client: TestClient, change: dict[str, Any], code: int
+) -> None:
+    answer = client.post(f"{API}/batches", json=BATCH | change)
+    assert answer.status_code == code, answer.text
+    assert answer.json()["code"]
+    assert client.get(f"{API}/batches").json()["items"] == []
+    assert len(client.get(f"{API}/jobs").json()["items"]) == 1

@@ -1,0 +1,134 @@
+"""Steps that do what their task says, and both kinds of workers to carry them out."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import dask_cluster
+import pytest
+
+from flexsid.jobs.dispatcher import Dispatcher
+from flexsid.jobs.executors import make_workers
+from flexsid.jobs.steps import Steps
+from flexsid.records.run import EstimationRun, RunState
+from flexsid.storage.store import Store
+
+HERE = Path(__file__).parent
+PATIENCE_S = 30.0
+Until = Callable[..., EstimationRun]
+
+
+@pytest.fixture(scope="session")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dask_cluster.Cluster]:
+    """A Dask scheduler with two workers of one thread each."""
+    made = dask_cluster.Cluster(tmp_path_factory.mktemp("dask"), path=HERE)
+    yield made
+    made.close()
+
+
+@pytest.fixture(params=["local", "cluster"])
+def executor(request: pytest.FixtureRequest) -> str | None:
+    """Address of a Dask scheduler, or None for processes of this computer."""
+    if request.param == "local":
+        return None
+    made: dask_cluster.Cluster = request.getfixturevalue("cluster")
+    while len([w for w in made.workers if w.poll() is None]) < 2:
+        made.add_worker()
+    made.wait_for(2)
+    return made.address
+
+
+@pytest.fixture
+def steps(monkeypatch: pytest.MonkeyPatch) -> Steps:
+    # The workers find the stub by the path that they inherit.
+    monkeypatch.syspath_prepend(str(HERE))
+    import stub_steps
+
+    return Steps(stub_steps.prepare, stub_steps.compute, stub_steps.keep)
+
+
+@pytest.fixture
+def dispatcher(store: Store, steps: Steps, executor: str | None) -> Iterator[Dispatcher]:
+    made = Dispatcher(store, steps, make_workers(steps.compute, executor, 2))
+    yield made
+    made.stop()
+
+
+@pytest.fixture
+def until(store: Store) -> Until:
+    """Wait until a run is in one of some states, by default ended, and return it."""
+
+    def wait(run: EstimationRun, *states: RunState) -> EstimationRun:
+        assert run.id is not None
+        states = states or (RunState.SUCCEEDED, RunState.FAILED, RunState.CANCELLED)
+        deadline = time.monotonic() + PATIENCE_S
+        while (now := store.runs.get(run.id)).state not in states:
+            assert time.monotonic() < deadline, f"still {now.state}"
+            time.sleep(0.01)
+        return now
+
+    return wait
+
+
+@pytest.fixture
+def start_server(
+    database_url: str, executor: str | None
+) -> Iterator[Callable[..., subprocess.Popen[bytes]]]:
+    """Start a server of its own on the test's database, with one worker."""
+    started: list[subprocess.Popen[bytes]] = []
+
+    def start(patience_s: float = 60.0) -> subprocess.Popen[bytes]:
+        server = subprocess.Popen(
+            [
+                *(sys.executable, str(HERE / "stub_server.py")),
+                *(database_url, executor or "", str(patience_s)),
+            ],
+            env={**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE), *sys.path])},
+        )
+        started.append(server)
+        return server
+
+    yield start
+    for server in started:
+        server.kill()
+        server.wait()
+
+
+@pytest.fixture
+def process_of() -> Callable[[Path], int]:
+    """Wait until a task has written its process number into a file, and return it."""
+
+    def wait(file: Path) -> int:
+        deadline = time.monotonic() + PATIENCE_S
+        while not (file.exists() and file.read_text()):
+            assert time.monotonic() < deadline, "the task did not begin"
+            time.sleep(0.01)
+        return int(file.read_text())
+
+    return wait
+
+
+@pytest.fixture
+def is_over() -> Callable[[int], None]:
+    """Fail unless a process ends soon."""
+
+    def wait(process: int) -> None:
+        deadline = time.monotonic() + 5.0
+        while _alive(process):
+            assert time.monotonic() < deadline, "an orphan is left"
+            time.sleep(0.01)
+
+    return wait
+
+
+def _alive(process: int) -> bool:
+    try:
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except OSError:
+        return False
+    return state != "Z"

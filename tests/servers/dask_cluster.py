@@ -1,0 +1,71 @@
+"""A Dask scheduler and workers as programs of their own."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+import time
+from contextlib import closing
+from pathlib import Path
+
+from distributed import Client
+
+
+class Cluster:
+    """A scheduler with workers that can be added and killed one by one."""
+
+    def __init__(self, folder: Path, workers: int = 2, path: Path | None = None) -> None:
+        self._folder = folder
+        with closing(socket.socket()) as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        self.address = f"tcp://127.0.0.1:{port}"
+        self._environment = {
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join(
+                [*([str(path)] if path else []), *filter(None, sys.path)]
+            ),
+            "PYTHONWARNINGS": "ignore",
+            "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0",
+        }
+        self._scheduler = self._start(
+            "scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"
+        )
+        self.workers: list[subprocess.Popen[bytes]] = []
+        for _ in range(workers):
+            self.add_worker()
+        self.wait_for(workers)
+
+    def add_worker(self) -> subprocess.Popen[bytes]:
+        """Start a worker with one thread."""
+        worker = self._start(
+            *("worker", self.address, "--nthreads", "1", "--no-dashboard", "--no-nanny"),
+            *("--local-directory", str(self._folder), "--death-timeout", "30"),
+        )
+        self.workers.append(worker)
+        return worker
+
+    def wait_for(self, workers: int) -> None:
+        """Wait until there are so many workers."""
+        with Client(self.address, timeout=30, set_as_default=False) as client:
+            deadline = time.monotonic() + 30.0
+            while len(client.nthreads()) != workers:
+                assert time.monotonic() < deadline
+                time.sleep(0.05)
+
+    def close(self) -> None:
+        """Kill everything."""
+        for process in (*self.workers, self._scheduler):
+            process.kill()
+            process.wait()
+
+    def _start(self, *arguments: str) -> subprocess.Popen[bytes]:
+        with (self._folder / f"{arguments[0]}.log").open("ab") as log:
+            return subprocess.Popen(
+                [sys.executable, "-m", "distributed.cli.dask_" + arguments[0], *arguments[1:]],
+                env=self._environment,
+                stdout=log,
+                stderr=log,
+            )
