@@ -163,13 +163,18 @@ def compute(task: Task, report: Report) -> Computed:
         prediction_id=task.prediction_id,
         held={name: value for name, value in table.items() if name not in estimate.names},
         seconds=time.perf_counter() - began,
-        versions={
-            "flexsid": __version__,
-            "python": platform.python_version(),
-            "numpy": np.__version__,
-            "scipy": scipy.__version__,
-        },
+        versions=versions(),
     )
+
+
+def versions() -> dict[str, str]:
+    """Software of this process."""
+    return {
+        "flexsid": __version__,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+    }
 
 
 def experiments_of(task: Task) -> list[Experiment]:

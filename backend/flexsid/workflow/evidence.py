@@ -16,7 +16,7 @@ import flexsid
 from flexsid.errors import UnknownRecord
 from flexsid.records.decision import DecisionEvent, Proposal
 from flexsid.storage.store import Store
-from flexsid.workflow.estimation import versions
+from flexsid.workflow.computation import versions
 from flexsid.workflow.structures import get_version
 
 GONE = "gone"
