@@ -1273,7 +1273,9 @@ export interface paths {
          * @description Queue an estimation run; follow it at the answer's ``Location``.
          *
          *     Without a structure it takes the one that was approved for the condition of the
-         *     maneuver. What cannot be estimated (an unknown mode, input or output) is refused at once.
+         *     maneuver. What cannot be estimated (an unknown mode, input or output) is refused at
+         *     once. A run with the same inputs as one that waits, runs or succeeded is that run (200,
+         *     ``repeated``).
          */
         post: operations["request_run"];
         delete?: never;
@@ -1452,6 +1454,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/jobs/status": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Queue Status
+         * @description Tell how the queue goes and who works.
+         */
+        get: operations["get_queue_status"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/jobs/{job_id}": {
         parameters: {
             query?: never;
@@ -1464,6 +1486,26 @@ export interface paths {
          * @description Tell how far a job is.
          */
         get: operations["get_job"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/jobs/{job_id}/log": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Job Log
+         * @description Tell what happened to a job so far.
+         */
+        get: operations["get_job_log"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1486,6 +1528,110 @@ export interface paths {
          * @description Stop a job that has not ended.
          */
         post: operations["cancel_job"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/jobs/{job_id}/retry": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Retry Job
+         * @description Queue a job again that failed or was cancelled.
+         */
+        post: operations["retry_job"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/batches": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Batches
+         * @description List batches with their progress, newest first.
+         */
+        get: operations["list_batches"];
+        put?: never;
+        /**
+         * Request Batch
+         * @description Queue many runs; all of them, or none.
+         */
+        post: operations["request_batch"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/batches/{batch_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Batch
+         * @description Tell how far a batch is.
+         */
+        get: operations["get_batch"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/batches/{batch_id}/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cancel Batch
+         * @description Cancel what has not ended of a batch; runs that another batch also wants go on.
+         */
+        post: operations["cancel_batch"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/batches/{batch_id}/retry": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Retry Batch
+         * @description Queue again what failed or was cancelled of a batch.
+         */
+        post: operations["retry_batch"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2811,6 +2957,88 @@ export interface components {
             /** Items */
             items: components["schemas"]["Baseline"][];
         };
+        /**
+         * Batch
+         * @description What many runs have in common: that somebody wanted them at once.
+         */
+        Batch: {
+            /** Name */
+            name: string;
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /** Created At */
+            created_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * BatchList
+         * @description A page of batches.
+         */
+        BatchList: {
+            /** Items */
+            items: components["schemas"]["BatchProgress"][];
+            /** Next */
+            next: string | null;
+        };
+        /**
+         * BatchProgress
+         * @description How far a batch is.
+         */
+        BatchProgress: {
+            batch: components["schemas"]["Batch"];
+            /** States */
+            states: {
+                [key: string]: number;
+            };
+            /** Started At */
+            started_at: string | null;
+            /** Finished At */
+            finished_at: string | null;
+        };
+        /**
+         * BatchRequest
+         * @description Estimate many maneuvers, by each of the methods, with each of the structures.
+         *
+         *     With ``from_equation_error`` OE and FRE wait for the EE run of the same maneuver and
+         *     structure, and start from it.
+         */
+        BatchRequest: {
+            /** Name */
+            name: string;
+            /** Maneuver Ids */
+            maneuver_ids: number[];
+            /** Methods */
+            methods: components["schemas"]["Method"][];
+            /** Structures */
+            structures: components["schemas"]["BatchStructure"][];
+            settings?: components["schemas"]["SettingsRequest"] | null;
+            /**
+             * From Equation Error
+             * @default false
+             */
+            from_equation_error: boolean;
+            /**
+             * Priority
+             * @default 0
+             */
+            priority: number;
+            limits?: components["schemas"]["LimitsRequest"] | null;
+        };
+        /**
+         * BatchStructure
+         * @description A structure of a batch: in full, or a kept one, in its newest version if none is named.
+         */
+        BatchStructure: {
+            structure?: components["schemas"]["flexsid__api__requests__StructureRequest"] | null;
+            /** Structure Id */
+            structure_id?: number | null;
+            /** Structure Version */
+            structure_version?: number | null;
+        };
         /** Body_import_flown */
         Body_import_flown: {
             /**
@@ -3321,6 +3549,20 @@ export interface components {
             notes: string[];
         };
         /**
+         * Crew
+         * @description The server that hands out work: who computes, and which runs they are at.
+         */
+        Crew: {
+            /** Server */
+            server: string;
+            /** Place */
+            place: string;
+            /** Workers */
+            workers: number;
+            /** Running */
+            running: number[];
+        };
+        /**
          * Decision
          * @description Where a decision stands after its events; ``version`` counts them.
          *
@@ -3655,6 +3897,10 @@ export interface components {
         /**
          * EstimationRun
          * @description A request and, once done, its result.
+         *
+         *     Of those that wait, the one with the highest ``priority`` starts first, and none
+         *     before ``after_run_id`` has succeeded. ``data_hash`` names what was recorded and
+         *     assumed, ``input_hash`` that and all that was asked for: equal inputs are one run.
          */
         EstimationRun: {
             /** Maneuver Id */
@@ -3702,6 +3948,20 @@ export interface components {
             finished_at?: string | null;
             /** Deleted At */
             deleted_at?: string | null;
+            /**
+             * Priority
+             * @default 0
+             */
+            priority: number;
+            /** After Run Id */
+            after_run_id?: number | null;
+            limits?: components["schemas"]["Limits"] | null;
+            /** Data Hash */
+            data_hash?: string | null;
+            /** Input Hash */
+            input_hash?: string | null;
+            /** Worker */
+            worker?: string | null;
             /** Id */
             id?: number | null;
         };
@@ -4506,11 +4766,24 @@ export interface components {
             id: number;
             /** Run Id */
             run_id: number;
+            /** Maneuver Id */
+            maneuver_id: number;
+            /** Maneuver Label */
+            maneuver_label: string;
+            method: components["schemas"]["Method"];
             state: components["schemas"]["RunState"];
             /** Attempt */
             attempt: number;
+            /** Priority */
+            priority: number;
+            /** After Run Id */
+            after_run_id: number | null;
             progress: components["schemas"]["Progress"] | null;
-            error: components["schemas"]["RunError"] | null;
+            error: components["schemas"]["JobError"] | null;
+            /** Worker */
+            worker: string | null;
+            /** Author */
+            author: string;
             /**
              * Created At
              * Format: date-time
@@ -4522,14 +4795,32 @@ export interface components {
             finished_at: string | null;
         };
         /**
+         * JobError
+         * @description Why a run failed.
+         */
+        JobError: {
+            /** Code */
+            code: string;
+            /** Message */
+            message: string;
+        };
+        /**
          * JobList
-         * @description A page of jobs, newest first.
+         * @description A page of jobs.
          */
         JobList: {
             /** Items */
             items: components["schemas"]["Job"][];
             /** Next */
-            next?: string | null;
+            next: string | null;
+        };
+        /**
+         * JobLog
+         * @description The log of a job, oldest line first.
+         */
+        JobLog: {
+            /** Items */
+            items: components["schemas"]["RunEvent"][];
         };
         /**
          * LatestRun
@@ -4539,6 +4830,26 @@ export interface components {
             /** Id */
             id: number;
             state: components["schemas"]["RunState"];
+        };
+        /**
+         * Limits
+         * @description What a run may take before it is stopped; None leaves it to the server.
+         */
+        Limits: {
+            /** Time S */
+            time_s?: number | null;
+            /** Memory Mb */
+            memory_mb?: number | null;
+        };
+        /**
+         * LimitsRequest
+         * @description What a run may take before it is stopped.
+         */
+        LimitsRequest: {
+            /** Time S */
+            time_s?: number | null;
+            /** Memory Mb */
+            memory_mb?: number | null;
         };
         /**
          * LinkedComparison
@@ -5596,6 +5907,35 @@ export interface components {
             choices: string[];
         };
         /**
+         * QueueStatus
+         * @description How the queue goes: runs by state, ended lately, and when it will be empty at this rate.
+         */
+        QueueStatus: {
+            /** States */
+            states: {
+                [key: string]: number;
+            };
+            /** Ended */
+            ended: number;
+            /** Window S */
+            window_s: number;
+            /** Remaining S */
+            remaining_s: number | null;
+            crew: components["schemas"]["Crew"] | null;
+        };
+        /**
+         * QueuedBatch
+         * @description A batch that was queued; ``repeated`` of its runs had been asked for before.
+         */
+        QueuedBatch: {
+            /** Id */
+            id: number;
+            /** Total */
+            total: number;
+            /** Repeated */
+            repeated: number;
+        };
+        /**
          * RedesignRequest
          * @description The same lines with other phases.
          */
@@ -5733,6 +6073,8 @@ export interface components {
         /**
          * Run
          * @description An estimation run; ``parameters``, ``fit`` and ``poles`` are there once it succeeded.
+         *
+         *     ``repeated`` tells who asked for it that the same run had been asked for before.
          */
         Run: {
             /** Id */
@@ -5785,6 +6127,19 @@ export interface components {
             finished_at: string | null;
             /** Deleted At */
             deleted_at: string | null;
+            /** Priority */
+            priority: number;
+            limits: components["schemas"]["Limits"] | null;
+            /** After Run Id */
+            after_run_id: number | null;
+            /** Data Hash */
+            data_hash: string | null;
+            /** Input Hash */
+            input_hash: string | null;
+            /** Worker */
+            worker: string | null;
+            /** Repeated */
+            repeated: boolean;
         };
         /**
          * RunBlock
@@ -5804,6 +6159,32 @@ export interface components {
             /** Code */
             code: string;
             /** Message */
+            message: string;
+        };
+        /**
+         * RunEvent
+         * @description A line of the log of a run; ids grow, so that a reader can go on where it stopped.
+         *
+         *     ``kind`` is ``queued``, ``started``, ``said`` or the state that a run ended in.
+         */
+        RunEvent: {
+            /** Id */
+            id: number;
+            /** Run Id */
+            run_id: number;
+            /**
+             * At
+             * Format: date-time
+             */
+            at: string;
+            /** Kind */
+            kind: string;
+            /** Attempt */
+            attempt: number;
+            /**
+             * Message
+             * @default
+             */
             message: string;
         };
         /**
@@ -5971,6 +6352,12 @@ export interface components {
              * @default
              */
             author: string;
+            /**
+             * Priority
+             * @default 0
+             */
+            priority: number;
+            limits?: components["schemas"]["LimitsRequest"] | null;
         };
         /**
          * RunResult
@@ -10155,6 +10542,15 @@ export interface operations {
             };
         };
         responses: {
+            /** @description The same run had been asked for before */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Run"];
+                };
+            };
             /** @description Successful Response */
             202: {
                 headers: {
@@ -10526,6 +10922,8 @@ export interface operations {
         parameters: {
             query?: {
                 state?: components["schemas"]["RunState"] | null;
+                /** @example 1 */
+                batch_id?: number | null;
                 /**
                  * @description Most items to answer.
                  * @example 100
@@ -10547,6 +10945,35 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["JobList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_queue_status: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["QueueStatus"];
                 };
             };
             /** @description Client Error */
@@ -10595,6 +11022,41 @@ export interface operations {
             };
         };
     };
+    get_job_log: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                job_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobLog"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     cancel_job: {
         parameters: {
             query?: never;
@@ -10617,6 +11079,222 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Job"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    retry_job: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                job_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Job"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_batches: {
+        parameters: {
+            query?: {
+                /**
+                 * @description Most items to answer.
+                 * @example 100
+                 */
+                limit?: number;
+                /** @description `next` of the page before. */
+                after?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BatchList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    request_batch: {
+        parameters: {
+            query?: never;
+            header?: {
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
+                "X-Flexsid-Analyst"?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["BatchRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["QueuedBatch"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_batch: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                batch_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BatchProgress"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    cancel_batch: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                batch_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BatchProgress"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    retry_batch: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                batch_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BatchProgress"];
                 };
             };
             /** @description Client Error */
