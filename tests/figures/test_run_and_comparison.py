@@ -7,11 +7,22 @@ import pytest
 
 from flexsid.figures.derivatives import derivatives
 from flexsid.figures.fit import fit
+from flexsid.figures.forest import forest
 from flexsid.figures.iterations import iterations
 from flexsid.figures.parameter_correlation import parameter_correlation
 from flexsid.figures.poles import poles
 from flexsid.figures.residual import residual
-from flexsid.records.comparison import Comparison, Row, Source, SourceValue
+from flexsid.figures.trend import trend
+from flexsid.records.comparison import (
+    Against,
+    Comparison,
+    DerivativeTrend,
+    Row,
+    Source,
+    SourceValue,
+    TrendLine,
+    TrendPoint,
+)
 from flexsid.records.run import Iteration, Method, Pole
 from flexsid.records.views import (
     Convergence,
@@ -99,11 +110,12 @@ def test_parameter_correlation_marks_pairs_that_cannot_be_told_apart(drawable):
 
 def test_poles_tell_frequency_and_damping(drawable):
     value = PoleMap(
-        run_id=5,
         groups=(
             PoleGroup(
                 label="OE 5",
                 estimated=True,
+                run_id=5,
+                method=Method.OE,
                 poles=(
                     Pole(name="SW1B", real=-3.0, imag=4.0, real_std=0.1, imag_std=None),
                     Pole(real=-1.0, imag=0.0),
@@ -169,3 +181,56 @@ def test_derivatives_stand_side_by_side_with_two_sigma(drawable):
     first_oe, second_oe = controls[0]["marker"], controls[2]["marker"]
     assert first_oe["color"] == second_oe["color"]
     assert first_oe["symbol"] != second_oe["symbol"]
+
+
+def test_a_forest_stands_over_the_weighted_mean(drawable):
+    sources = tuple(
+        Source(key=f"run-{number}", label=f"{kind} {number}", kind=kind, run_id=number)
+        for number, kind in ((1, "OE"), (2, "EE"))
+    )
+    row = Row(
+        name="Cm_alpha",
+        label="Cmα",
+        values=(
+            SourceValue(key="run-1", value=-1.0, std_error=0.1),
+            SourceValue(key="run-2", value=-1.2, std_error=None),
+        ),
+        mean=-1.0,
+        mean_std_error=0.1,
+    )
+    value = Comparison(maneuver_ids=(1,), sources=sources, rows=(row,))
+    spec = forest(value, "Cm_alpha")
+    drawable(spec)
+    assert [trace["error_x"]["array"] for trace in spec["data"]] == [[0.2], [None]]
+    assert (spec["layout"]["shapes"][0]["x0"], spec["layout"]["shapes"][0]["x1"]) == (-1.2, -0.8)
+    drawable(forest(value, "Cm_q"))
+
+
+@pytest.mark.parametrize("against", Against)
+def test_a_trend_has_points_a_band_and_predictions(drawable, against):
+    value = DerivativeTrend(
+        name="Cm_alpha",
+        label="Cmα",
+        against=against,
+        points=(
+            TrendPoint(
+                run_id=7,
+                maneuver_id=3,
+                label="OE 7",
+                kind="OE",
+                x=506.0,
+                value=-1.0,
+                std_error=0.1,
+            ),
+        ),
+        lines=(
+            TrendLine(label="fit", kind="OE", x=(506.0,), values=(-1.0,), std_errors=(0.1,)),
+            TrendLine(label="panel", kind="prediction", x=(506.0,), values=(-1.1,)),
+        ),
+    )
+    spec = trend(value)
+    drawable(spec)
+    low, high, line, predicted, points = spec["data"]
+    assert (low["y"], high["y"], line["y"], predicted["y"]) == ([-1.2], [-0.8], [-1.0], [-1.1])
+    assert points["customdata"] == [[7, 3]]
+    assert points["x"] == (["506"] if against is Against.FTA else [506.0])

@@ -95,3 +95,32 @@ def test_a_run_without_result_cannot_be_compared(store, add_run):
         compare(store, [run.id], [])
     with pytest.raises(BadInput, match="at least one run"):
         compare(store, [], [])
+
+
+def test_scatter_and_pairs_are_judged_by_chi_square(store, add_result):
+    runs = [
+        add_result({"Cm_alpha": (value, 0.1), "Cm_q": (-8.0, 0.2)}, method=method)
+        for value, method in ((-1.0, Method.OE), (-1.1, Method.FRE), (-1.6, Method.EE))
+    ]
+    comparison = compare(store, [run.id for run in runs], [])
+    alpha = row(comparison, "Cm_alpha")
+    assert alpha.mean == pytest.approx((-1.0 - 1.1 - 1.6) / 3)
+    assert alpha.mean_std_error == pytest.approx(0.1 / 3**0.5)
+    assert alpha.chi_square == pytest.approx(
+        sum((value - alpha.mean) ** 2 for value in (-1.0, -1.1, -1.6)) / 0.01
+    )
+    assert alpha.probability < 1e-3
+    assert row(comparison, "Cm_q").probability == pytest.approx(1.0)
+    near, far, _ = comparison.pairs
+    assert (near.n, near.worst) == (2, "Cm_alpha")
+    assert near.worst_sigma == pytest.approx(0.1 / (0.1 * 2**0.5))
+    assert far.chi_square == pytest.approx((0.6 / (0.1 * 2**0.5)) ** 2)
+    assert far.probability < 0.01 < near.probability
+
+
+def test_only_what_was_set_up_otherwise_is_told(store, add_result):
+    first = add_result({"Cm_alpha": (-1.0, 0.1)})
+    second = add_result({"Cm_alpha": (-1.0, 0.1)}, method=Method.EE)
+    setup = {one.name: one.values for one in compare(store, [first.id, second.id], []).setup}
+    assert setup["method"] == ("OE", "EE")
+    assert "modes" not in setup

@@ -56,7 +56,7 @@ def test_parameter_correlation_is_undefined_without_standard_error(store, add_re
 
 def test_poles_stand_beside_the_modes_in_vacuo(store, add_result, modal_table):
     run = add_result({"Cm_alpha": (-1.0, 0.1)}, modal_table_id=modal_table.id)
-    estimated, in_vacuo = views.poles(store, run.id).groups
+    estimated, in_vacuo = views.poles(store, [run.id]).groups
     assert [pole.imag for pole in estimated.poles] == [5.0], "upper half plane"
     (pole,) = in_vacuo.poles
     assert pole.name == "SW1B"

@@ -11,6 +11,7 @@ from flexsid.figures.excitation import (
 )
 from flexsid.figures.fit import fit
 from flexsid.figures.flutter import flutter_forecast, flutter_map, root_locus, v_omega_zeta
+from flexsid.figures.forest import forest
 from flexsid.figures.ground_test import ground_test
 from flexsid.figures.iterations import iterations
 from flexsid.figures.loops import loops
@@ -29,6 +30,7 @@ from flexsid.figures.structure import (
 )
 from flexsid.figures.time_check import time_check
 from flexsid.figures.time_history import time_history
+from flexsid.figures.trend import trend
 
 __all__ = [
     "View",
@@ -43,6 +45,7 @@ __all__ = [
     "fit",
     "flutter_forecast",
     "flutter_map",
+    "forest",
     "ground_test",
     "iterations",
     "loops",
@@ -60,5 +63,6 @@ __all__ = [
     "spectrum",
     "time_check",
     "time_history",
+    "trend",
     "v_omega_zeta",
 ]

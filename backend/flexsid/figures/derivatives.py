@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from itertools import groupby
 
 import numpy as np
@@ -21,7 +22,7 @@ def derivatives(value: Comparison) -> Spec:
     if not value.rows or not value.sources:
         return empty("No derivatives in common")
     panels = [list(group) for _, group in groupby(value.rows, key=lambda row: family(row.name))]
-    looks = _looks(value.sources)
+    looks = looks_of(value.sources)
     layout: Spec = {"showlegend": True, "hovermode": "closest", "meta": {"rows": 1.5}}
     data: list[Spec] = []
     left = 0.0
@@ -110,17 +111,15 @@ def _name_once(data: list[Spec]) -> None:
         named.add(trace["legendgroup"])
 
 
-def _looks(sources: tuple[Source, ...]) -> dict[str, tuple[str, str]]:
+def looks_of(sources: tuple[Source, ...]) -> dict[str, tuple[str, str]]:
     """Colour by method or prediction; open symbols tell repeated methods and residualised."""
     looks: dict[str, tuple[str, str]] = {}
-    seen: dict[str, int] = {}
+    seen: Counter[str] = Counter()
     predictions: dict[int | None, int] = {}
     for source in sources:
         if source.kind in style.METHODS:
-            colour, symbol = style.METHODS[source.kind]
-            repeat = seen.get(source.kind, 0)
-            seen[source.kind] = repeat + 1
-            looks[source.key] = colour, symbol + ("", "-open", "-dot", "-open-dot")[repeat % 4]
+            looks[source.key] = style.of_method(source.kind, seen[source.kind])
+            seen[source.kind] += 1
         else:
             order = predictions.setdefault(source.prediction_id, len(predictions))
             colour, symbol = style.PREDICTIONS[order % len(style.PREDICTIONS)]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 
 from flexsid.figures import style
@@ -22,10 +24,15 @@ def poles(value: PoleMap) -> Spec:
     if not any(group.poles for group in value.groups):
         return empty("No poles")
     references = iter(_REFERENCE)
+    repeats: Counter[str] = Counter()
     data = []
     for group in value.groups:
-        look = (style.BLUE, "circle") if group.estimated else next(references)
-        data.append(_trace(group, look, value.run_id))
+        if group.method is None:
+            look = next(references)
+        else:
+            look = style.of_method(group.method.value, repeats[group.method.value])
+            repeats[group.method.value] += 1
+        data.append(_trace(group, look))
     layout: Spec = {
         "xaxis": {**title("Real part [rad/s]"), "zeroline": False},
         "yaxis": {**title("Imaginary part [rad/s]"), "rangemode": "tozero"},
@@ -42,7 +49,7 @@ def poles(value: PoleMap) -> Spec:
     return {"data": data, "layout": layout}
 
 
-def _trace(group: PoleGroup, look: tuple[str, str], run_id: int) -> Spec:
+def _trace(group: PoleGroup, look: tuple[str, str]) -> Spec:
     colour, symbol = look
     trace: Spec = {
         "type": "scatter",
@@ -58,7 +65,7 @@ def _trace(group: PoleGroup, look: tuple[str, str], run_id: int) -> Spec:
             "size": 9,
             "line": {"color": colour, "width": 2},
         },
-        "customdata": [[run_id, _hover(pole)] for pole in group.poles],
+        "customdata": [[group.run_id, _hover(pole)] for pole in group.poles],
         "hovertemplate": f"%{{customdata[1]}}<extra>{text(group.label)}</extra>",
     }
     if group.estimated:

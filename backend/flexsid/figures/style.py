@@ -29,6 +29,15 @@ METHODS = {"OE": (BLUE, "circle"), "FRE": (VERMILION, "square"), "EE": (GREEN, "
 PREDICTIONS = ((PINK, "triangle-up"), (OCHRE, "triangle-down"), (VIOLET, "star"), (TEAL, "cross"))
 
 
+_REPEATS = ("", "-open", "-dot", "-open-dot")
+
+
+def of_method(method: str, repeat: int = 0) -> tuple[str, str]:
+    """Colour and symbol of a method; other fillings tell further runs of it apart."""
+    colour, symbol = METHODS[method]
+    return colour, symbol + _REPEATS[repeat % len(_REPEATS)]
+
+
 def of_index(index: int) -> tuple[str, str]:
     """Colour and symbol of the ``index``-th thing in an ordered set."""
     return PALETTE[index % len(PALETTE)], SYMBOLS[index % len(SYMBOLS)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,6 +32,8 @@ class Row:
 
     ``max_difference_sigma`` is the largest |a - b| / sqrt(sigma_a^2 + sigma_b^2) over
     pairs of sources with a standard error; ``consistent`` says that it is at most 2.
+    ``mean`` is that of those sources, weighted by their errors, ``chi_square`` their
+    scatter about it and ``probability`` that of a scatter at least as large.
     """
 
     name: str
@@ -38,6 +41,36 @@ class Row:
     values: tuple[SourceValue | None, ...]
     consistent: bool | None = None
     max_difference_sigma: float | None = None
+    mean: float | None = None
+    mean_std_error: float | None = None
+    chi_square: float | None = None
+    probability: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pair:
+    """How two sources agree over all derivatives that both estimated.
+
+    ``rms_sigma`` is the root mean square of their normalised differences, one where
+    they scatter as their errors say; ``worst`` names the derivative that differs most.
+    """
+
+    first: str
+    second: str
+    n: int
+    rms_sigma: float
+    chi_square: float
+    probability: float
+    worst: str
+    worst_sigma: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setup:
+    """A choice of the analyst in which the runs differ; values in the order of the sources."""
+
+    name: str
+    values: tuple[str | None, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,3 +80,58 @@ class Comparison:
     maneuver_ids: tuple[int, ...]
     sources: tuple[Source, ...]
     rows: tuple[Row, ...]
+    pairs: tuple[Pair, ...] = ()
+    setup: tuple[Setup, ...] = ()
+
+
+class Against(StrEnum):
+    """What a derivative is drawn over."""
+
+    DYNAMIC_PRESSURE = "dynamic_pressure"
+    AIRSPEED_RATIO = "airspeed_ratio"
+    FUEL = "fuel"
+    FTA = "fta"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrendPoint:
+    """One estimate at one condition; ``x`` in SI, a fraction, or the number of the FTA."""
+
+    run_id: int
+    maneuver_id: int
+    label: str
+    kind: str
+    x: float
+    value: float
+    std_error: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrendLine:
+    """A weighted fit through the estimates of one method, or a prediction joined up.
+
+    ``std_errors`` are None for a prediction. ``probability`` is that of a scatter
+    about the fit at least as large as found.
+    """
+
+    label: str
+    kind: str
+    x: tuple[float, ...]
+    values: tuple[float, ...]
+    std_errors: tuple[float, ...] | None = None
+    slope: float | None = None
+    slope_std_error: float | None = None
+    chi_square: float | None = None
+    freedom: int | None = None
+    probability: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DerivativeTrend:
+    """One derivative over the conditions that were flown."""
+
+    name: str
+    label: str
+    against: Against
+    points: tuple[TrendPoint, ...]
+    lines: tuple[TrendLine, ...]

@@ -204,18 +204,19 @@ class ParameterCorrelation:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PoleGroup:
-    """Poles of one origin: the estimate, or the structure in vacuo."""
+    """Poles of one origin: the estimate of a run, or the structure in vacuo."""
 
     label: str
     estimated: bool
     poles: tuple[Pole, ...]
+    run_id: int | None = None
+    method: Method | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PoleMap:
-    """Poles of the identified model beside reference poles. [rad/s]"""
+    """Poles of identified models beside reference poles. [rad/s]"""
 
-    run_id: int
     groups: tuple[PoleGroup, ...]
 
 

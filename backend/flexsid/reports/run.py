@@ -197,7 +197,7 @@ def _poles(store: Store, run_id: int, result: RunResult) -> tuple[Part, ...]:
     return (
         drawn(
             "Poles of the identified model beside those of its modes in vacuo",
-            lambda: figures.poles(views.poles(store, run_id)),
+            lambda: figures.poles(views.poles(store, [run_id])),
         ),
         Table(
             ("mode", "frequency [Hz]", "σ", "damping ratio", "σ"),

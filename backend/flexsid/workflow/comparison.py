@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
-from math import hypot
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.nomenclature import describe
@@ -14,6 +13,7 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.prediction import Prediction
 from flexsid.records.run import EstimationRun, RunResult
 from flexsid.storage.store import Store
+from flexsid.workflow.agreement import normalised, pairs, scatter, setup
 from flexsid.workflow.predictions import prediction_at
 
 CONSISTENT_SIGMA = 2.0
@@ -62,10 +62,14 @@ def compare(store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int])
     columns += [_of_prediction(store, prediction, fuel) for prediction in predictions]
     columns += _residualized(finished, predictions)
     names = _in_order(parameter.name for _, result in finished for parameter in result.parameters)
+    sources = tuple(column.source for column in columns)
+    rows = tuple(_row(name, columns) for name in names)
     return Comparison(
         maneuver_ids=tuple(maneuvers),
-        sources=tuple(column.source for column in columns),
-        rows=tuple(_row(name, columns) for name in names),
+        sources=sources,
+        rows=rows,
+        pairs=pairs(sources, rows),
+        setup=setup(sources, {run.id: run for run, _ in finished if run.id is not None}),
     )
 
 
@@ -167,19 +171,15 @@ def _residualized(
 
 def _row(name: str, columns: list[_Column]) -> Row:
     values = tuple(column.values.get(name) for column in columns)
-    judged = [(v.value, v.std_error) for v in values if v is not None and v.std_error is not None]
-    differences = [
-        abs(a - b) / hypot(sigma_a, sigma_b)
-        for (a, sigma_a), (b, sigma_b) in combinations(judged, 2)
-        if hypot(sigma_a, sigma_b) > 0
-    ]
-    largest = max(differences, default=None)
+    differences = (normalised(a, b) for a, b in combinations(values, 2))
+    largest = max((abs(one) for one in differences if one is not None), default=None)
     return Row(
         name=name,
         label=describe(name).label,
         values=values,
         consistent=None if largest is None else largest <= CONSISTENT_SIGMA,
         max_difference_sigma=largest,
+        **scatter(values),
     )
 
 

@@ -11,6 +11,7 @@ from fastapi.responses import Response
 from flexsid import figures
 from flexsid.api.context import TheStore
 from flexsid.api.export import FILES, Form, sent
+from flexsid.api.routes.comparisons import TheTrend
 from flexsid.api.routes.designs import Level
 from flexsid.api.routes.flutter import TheQuestion
 from flexsid.api.routes.maneuvers import Filters
@@ -192,9 +193,13 @@ def draw_parameter_correlation(store: TheStore, run_id: _Id, form: Form = "json"
 
 
 @router.get("/poles", response_model=Figure)
-def draw_poles(store: TheStore, run_id: _Id, form: Form = "json") -> Response:
-    """Draw the poles of the identified model beside those of its modes in vacuo."""
-    return sent(figures.poles(views.poles(store, run_id)), form)
+def draw_poles(
+    store: TheStore,
+    run_id: Annotated[str, Query(description="Ids of runs, separated by commas.")],
+    form: Form = "json",
+) -> Response:
+    """Draw the poles of identified models beside those of the first one's modes in vacuo."""
+    return sent(figures.poles(views.poles(store, split_ids(run_id, "run_id"))), form)
 
 
 @router.get("/iterations", response_model=Figure)
@@ -235,6 +240,27 @@ def draw_derivatives(
         coefficient,
     )
     return sent(figures.derivatives(value), form)
+
+
+@router.get("/forest", response_model=Figure)
+def draw_forest(
+    store: TheStore,
+    run_ids: Annotated[str, Query(description="Ids separated by commas.")],
+    name: Annotated[str, Query(max_length=64, description="Derivative, e.g. Cm_alpha.")],
+    prediction_ids: _Ids = None,
+    form: Form = "json",
+) -> Response:
+    """Draw what each run and prediction says about one derivative, over their mean."""
+    value = views.derivatives(
+        store, split_ids(run_ids, "run_ids"), split_ids(prediction_ids, "prediction_ids")
+    )
+    return sent(figures.forest(value, name), form)
+
+
+@router.get("/trend", response_model=Figure)
+def draw_trend(store: TheStore, asked: TheTrend, form: Form = "json") -> Response:
+    """Draw one derivative over the conditions that were flown, with weighted fits."""
+    return sent(figures.trend(asked), form)
 
 
 @router.get("/v-omega-zeta", response_model=Figure)

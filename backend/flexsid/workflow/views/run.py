@@ -127,16 +127,25 @@ def parameter_correlation(store: Store, run_id: int) -> ParameterCorrelation:
     )
 
 
-def poles(store: Store, run_id: int) -> PoleMap:
-    """Read the poles of the model, and those of its modes in vacuo."""
-    run, result = finished(store, run_id)
+def poles(store: Store, run_ids: Sequence[int]) -> PoleMap:
+    """Read the poles of models, and of the modes of the first one in vacuo."""
+    found = [finished(store, run_id) for run_id in dict.fromkeys(run_ids)]
+    if not found:
+        raise BadInput("poles take at least one run; choose one", code="no-run")
     groups = [
-        PoleGroup(label=f"{run.method.value} {run_id}", estimated=True, poles=_upper(result.poles))
+        PoleGroup(
+            label=f"{run.method.value} {run.id}",
+            estimated=True,
+            poles=_upper(result.poles),
+            run_id=run.id,
+            method=run.method,
+        )
+        for run, result in found
     ]
-    in_vacuo = modal_poles(store, run)
+    in_vacuo = modal_poles(store, found[0][0])
     if in_vacuo:
         groups.append(PoleGroup(label="in vacuo", estimated=False, poles=in_vacuo))
-    return PoleMap(run_id=run_id, groups=tuple(groups))
+    return PoleMap(groups=tuple(groups))
 
 
 def _upper(poles: tuple[Pole, ...]) -> tuple[Pole, ...]:

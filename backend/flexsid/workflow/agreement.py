@@ -1,0 +1,117 @@
+"""Whether estimates agree: about their mean, pair by pair, and what was set up otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from enum import Enum
+from itertools import combinations
+from math import hypot
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+from flexsid.records.comparison import Pair, Row, Setup, Source, SourceValue
+from flexsid.records.run import EstimationRun
+from flexsid.sysid.estimation.trend import fit_trend
+
+
+def scatter(values: Sequence[SourceValue | None]) -> dict[str, float | None]:
+    """Weigh estimates of one derivative to their mean and judge how they scatter about it."""
+    judged = [(v.value, v.std_error) for v in values if v is not None and v.std_error]
+    if len(judged) < 2:
+        return {}
+    found, errors = (np.array(part, dtype=float) for part in zip(*judged, strict=True))
+    mean = fit_trend(np.zeros(found.size), found, errors, 0)
+    return {
+        "mean": float(mean.coefficients[0]),
+        "mean_std_error": float(np.sqrt(mean.covariance[0, 0])),
+        "chi_square": mean.chi_square,
+        "probability": mean.probability,
+    }
+
+
+def pairs(sources: Sequence[Source], rows: Sequence[Row]) -> tuple[Pair, ...]:
+    """Judge every two sources by all derivatives that both estimated with an error.
+
+    Notes
+    -----
+    Normalised differences are taken as independent of each other. Estimates of one
+    run are correlated, so the probability is a guide, not a test.
+    """
+    found: list[Pair] = []
+    for (i, first), (j, second) in combinations(enumerate(sources), 2):
+        differences = {
+            row.name: difference
+            for row in rows
+            if (difference := normalised(row.values[i], row.values[j])) is not None
+        }
+        if not differences:
+            continue
+        squares = float(sum(value**2 for value in differences.values()))
+        worst = max(differences, key=lambda name: abs(differences[name]))
+        found.append(
+            Pair(
+                first=first.key,
+                second=second.key,
+                n=len(differences),
+                rms_sigma=float(np.sqrt(squares / len(differences))),
+                chi_square=squares,
+                probability=float(stats.chi2.sf(squares, len(differences))),
+                worst=worst,
+                worst_sigma=differences[worst],
+            )
+        )
+    return tuple(found)
+
+
+def normalised(a: SourceValue | None, b: SourceValue | None) -> float | None:
+    """Difference of two estimates over its standard error, as if they were independent."""
+    if a is None or b is None or a.std_error is None or b.std_error is None:
+        return None
+    error = hypot(a.std_error, b.std_error)
+    return (a.value - b.value) / error if error > 0 else None
+
+
+def setup(sources: Sequence[Source], runs: Mapping[int, EstimationRun]) -> tuple[Setup, ...]:
+    """Lay out the choices in which the compared runs differ."""
+    columns = [
+        None
+        if source.run_id is None or source.kind == "prediction"
+        else _choices(runs[source.run_id])
+        for source in sources
+    ]
+    names = dict.fromkeys(name for column in columns if column is not None for name in column)
+    rows: list[Setup] = []
+    for name in names:
+        values = tuple(None if column is None else column.get(name, "") for column in columns)
+        if len({value for value in values if value is not None}) > 1:
+            rows.append(Setup(name=name, values=values))
+    return tuple(rows)
+
+
+def _choices(run: EstimationRun) -> dict[str, str]:
+    fields: dict[str, Any] = {
+        "maneuver": run.maneuver_id,
+        "method": run.method,
+        **asdict(run.structure),
+        **asdict(run.settings),
+        "modal_table": run.modal_table_id,
+        "damping_table": run.damping_table_id,
+        "prediction": run.prediction_id,
+        **{f"version of {name}": version for name, version in (run.versions or {}).items()},
+    }
+    return {name.replace("_", " "): _written(value) for name, value in fields.items()}
+
+
+def _written(value: object) -> str:
+    if value is None or value in ((), [], {}):
+        return "–"
+    if isinstance(value, Enum):
+        return str(value.value)
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {_written(one)}" for name, one in value.items())
+    if isinstance(value, list | tuple):
+        return ", ".join(map(_written, value))
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
