@@ -1647,9 +1647,29 @@ export interface paths {
         };
         /**
          * Get Comparison
-         * @description Compare derivatives of runs and predictions.
+         * @description Compare derivatives of runs and predictions, pair by pair too, and what differs in them.
          */
         get: operations["get_comparison"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/comparisons/trend": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Trend
+         * @description Lay one derivative out over the conditions that were flown, with a fit per method.
+         */
+        get: operations["get_trend"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2282,7 +2302,7 @@ export interface paths {
         };
         /**
          * Draw Poles
-         * @description Draw the poles of the identified model beside those of its modes in vacuo.
+         * @description Draw the poles of identified models beside those of the first one's modes in vacuo.
          */
         get: operations["draw_poles"];
         put?: never;
@@ -2345,6 +2365,46 @@ export interface paths {
          * @description Draw derivatives by method and prediction with ±2 standard errors.
          */
         get: operations["draw_derivatives"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/forest": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Forest
+         * @description Draw what each run and prediction says about one derivative, over their mean.
+         */
+        get: operations["draw_forest"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/trend": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Trend
+         * @description Draw one derivative over the conditions that were flown, with weighted fits.
+         */
+        get: operations["draw_trend"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2663,6 +2723,12 @@ export interface components {
          * @enum {string}
          */
         Action: "delete" | "restore" | "tag" | "untag";
+        /**
+         * Against
+         * @description What a derivative is drawn over.
+         * @enum {string}
+         */
+        Against: "dynamic_pressure" | "airspeed_ratio" | "fuel" | "fta";
         /**
          * Aircraft
          * @description Everything about one airframe that does not change from maneuver to maneuver.
@@ -3377,6 +3443,16 @@ export interface components {
             sources: components["schemas"]["Source"][];
             /** Rows */
             rows: components["schemas"]["Row"][];
+            /**
+             * Pairs
+             * @default []
+             */
+            pairs: components["schemas"]["Pair"][];
+            /**
+             * Setup
+             * @default []
+             */
+            setup: components["schemas"]["Setup"][];
         };
         /**
          * ComparisonRequest
@@ -3748,6 +3824,21 @@ export interface components {
          * @enum {string}
          */
         DecisionState: "open" | "changes-requested" | "approved" | "rejected" | "withdrawn" | "superseded";
+        /**
+         * DerivativeTrend
+         * @description One derivative over the conditions that were flown.
+         */
+        DerivativeTrend: {
+            /** Name */
+            name: string;
+            /** Label */
+            label: string;
+            against: components["schemas"]["Against"];
+            /** Points */
+            points: components["schemas"]["TrendPoint"][];
+            /** Lines */
+            lines: components["schemas"]["TrendLine"][];
+        };
         /**
          * DerivativeValue
          * @description One predicted derivative.
@@ -5555,6 +5646,31 @@ export interface components {
             whiteness: number;
         };
         /**
+         * Pair
+         * @description How two sources agree over all derivatives that both estimated.
+         *
+         *     ``rms_sigma`` is the root mean square of their normalised differences, one where
+         *     they scatter as their errors say; ``worst`` names the derivative that differs most.
+         */
+        Pair: {
+            /** First */
+            first: string;
+            /** Second */
+            second: string;
+            /** N */
+            n: number;
+            /** Rms Sigma */
+            rms_sigma: number;
+            /** Chi Square */
+            chi_square: number;
+            /** Probability */
+            probability: number;
+            /** Worst */
+            worst: string;
+            /** Worst Sigma */
+            worst_sigma: number;
+        };
+        /**
          * PairedMode
          * @description A mode of one source and the one of another that is most alike.
          */
@@ -6034,6 +6150,8 @@ export interface components {
          *
          *     ``max_difference_sigma`` is the largest |a - b| / sqrt(sigma_a^2 + sigma_b^2) over
          *     pairs of sources with a standard error; ``consistent`` says that it is at most 2.
+         *     ``mean`` is that of those sources, weighted by their errors, ``chi_square`` their
+         *     scatter about it and ``probability`` that of a scatter at least as large.
          */
         Row: {
             /** Name */
@@ -6046,6 +6164,14 @@ export interface components {
             consistent?: boolean | null;
             /** Max Difference Sigma */
             max_difference_sigma?: number | null;
+            /** Mean */
+            mean?: number | null;
+            /** Mean Std Error */
+            mean_std_error?: number | null;
+            /** Chi Square */
+            chi_square?: number | null;
+            /** Probability */
+            probability?: number | null;
         };
         /**
          * RulesHistory
@@ -6624,6 +6750,16 @@ export interface components {
             together_with: number[];
         };
         /**
+         * Setup
+         * @description A choice of the analyst in which the runs differ; values in the order of the sources.
+         */
+        Setup: {
+            /** Name */
+            name: string;
+            /** Values */
+            values: (string | null)[];
+        };
+        /**
          * ShapeAnswer
          * @description One mode as it is drawn; see ``DrawnShape``.
          */
@@ -7040,6 +7176,55 @@ export interface components {
             airspeed_m_s: number | null;
             /** Sentence */
             sentence: string;
+        };
+        /**
+         * TrendLine
+         * @description A weighted fit through the estimates of one method, or a prediction joined up.
+         *
+         *     ``std_errors`` are None for a prediction. ``probability`` is that of a scatter
+         *     about the fit at least as large as found.
+         */
+        TrendLine: {
+            /** Label */
+            label: string;
+            /** Kind */
+            kind: string;
+            /** X */
+            x: number[];
+            /** Values */
+            values: number[];
+            /** Std Errors */
+            std_errors?: number[] | null;
+            /** Slope */
+            slope?: number | null;
+            /** Slope Std Error */
+            slope_std_error?: number | null;
+            /** Chi Square */
+            chi_square?: number | null;
+            /** Freedom */
+            freedom?: number | null;
+            /** Probability */
+            probability?: number | null;
+        };
+        /**
+         * TrendPoint
+         * @description One estimate at one condition; ``x`` in SI, a fraction, or the number of the FTA.
+         */
+        TrendPoint: {
+            /** Run Id */
+            run_id: number;
+            /** Maneuver Id */
+            maneuver_id: number;
+            /** Label */
+            label: string;
+            /** Kind */
+            kind: string;
+            /** X */
+            x: number;
+            /** Value */
+            value: number;
+            /** Std Error */
+            std_error: number | null;
         };
         /**
          * Upload
@@ -11348,6 +11533,51 @@ export interface operations {
             };
         };
     };
+    get_trend: {
+        parameters: {
+            query: {
+                /**
+                 * @description Ids of runs, separated by commas.
+                 * @example 1
+                 */
+                run_ids: string;
+                /** @description Derivative, e.g. Cm_alpha. */
+                name: string;
+                against?: components["schemas"]["Against"];
+                /**
+                 * @description Ids of predictions, separated by commas.
+                 * @example 1
+                 */
+                prediction_ids?: string | null;
+                /** @description Of the weighted polynomial. */
+                degree?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DerivativeTrend"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     report_run: {
         parameters: {
             query?: {
@@ -12709,8 +12939,11 @@ export interface operations {
     draw_poles: {
         parameters: {
             query: {
-                /** @example 1 */
-                run_id: number;
+                /**
+                 * @description Ids of runs, separated by commas.
+                 * @example 1
+                 */
+                run_id: string;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
             };
@@ -12842,6 +13075,101 @@ export interface operations {
                 coefficient?: string | null;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_forest: {
+        parameters: {
+            query: {
+                /**
+                 * @description Ids separated by commas.
+                 * @example 1
+                 */
+                run_ids: string;
+                /** @description Derivative, e.g. Cm_alpha. */
+                name: string;
+                /**
+                 * @description Ids separated by commas.
+                 * @example 1
+                 */
+                prediction_ids?: string | null;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_trend: {
+        parameters: {
+            query: {
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+                /**
+                 * @description Ids of runs, separated by commas.
+                 * @example 1
+                 */
+                run_ids: string;
+                /** @description Derivative, e.g. Cm_alpha. */
+                name: string;
+                against?: components["schemas"]["Against"];
+                /**
+                 * @description Ids of predictions, separated by commas.
+                 * @example 1
+                 */
+                prediction_ids?: string | null;
+                /** @description Of the weighted polynomial. */
+                degree?: number;
             };
             header?: never;
             path?: never;
