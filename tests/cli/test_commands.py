@@ -217,3 +217,19 @@ def test_a_port_that_is_taken_is_said_so(flown_url: str, capsys, monkeypatch) ->
         taken.listen()
         monkeypatch.setenv("FLEXSID_PORT", str(taken.getsockname()[1]))
         assert "FLEXSID_PORT" in refused(capsys, 1, "serve", "--database", flown_url)
+
+
+def test_search_prints_terms_with_their_evidence_and_candidates(
+    flown_url: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("FLEXSID_DATABASE", flown_url)
+    assert main(["search", "1", "--modes", "7,9", "--draws", "2"]) == 0
+    printed = capsys.readouterr().out
+    assert "EE over flown asks for" in printed
+    assert "CQ7_etadot7" in printed
+    assert "candidates, by how they predict" in printed
+    assert main(["search", "1", "--modes", "7", "--method", "OE", "--draws", "0", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["state"] == "succeeded"
+    assert found["result"]["groups"][0]["name"] == "OE"
+    assert "f_out" in refused(capsys, 2, "search", "1", "--f-in", "4", "--f-out", "5")

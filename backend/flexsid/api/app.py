@@ -47,9 +47,11 @@ from flexsid.api.routes import (
     structure_files,
     uploads,
 )
+from flexsid.api.routes import searches as search_routes
 from flexsid.api.routes import tasks as task_routes
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.executors import make_workers
+from flexsid.jobs.searches import Searches
 from flexsid.jobs.steps import Steps, estimation_steps
 from flexsid.reports import read_template
 from flexsid.settings import Settings
@@ -100,6 +102,8 @@ def create_app(
         received.start()
         assessments = Assessments(store, settings.database)
         tasks = Tasks()
+        searches = Searches(store)
+        searches.start()
         app.state.context = Context(
             store=store,
             dispatcher=dispatcher,
@@ -109,6 +113,7 @@ def create_app(
             assessments=assessments,
             report_template=template,
             tasks=tasks,
+            searches=searches,
         )
         try:
             yield
@@ -116,6 +121,7 @@ def create_app(
             assessments.stop()
             received.stop()
             tasks.stop()
+            searches.stop()
             dispatcher.stop()
             store.close()
 
@@ -148,6 +154,7 @@ def create_app(
         review,
         runs,
         saved_views,
+        search_routes,
         jobs,
         batches,
         comparisons,

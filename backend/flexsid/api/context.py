@@ -8,6 +8,7 @@ from typing import Annotated
 from fastapi import Depends, Request
 
 from flexsid.jobs.dispatcher import Dispatcher
+from flexsid.jobs.searches import Searches
 from flexsid.storage.store import Store
 from flexsid.workflow.assessing import Assessments
 from flexsid.workflow.ingest import BringAlong
@@ -27,6 +28,7 @@ class Context:
     assessments: Assessments
     report_template: str | None
     tasks: Tasks
+    searches: Searches
 
 
 # Asynchronous, so that no thread is spent on handing over a reference.

@@ -105,6 +105,29 @@ def _parser() -> argparse.ArgumentParser:
     )
     run.add_argument("--json", action="store_true", help="print the run as JSON")
 
+    search = add("search", _search, "choose the terms of a model by what maneuvers ask for")
+    search.add_argument("maneuvers", metavar="ID,ID", help="maneuvers to search over together")
+    search.add_argument("--method", choices=_METHODS, default="EE")
+    search.add_argument("--modes", default="", metavar="M,N", help="numbers of structural modes")
+    search.add_argument("--inputs", default="", metavar="A,B", help="default: all that moved")
+    search.add_argument("--outputs", default="", metavar="A,B", help="default: all usable")
+    search.add_argument("--free", metavar="A,B", help="candidate derivatives; default: all")
+    search.add_argument("--free-delays", action="store_true", help="free the outputs' delays too")
+    search.add_argument(
+        "--algorithm", choices=("stepwise", "orthogonal functions"), default="stepwise"
+    )
+    search.add_argument(
+        "--begin", choices=("all", "equation error"), default="all", help="OE and FRE begin with"
+    )
+    search.add_argument("--f-in", type=float, default=20.0, metavar="F", help="to enter")
+    search.add_argument("--f-out", type=float, metavar="F", help="to stay; default: as to enter")
+    search.add_argument("--draws", type=int, default=30, metavar="N", help="of the lines")
+    search.add_argument(
+        "--validate-on", default="", metavar="ID,ID", help="maneuvers that are only predicted"
+    )
+    search.add_argument("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all")
+    search.add_argument("--json", action="store_true", help="print the search as JSON")
+
     export = add("export", _export, "write a run with everything it rests on")
     export.add_argument("run", type=int, metavar="RUN", help="id of the run")
     export.add_argument(
@@ -175,6 +198,12 @@ def _report(settings: Settings, chosen: argparse.Namespace) -> int:
     from flexsid.cli.reports import report
 
     return report(settings, chosen)
+
+
+def _search(settings: Settings, chosen: argparse.Namespace) -> int:
+    from flexsid.cli.searching import search
+
+    return search(settings, chosen)
 
 
 def _serve(settings: Settings, _chosen: argparse.Namespace) -> int:

@@ -24,12 +24,6 @@ T = TypeVar("T")
 
 def read_request(chosen: argparse.Namespace) -> EstimationRun:
     """Read the arguments of ``flexsid run``."""
-    band = None
-    if chosen.band is not None:
-        limits = numbers(chosen.band, float, "--band")
-        if len(limits) != 2:
-            raise BadInput(f"--band is {chosen.band!r}; expected two frequencies, e.g. 0.5,12")
-        band = (limits[0], limits[1])
     return EstimationRun(
         maneuver_id=chosen.maneuver,
         method=Method(chosen.method),
@@ -44,11 +38,21 @@ def read_request(chosen: argparse.Namespace) -> EstimationRun:
         ),
         settings=RunSettings(
             start=Start(chosen.start),
-            band_hz=band,
+            band_hz=read_band(chosen.band),
             prior_spread=chosen.prior_spread,
             together_with=tuple(numbers(chosen.together_with, int, "--together-with")),
         ),
     )
+
+
+def read_band(text: str | None) -> tuple[float, float] | None:
+    """Read two frequencies in Hz."""
+    if text is None:
+        return None
+    limits = numbers(text, float, "--band")
+    if len(limits) != 2:
+        raise BadInput(f"--band is {text!r}; expected two frequencies, e.g. 0.5,12")
+    return limits[0], limits[1]
 
 
 def run(settings: Settings, wanted: EstimationRun, *, wait: bool, as_json: bool) -> int:
@@ -56,7 +60,7 @@ def run(settings: Settings, wanted: EstimationRun, *, wait: bool, as_json: bool)
     steps = estimation_steps()
     with opened(settings) as store:
         if wait:
-            kept = carry_out(store, wanted, steps, _show)
+            kept = carry_out(store, wanted, steps, show)
         else:
             steps.prepare(store, wanted)  # what cannot be done is refused at once
             kept, _ = batches.add_once(store, identified(store, wanted))
@@ -100,7 +104,8 @@ def numbers(text: str, kind: Callable[[str], T], option: str) -> list[T]:
         raise BadInput(f"{option} is {text!r}; expected numbers separated by commas") from error
 
 
-def _show(progress: Progress) -> None:
+def show(progress: Progress) -> None:
+    """Tell how far it is, to somebody who watches."""
     if sys.stderr.isatty():
         cost = "" if progress.cost is None else f"cost {progress.cost:.6g}"
         print(f"\r{progress.message:<40} {cost:<24}", end="", file=sys.stderr, flush=True)

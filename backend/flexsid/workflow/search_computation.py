@@ -302,7 +302,7 @@ def _group(
                 std_error=_finite(term.std_error),
                 f=term.f,
                 support=term.share,
-                stability=float(share),
+                stability=_finite(share),
                 inflation=float(grown) if 0.0 < grown < 1e8 else None,
             )
             for term, share, grown in zip(selection.terms, often, inflation, strict=True)

@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from datetime import UTC, datetime
+from typing import Any
 
 import numpy as np
 
-from flexsid.errors import BadInput, Conflict, UnknownRecord
-from flexsid.records.run import EstimationRun, RunSettings
+from flexsid.errors import BadInput, Cancelled, Conflict, FlexsidError, UnknownRecord
+from flexsid.records.run import EstimationRun, Progress, RunSettings, RunState
 from flexsid.records.search import SearchCandidate, SearchResult, StructureSearch
 from flexsid.storage.store import Store
 from flexsid.workflow.computation import Task
 from flexsid.workflow.estimation import prepare as prepare_run
+from flexsid.workflow.estimation import versions
 from flexsid.workflow.search_computation import (
     SearchTask,
     check_same_candidates,
     search,
     thresholds_of,
 )
+from flexsid.workflow.structures import check_structure
 from flexsid.workflow.transforms import load_channels, trim_removed
 
 __all__ = ["candidate_of", "open_as_run", "prepare_search", "search"]
 
+ENDED = (RunState.SUCCEEDED, RunState.FAILED, RunState.CANCELLED)
 _END_S = 0.5
 _STILL_MOVING = 0.02  # of the largest motion
 
@@ -47,6 +53,8 @@ def prepare_search(store: Store, wanted: StructureSearch) -> SearchTask:
             code="not-unseen",
             maneuver_id=both[0],
         )
+    aircraft = store.aircraft.get(store.maneuvers.get(ids[0]).aircraft_id)
+    check_structure(store, aircraft, wanted.structure)
     tasks = tuple(_task(store, wanted, number) for number in ids)
     others = tuple(_task(store, wanted, number) for number in unseen)
     check_same_candidates((*tasks, *others))
@@ -62,6 +70,84 @@ def prepare_search(store: Store, wanted: StructureSearch) -> SearchTask:
             *_still_moving(store, wanted, tasks),
         ),
     )
+
+
+def add_search(store: Store, wanted: StructureSearch) -> StructureSearch:
+    """Keep a request, refused at once if it cannot be carried out.
+
+    Raises
+    ------
+    BadInput
+        As ``prepare_search``.
+    """
+    prepare_search(store, wanted)
+    return store.searches.add(replace(wanted, state=RunState.QUEUED))
+
+
+def carry_out_search(
+    store: Store, search_id: int, compute: Callable[[SearchTask], SearchResult]
+) -> StructureSearch:
+    """Carry out a search that waits, and keep what came out; one that has ended stays so.
+
+    What is wrong with it, or with the software, ends it as failed; what ``compute`` raises
+    otherwise (``Cancelled``, an interrupt) is passed on.
+    """
+    wanted = _passed(store, search_id, state=RunState.RUNNING, progress=None)
+    if wanted.state is not RunState.RUNNING:
+        return wanted
+    try:
+        result = compute(prepare_search(store, wanted))
+    except (Cancelled, KeyboardInterrupt):
+        _passed(store, search_id, state=RunState.CANCELLED, finished_at=datetime.now(UTC))
+        raise
+    except FlexsidError as error:
+        return fail_search(store, search_id, error.code, error.message)
+    return _passed(
+        store,
+        search_id,
+        state=RunState.SUCCEEDED,
+        result=result,
+        versions=versions(),
+        finished_at=datetime.now(UTC),
+    )
+
+
+def fail_search(store: Store, search_id: int, code: str, message: str) -> StructureSearch:
+    """End a search with the reason why."""
+    error = {"code": code, "message": message}
+    now = datetime.now(UTC)
+    return _passed(store, search_id, state=RunState.FAILED, error=error, finished_at=now)
+
+
+def cancel_search(store: Store, search_id: int) -> StructureSearch:
+    """Stop a search that has not ended.
+
+    Raises
+    ------
+    Conflict
+        If it has.
+    """
+    before = store.searches.get(search_id)
+    if before.state in ENDED:
+        raise Conflict(
+            f"search {search_id} has {before.state.value} already; there is nothing to cancel",
+            code="search-ended",
+        )
+    return _passed(store, search_id, state=RunState.CANCELLED, finished_at=datetime.now(UTC))
+
+
+def note_progress(store: Store, search_id: int, progress: Progress) -> bool:
+    """Write how far a search is; False where it has ended, e.g. by being cancelled."""
+    return _passed(store, search_id, progress=progress).state is RunState.RUNNING
+
+
+def _passed(store: Store, search_id: int, **changes: Any) -> StructureSearch:
+    """Change a search that has not ended, in one transaction."""
+    with store.transaction():
+        found = store.searches.get(search_id)
+        if found.state in ENDED:
+            return found
+        return store.searches.replace(replace(found, **changes))
 
 
 def candidate_of(wanted: StructureSearch, number: int) -> SearchCandidate:

@@ -25,7 +25,7 @@ def selection_frequency(
     search
         The search that chose.
     n_draws
-        How often to search again.
+        How often to search again; without any, nothing is known (NaN).
     seed
         Decides the draws.
 
@@ -43,4 +43,4 @@ def selection_frequency(
             counts = np.bincount(rng.integers(n_parts, size=n_parts), minlength=n_parts)
             drawn.append(one.drawn(counts.astype(float)))
         hits += [term.chosen for term in search(drawn).terms]
-    return hits / n_draws
+    return hits / n_draws if n_draws else np.full(hits.size, np.nan)
