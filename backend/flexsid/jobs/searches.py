@@ -12,8 +12,8 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 from flexsid.errors import Cancelled, FlexsidError
-from flexsid.jobs.local import Died, LocalWorkers
-from flexsid.jobs.worker import Computed, Failed, Progressed, unexpected
+from flexsid.jobs.local import LocalWorkers
+from flexsid.jobs.news import Computed, Died, Failed, Progressed, unexpected
 from flexsid.records.run import RunState
 from flexsid.records.search import SearchResult, StructureSearch
 from flexsid.storage.store import Store
@@ -71,7 +71,7 @@ class Searches:
 
         workers = LocalWorkers(searching.search, 1)
         try:
-            workers.submit((search_id, 1), task)
+            workers.submit((search_id, 1), task, None)
             told, waiting = None, True
             looked = time.monotonic()
             while waiting:
@@ -82,12 +82,12 @@ class Searches:
                         raise FlexsidError(news.message, code=news.code)
                     if isinstance(news, Died):
                         raise FlexsidError(
-                            f"the worker process died (exit code {news.exit_code}), perhaps for "
-                            "want of memory; search over fewer maneuvers",
+                            f"the worker process died ({news.how}), perhaps for want of memory; "
+                            "search over fewer maneuvers",
                             code="worker-died",
                         )
-                    assert isinstance(news, Progressed)
-                    told = news.progress
+                    if isinstance(news, Progressed):
+                        told = news.progress
                 if self._stopping.is_set():
                     raise _Stopped
                 if time.monotonic() - looked >= _LOOK_S:

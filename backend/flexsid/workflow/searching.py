@@ -12,10 +12,10 @@ import numpy as np
 from flexsid.errors import BadInput, Cancelled, Conflict, FlexsidError, UnknownRecord
 from flexsid.records.run import EstimationRun, Progress, RunSettings, RunState
 from flexsid.records.search import SearchCandidate, SearchResult, StructureSearch
+from flexsid.storage import queue
 from flexsid.storage.store import Store
-from flexsid.workflow.computation import Task
+from flexsid.workflow.computation import Task, versions
 from flexsid.workflow.estimation import prepare as prepare_run
-from flexsid.workflow.estimation import versions
 from flexsid.workflow.search_computation import (
     SearchTask,
     check_same_candidates,
@@ -178,7 +178,8 @@ def open_as_run(store: Store, search_id: int, number: int, author: str) -> Estim
         if candidate.run_id is not None:
             return store.runs.get(candidate.run_id)
         asked = found.settings
-        run = store.runs.add(
+        run = queue.add(
+            store,
             EstimationRun(
                 maneuver_id=found.maneuver_ids[0],
                 method=found.method,
@@ -193,7 +194,7 @@ def open_as_run(store: Store, search_id: int, number: int, author: str) -> Estim
                 damping_table_id=found.damping_table_id,
                 prediction_id=found.prediction_id,
                 author=author,
-            )
+            ),
         )
         assert isinstance(found.result, SearchResult)
         candidates = list(found.result.candidates)
