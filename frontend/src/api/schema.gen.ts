@@ -1434,6 +1434,90 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/searches": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Searches
+         * @description List searches, newest first.
+         */
+        get: operations["list_searches"];
+        put?: never;
+        /**
+         * Request Search
+         * @description Queue a search for the terms of a model; follow it at the answer's ``Location``.
+         */
+        post: operations["request_search"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/searches/{search_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Search
+         * @description Return one search: how far it is, or all that it found.
+         */
+        get: operations["get_search"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/searches/{search_id}/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cancel Search
+         * @description Stop a search that has not ended.
+         */
+        post: operations["cancel_search"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/searches/{search_id}/candidates/{place}/run": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Open Candidate
+         * @description Open a candidate as a run; it is queued when first opened, and the same ever after.
+         */
+        post: operations["open_candidate"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/jobs": {
         parameters: {
             query?: never;
@@ -2771,6 +2855,12 @@ export interface components {
             /** Next */
             next?: string | null;
         };
+        /**
+         * Algorithm
+         * @description How equation error chooses.
+         * @enum {string}
+         */
+        Algorithm: "stepwise" | "orthogonal functions";
         /**
          * AllocatedError
          * @description Relative standard error of a derivative under the three; ``counts`` for the worst. [1]
@@ -5800,6 +5890,18 @@ export interface components {
             damping_std?: number | null;
         };
         /**
+         * PredictedLines
+         * @description Lines that a candidate was not fitted to: negative log likelihood, and R2.
+         */
+        PredictedLines: {
+            /** Name */
+            name: string;
+            /** Cost */
+            cost: number | null;
+            /** R Squared */
+            r_squared: number | null;
+        };
+        /**
          * Prediction
          * @description Derivatives by name against fuel; ``values`` is the hash of a (F, len(names)) array.
          */
@@ -6613,6 +6715,280 @@ export interface components {
             author: string;
         };
         /**
+         * SearchCandidate
+         * @description A structure on the way, fitted.
+         *
+         *     ``predictive_cost`` is the negative log likelihood of all lines it did not see, None
+         *     where it predicts nothing finite; ``run_id`` is the run that opened it.
+         */
+        SearchCandidate: {
+            /** Name */
+            name: string;
+            /** Why */
+            why: string;
+            structure: components["schemas"]["Structure"];
+            /** N Terms */
+            n_terms: number;
+            /** Proposed */
+            proposed: boolean;
+            /** Converged */
+            converged: boolean;
+            /** Cost */
+            cost: number | null;
+            /** Bic */
+            bic: number | null;
+            /** Likelihood Ratio */
+            likelihood_ratio: number | null;
+            /** Foretold */
+            foretold: number | null;
+            /** Predicted */
+            predicted: components["schemas"]["PredictedLines"][];
+            /** Predictive Cost */
+            predictive_cost: number | null;
+            /** Flutter M S */
+            flutter_m_s: number | null;
+            /** Flutter Std M S */
+            flutter_std_m_s: number | null;
+            /** Flutter */
+            flutter: string;
+            /** Run Id */
+            run_id?: number | null;
+        };
+        /**
+         * SearchItem
+         * @description One line of the list: a search without what it found.
+         */
+        SearchItem: {
+            /** Id */
+            id: number;
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Maneuver Ids */
+            maneuver_ids: number[];
+            method: components["schemas"]["Method"];
+            /** Modes */
+            modes: number[];
+            state: components["schemas"]["RunState"];
+            /** Sentence */
+            sentence: string | null;
+            /** Author */
+            author: string;
+            /** Created At */
+            created_at: string | null;
+        };
+        /**
+         * SearchList
+         * @description Searches, newest first.
+         */
+        SearchList: {
+            /** Items */
+            items: components["schemas"]["SearchItem"][];
+        };
+        /**
+         * SearchRequest
+         * @description Maneuvers to search over, and a structure whose free derivatives are the candidates.
+         */
+        SearchRequest: {
+            /** Maneuver Ids */
+            maneuver_ids: number[];
+            method: components["schemas"]["Method"];
+            structure: components["schemas"]["flexsid__api__requests__StructureRequest"];
+            /**
+             * @default {
+             *       "algorithm": "stepwise",
+             *       "begin": "all",
+             *       "f_in": 20,
+             *       "f_out": 20,
+             *       "pse_noise": 25,
+             *       "draws": 30,
+             *       "validate_on": [],
+             *       "max_iterations": 100,
+             *       "noise": "diagonal"
+             *     }
+             */
+            settings: components["schemas"]["SearchSettingsRequest"];
+            /** Modal Table Id */
+            modal_table_id?: number | null;
+            /** Damping Table Id */
+            damping_table_id?: number | null;
+            /** Prediction Id */
+            prediction_id?: number | null;
+        };
+        /**
+         * SearchResult
+         * @description What a search found; candidates stand in the order of their predictive likelihood.
+         */
+        SearchResult: {
+            /** Sentence */
+            sentence: string;
+            /** Groups */
+            groups: components["schemas"]["TermGroup"][];
+            /** Candidates */
+            candidates: components["schemas"]["SearchCandidate"][];
+            /** Warnings */
+            warnings: string[];
+            /** Seconds */
+            seconds: number;
+        };
+        /**
+         * SearchSettings
+         * @description What a term must show, and how that is tried.
+         *
+         *     ``f_in`` and ``f_out`` bound the partial F to enter and to stay; ``pse_noise`` is how
+         *     many noise variances the predicted squared error charges for a term; ``draws`` is how
+         *     often lines are drawn anew; ``validate_on`` names maneuvers that are only predicted.
+         */
+        SearchSettings: {
+            /** @default stepwise */
+            algorithm: components["schemas"]["Algorithm"];
+            /** @default all */
+            begin: components["schemas"]["SearchStart"];
+            /**
+             * F In
+             * @default 20
+             */
+            f_in: number;
+            /**
+             * F Out
+             * @default 20
+             */
+            f_out: number;
+            /**
+             * Pse Noise
+             * @default 25
+             */
+            pse_noise: number;
+            /**
+             * Draws
+             * @default 30
+             */
+            draws: number;
+            /**
+             * Validate On
+             * @default []
+             */
+            validate_on: number[];
+            /** Band Hz */
+            band_hz?: [
+                number,
+                number
+            ] | null;
+            /**
+             * Max Iterations
+             * @default 100
+             */
+            max_iterations: number;
+            /**
+             * Noise
+             * @default diagonal
+             */
+            noise: string;
+        };
+        /**
+         * SearchSettingsRequest
+         * @description What a term must show, and how that is tried; see ``SearchSettings``.
+         */
+        SearchSettingsRequest: {
+            /** @default stepwise */
+            algorithm: components["schemas"]["Algorithm"];
+            /** @default all */
+            begin: components["schemas"]["SearchStart"];
+            /**
+             * F In
+             * @default 20
+             */
+            f_in: number;
+            /**
+             * F Out
+             * @default 20
+             */
+            f_out: number;
+            /**
+             * Pse Noise
+             * @default 25
+             */
+            pse_noise: number;
+            /**
+             * Draws
+             * @default 30
+             */
+            draws: number;
+            /**
+             * Validate On
+             * @default []
+             */
+            validate_on: number[];
+            /** Band Hz */
+            band_hz?: [
+                number,
+                number
+            ] | null;
+            /**
+             * Max Iterations
+             * @default 100
+             */
+            max_iterations: number;
+            /**
+             * Noise
+             * @default diagonal
+             * @enum {string}
+             */
+            noise: "diagonal" | "full";
+        };
+        /**
+         * SearchStart
+         * @description What output error and frequency response error begin with.
+         * @enum {string}
+         */
+        SearchStart: "all" | "equation error";
+        /**
+         * SearchStep
+         * @description One term in or out, its partial F, and the criteria after it.
+         */
+        SearchStep: {
+            /** Action */
+            action: string;
+            /** Term */
+            term: string;
+            /** F */
+            f: number;
+            /** N Terms */
+            n_terms: number;
+            /** R Squared */
+            r_squared: number | null;
+            /** Pse */
+            pse: number | null;
+            /** Bic */
+            bic: number | null;
+        };
+        /**
+         * SearchTerm
+         * @description One candidate term at the end.
+         *
+         *     ``value`` is what it has, or would take as the next to enter; None where the others say
+         *     the same. ``support`` is the share of maneuvers that ask for it alone, ``stability`` the
+         *     share of draws of the lines that choose it, ``inflation`` its variance inflation among
+         *     all candidates (None: infinite).
+         */
+        SearchTerm: {
+            /** Name */
+            name: string;
+            /** Chosen */
+            chosen: boolean;
+            /** Value */
+            value: number | null;
+            /** Std Error */
+            std_error: number | null;
+            /** F */
+            f: number;
+            /** Support */
+            support: number;
+            /** Stability */
+            stability: number | null;
+            /** Inflation */
+            inflation: number | null;
+        };
+        /**
          * SecondOrder
          * @description Sensor with unit static gain: wn^2 / (s^2 + 2 zeta wn s + wn^2).
          */
@@ -7081,6 +7457,50 @@ export interface components {
             version: number;
         };
         /**
+         * StructureSearch
+         * @description A search that was asked for and, once done, its result.
+         *
+         *     What ``structure`` frees are the candidates; what it fixes or leaves out stays so.
+         */
+        StructureSearch: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Maneuver Ids */
+            maneuver_ids: number[];
+            method: components["schemas"]["Method"];
+            structure: components["schemas"]["Structure"];
+            settings: components["schemas"]["SearchSettings"];
+            /** Modal Table Id */
+            modal_table_id?: number | null;
+            /** Damping Table Id */
+            damping_table_id?: number | null;
+            /** Prediction Id */
+            prediction_id?: number | null;
+            /** @default queued */
+            state: components["schemas"]["RunState"];
+            progress?: components["schemas"]["Progress"] | null;
+            /** Error */
+            error?: {
+                [key: string]: string;
+            } | null;
+            result?: components["schemas"]["SearchResult"] | null;
+            /** Versions */
+            versions?: {
+                [key: string]: string;
+            } | null;
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /** Created At */
+            created_at?: string | null;
+            /** Finished At */
+            finished_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
          * StructureVersion
          * @description One version of a model structure; it is written once and never changed.
          */
@@ -7165,6 +7585,38 @@ export interface components {
          * @enum {string}
          */
         TaskState: "waiting" | "running" | "done" | "failed" | "cancelled";
+        /**
+         * TermDependency
+         * @description Terms that the data hardly tell apart, by their share in a weak direction.
+         */
+        TermDependency: {
+            /** Condition Index */
+            condition_index: number;
+            /** Shares */
+            shares: {
+                [key: string]: number;
+            };
+        };
+        /**
+         * TermGroup
+         * @description Terms that were searched together: of one coefficient by EE, of the model by OE or FRE.
+         */
+        TermGroup: {
+            /** Name */
+            name: string;
+            /** Path */
+            path: components["schemas"]["SearchStep"][];
+            /** Terms */
+            terms: components["schemas"]["SearchTerm"][];
+            /** Dependencies */
+            dependencies: components["schemas"]["TermDependency"][];
+            /** R Squared */
+            r_squared: number | null;
+            /** Pse */
+            pse: number | null;
+            /** Bic */
+            bic: number | null;
+        };
         /**
          * TrackerForecast
          * @description What a classical tracker extrapolates from the same runs, or why it cannot.
@@ -11091,6 +11543,211 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_searches: {
+        parameters: {
+            query?: {
+                /** @example 1 */
+                aircraft_id?: number | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SearchList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    request_search: {
+        parameters: {
+            query?: never;
+            header?: {
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
+                "X-Flexsid-Analyst"?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "maneuver_ids": [
+                 *         1
+                 *       ],
+                 *       "method": "EE",
+                 *       "structure": {
+                 *         "modes": [
+                 *           7,
+                 *           9
+                 *         ]
+                 *       },
+                 *       "settings": {
+                 *         "f_in": 20,
+                 *         "f_out": 20
+                 *       }
+                 *     }
+                 */
+                "application/json": components["schemas"]["SearchRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StructureSearch"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_search: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                search_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StructureSearch"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    cancel_search: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                search_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StructureSearch"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    open_candidate: {
+        parameters: {
+            query?: never;
+            header?: {
+                /**
+                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
+                 * @example Ann%20Analyst
+                 */
+                "X-Flexsid-Analyst"?: string;
+            };
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                search_id: number;
+                /**
+                 * @description Place among the candidates, from 0.
+                 * @example 0
+                 */
+                place: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Run"];
+                };
             };
             /** @description Client Error */
             "4XX": {
