@@ -18,13 +18,14 @@ export UV_NO_PROGRESS := 1
 export UV_LINK_MODE := copy
 say = @printf '\033[1mflexsid: %s\033[0m\n'
 
-.PHONY: help install demo serve test lint types rules page-checks browser database format lock clean
+.PHONY: help install demo serve docs test lint types rules page-checks browser database format lock clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo 'make demo     install, fill an empty workbench with the demonstration campaign, serve it'
 	@echo 'make test     install and run every check and test, one walk in a browser included'
 	@echo 'make serve    serve the workbench without filling it (PORT=8000)'
+	@echo 'make docs     build the documentation site into var/site'
 	@echo 'make install  only what the others need first'
 	@echo 'make format   put all source into the one form'
 	@echo 'make lint, make types, make rules, make page-checks    parts of make test'
@@ -73,6 +74,10 @@ demo: install
 serve: install
 	@mkdir -p var
 	@FLEXSID_PORT=$(PORT) exec $(BIN)/flexsid serve --database $(DATABASE)
+
+docs: install
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet --strict
+	$(say) 'the documentation is at var/site/index.html'
 
 # --- Checking --------------------------------------------------------------
 

@@ -62,7 +62,7 @@ def test_every_package_says_what_it_is():
 
 
 def test_every_folder_states_its_rules():
-    for folder in ("backend", "frontend", "migrations", "tests"):
+    for folder in ("backend", "docs", "frontend", "migrations", "tests"):
         assert (ROOT / folder / "README.md").is_file(), folder
 
 

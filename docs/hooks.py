@@ -1,0 +1,183 @@
+"""What the site makes of the program: reference pages, and equations as MathML."""
+
+from __future__ import annotations
+
+import argparse
+import html
+import json
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+from latex2mathml.converter import convert
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+
+BACKEND = Path(__file__).parents[1] / "backend"
+sys.path.insert(0, str(BACKEND))
+
+_EQUATION = re.compile(r'<(span|div) class="arithmatex">\\[([](.*?)\\[)\]]</\1>', re.DOTALL)
+_LIBRARY = {
+    "Signals": ["signals"],
+    "Spectra": ["spectra"],
+    "Structural modes": ["modes"],
+    "Excitation": ["excitation"],
+    "The model": ["model"],
+    "Preparation": ["preparation"],
+    "Estimation": ["estimation"],
+    "Model structure": ["structure"],
+    "Stability": ["stability"],
+    "Simulation": ["simulation"],
+}
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add the reference."""
+    pages = {
+        "library": _library,
+        "client": _client,
+        "commands": _commands,
+        "rest": _rest,
+        "glossary": _glossary,
+    }
+    for name, make in pages.items():
+        files.append(File.generated(config, f"reference/{name}.md", content=make()))
+    return files
+
+
+def on_page_content(content: str, **_kwargs: Any) -> str:
+    """Turn equations into MathML."""
+
+    def mathml(found: re.Match[str]) -> str:
+        display = "block" if found[1] == "div" else "inline"
+        return convert(html.unescape(found[2]).strip(), display=display)
+
+    return _EQUATION.sub(mathml, content)
+
+
+def _library() -> str:
+    lines = [
+        "# Library",
+        "",
+        "`flexsid.sysid` is the mathematics: arrays and frozen values, SI units and radians.",
+        "",
+    ]
+    for title, folders in _LIBRARY.items():
+        found = [name for folder in folders for name in _modules(f"sysid/{folder}")]
+        if found:
+            lines += [f"## {title}", "", *(f"::: {name}\n" for name in found)]
+    return "\n".join(lines)
+
+
+def _client() -> str:
+    return "\n".join(
+        [
+            "# Python client",
+            "",
+            "`pip install flexsid[client]`; see [Work from a notebook](../how-to/notebook.md).",
+            "",
+            "::: flexsid.client.workbench.Workbench",
+            "",
+            "::: flexsid.client.workbench.RunFailed",
+            "",
+            "::: flexsid.client.connection.Refused",
+            "",
+            "::: flexsid.client.connection.Unreachable",
+            "",
+        ]
+    )
+
+
+def _modules(place: str) -> list[str]:
+    """Public modules at a place of the package, dotted."""
+    package = BACKEND / "flexsid"
+    single = package / f"{place}.py"
+    found = [single] if single.is_file() else sorted((package / place).glob("*.py"))
+    return [
+        ".".join(path.relative_to(BACKEND).with_suffix("").parts)
+        for path in found
+        if not path.name.startswith("_")
+    ]
+
+
+def _commands() -> str:
+    from flexsid.cli.main import _parser
+
+    parser = _parser()
+    lines = ["# Command line", ""]
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for name, command in action.choices.items():
+                usage = command.format_help().replace(command.prog, f"flexsid {name}", 1)
+                lines += [f"## flexsid {name}", "", "```text", usage.rstrip(), "```", ""]
+    return "\n".join(lines)
+
+
+def _rest() -> str:
+    from flexsid.api.app import create_app
+    from flexsid.settings import Settings
+
+    schema = create_app(Settings()).openapi()
+    lines = [
+        "# REST",
+        "",
+        "Everything that the page shows comes from here. Lists answer",
+        '`{"items": [...], "next": ...}`; what is refused answers `application/problem+json`',
+        "with a stable `code`. The description for machines is at `/api/v1/openapi.json` of a",
+        "running server.",
+        "",
+    ]
+    by_tag: dict[str, list[str]] = {}
+    for path, methods in schema["paths"].items():
+        for method, operation in methods.items():
+            by_tag.setdefault(operation["tags"][0], []).extend(_operation(path, method, operation))
+    for tag, parts in by_tag.items():
+        lines += [f"## {tag.replace('-', ' ').capitalize()}", "", *parts]
+    return "\n".join(lines)
+
+
+def _operation(path: str, method: str, operation: dict[str, Any]) -> list[str]:
+    lines = [f"### {method.upper()} {path}", "", operation.get("description", ""), ""]
+    parameters = operation.get("parameters", ())
+    if parameters:
+        lines += ["| parameter | in | meaning | example |", "| --- | --- | --- | --- |"]
+        lines += [
+            f"| `{p['name']}`{'' if p['required'] else ' (optional)'} | {p['in']} |"
+            f" {_cell(p.get('description', ''))} | {_cell(_shown(p.get('example')))} |"
+            for p in parameters
+        ]
+        lines.append("")
+    body = operation.get("requestBody", {}).get("content", {}).get("application/json", {})
+    if "example" in body:
+        written = json.dumps(body["example"], indent=2, ensure_ascii=False)
+        lines += ["```json", written, "```", ""]
+    return lines
+
+
+def _shown(example: Any) -> str:
+    return "" if example is None else f"`{example}`"
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|").replace("\n", " ")
+
+
+def _glossary() -> str:
+    from flexsid.nomenclature import GLOSSARY
+
+    lines = [
+        "# Glossary",
+        "",
+        "Names in code, files, addresses and figures. Values are SI and radians; figures show",
+        "the unit that people read.",
+        "",
+        "| name | symbol | unit | shown in | meaning |",
+        "| --- | --- | --- | --- | --- |",
+    ]
+    lines += [
+        f"| `{symbol.symbol}` | {symbol.html} | {symbol.unit or '–'} |"
+        f" {symbol.display_unit or '–'} | {_cell(symbol.meaning)} |"
+        for symbol in GLOSSARY
+    ]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,68 @@
+"""The documentation builds without a warning, and what it shows as a program runs."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from flexsid.cli.main import main
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PAGES = sorted(
+    str(path.relative_to(DOCS))
+    for path in DOCS.rglob("*.md")
+    if re.search(r"^```python$", path.read_text(encoding="utf-8"), re.MULTILINE)
+)
+
+
+def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
+    pytest.importorskip("mkdocs", reason="mkdocs is not installed")
+    pytest.importorskip("mkdocstrings", reason="mkdocstrings is not installed")
+    pytest.importorskip("latex2mathml", reason="latex2mathml is not installed")
+    build = subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)],
+        cwd=ROOT,
+        env={**os.environ, "NO_MKDOCS_2_WARNING": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert build.returncode == 0, build.stdout + build.stderr
+    html = {
+        path.relative_to(tmp_path).as_posix(): path.read_text(encoding="utf-8")
+        for path in tmp_path.rglob("*.html")
+    }
+    assert (
+        "OutputError" in html["reference/library.html"]
+        or "output_error" in html["reference/library.html"]
+    )
+    assert "/api/v1/runs" in html["reference/rest.html"]
+    assert "flexsid report" in html["reference/commands.html"]
+    for name, text in html.items():
+        assert not re.search(r'<(script|link|img)[^>]+(src|href)="https?://', text), name
+        assert "arithmatex" not in text, f"{name}: an equation was not turned into MathML"
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_the_programs_of_a_page_run(page: str, live_url: str, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = (DOCS / page).read_text(encoding="utf-8")
+    program = "\n".join(re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE))
+    program = program.replace("http://127.0.0.1:8000", live_url)
+    exec(compile(program, page, "exec"), {"__name__": "__main__"})
+
+
+def test_commands_of_the_guides_exist() -> None:
+    for path in DOCS.rglob("*.md"):
+        for command in re.findall(
+            r"^flexsid ([a-z]+)", path.read_text(encoding="utf-8"), re.MULTILINE
+        ):
+            with pytest.raises(SystemExit) as ended:
+                main([command, "--help"])
+            assert ended.value.code == 0, f"{path.name}: flexsid {command}"
