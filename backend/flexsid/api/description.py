@@ -38,7 +38,6 @@ _EXAMPLES: dict[str, Any] = {
     "next_m_s": 45.0,
     "upload_id": "5b0c2a",
     "version": 1,
-    "number": 7,
     "step_id": 1,
     "place": 0,
     "quantities": "CZ,etaddot7",
