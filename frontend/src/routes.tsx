@@ -10,6 +10,7 @@ import { AppFrame } from "./components/AppFrame";
 import { parseSearch, stringifySearch } from "./lib/urlState";
 import { NotFoundPage } from "./pages/NotFoundPage";
 import {
+  batchView,
   campaignView,
   compareView,
   designView,
@@ -124,6 +125,21 @@ const jobs = createRoute({
   component: lazyRouteComponent(() => import("./pages/JobsPage"), "JobsPage"),
 });
 
+const job = createRoute({
+  getParentRoute: () => root,
+  path: "/jobs/$id",
+  params: byId,
+  component: lazyRouteComponent(() => import("./pages/JobPage"), "JobPage"),
+});
+
+const batch = createRoute({
+  getParentRoute: () => root,
+  path: "/batches/$id",
+  params: byId,
+  validateSearch: batchView,
+  component: lazyRouteComponent(() => import("./pages/BatchPage"), "BatchPage"),
+});
+
 const aircraft = createRoute({
   getParentRoute: () => root,
   path: "/aircraft",
@@ -181,6 +197,8 @@ export const router = createRouter({
     compare,
     flutter,
     jobs,
+    job,
+    batch,
     aircraft,
     excitation,
     design,

@@ -190,6 +190,7 @@ export type DesignView = ReturnType<typeof designView>;
 export const glossaryView = view((search) => ({ search: text(search.search) }));
 
 export const jobsView = view((search) => ({ state: oneOf<RunState>(search.state, STATES) }));
+export const batchView = view((search) => ({ state: oneOf<RunState>(search.state, STATES) }));
 
 export const IMPORT_FORMS = ["table", "toml"] as const;
 

@@ -19,6 +19,7 @@ from flexsid.api.description import describe
 from flexsid.api.docs import add_docs
 from flexsid.api.errors import Problem, add_error_handlers
 from flexsid.api.guards import Guards
+from flexsid.api.live import Live
 from flexsid.api.page import add_page
 from flexsid.api.routes import (
     aircraft,
@@ -27,6 +28,7 @@ from flexsid.api.routes import (
     conditioning,
     decisions,
     designs,
+    events,
     figures,
     flights,
     flutter,
@@ -96,7 +98,8 @@ def create_app(
         store = Store.open(settings.database)
         steps = load_steps()
         workers = make_workers(steps.compute, settings.dask, settings.workers)
-        dispatcher = Dispatcher(store, steps, workers)
+        live = Live(store)
+        dispatcher = Dispatcher(store, steps, workers, on_change=live.ring)
         dispatcher.start()
         received = Uploads(store, _upload_folder(settings.database), bring_along)
         received.start()
@@ -114,10 +117,12 @@ def create_app(
             report_template=template,
             tasks=tasks,
             searches=searches,
+            live=live,
         )
         try:
             yield
         finally:
+            live.stop()
             assessments.stop()
             received.stop()
             tasks.stop()
@@ -156,6 +161,7 @@ def create_app(
         saved_views,
         search_routes,
         jobs,
+        events,
         batches,
         comparisons,
         reports,

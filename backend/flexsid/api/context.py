@@ -7,6 +7,7 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
+from flexsid.api.live import Live
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.searches import Searches
 from flexsid.storage.store import Store
@@ -29,6 +30,7 @@ class Context:
     report_template: str | None
     tasks: Tasks
     searches: Searches
+    live: Live
 
 
 # Asynchronous, so that no thread is spent on handing over a reference.

@@ -192,6 +192,9 @@ class BatchRequest:
     methods: Annotated[tuple[Method, ...], Field(min_length=1, max_length=3)]
     structures: Annotated[tuple[BatchStructure, ...], Field(min_length=1, max_length=100)]
     settings: SettingsRequest | None = None
+    modal_table_id: Id | None = None
+    damping_table_id: Id | None = None
+    prediction_id: Id | None = None
     from_equation_error: Annotated[bool, Field(strict=True)] = False
     priority: Priority = 0
     limits: LimitsRequest | None = None
@@ -207,6 +210,9 @@ class BatchRequest:
             method=self.methods[0],
             structure=structure,
             settings=(self.settings or SettingsRequest()).record(),
+            modal_table_id=self.modal_table_id,
+            damping_table_id=self.damping_table_id,
+            prediction_id=self.prediction_id,
             structure_id=structure_id,
             structure_version=version,
             author=analyst,

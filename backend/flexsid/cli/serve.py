@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import socket
 import sys
+from types import FrameType
 
 import uvicorn
+from fastapi import FastAPI
 
 from flexsid.api.app import create_app
 from flexsid.cli.opening import opened
@@ -20,6 +22,13 @@ _GRACE_S = 1
 
 
 class _Server(uvicorn.Server):
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        # An open stream of events would keep the server from stopping.
+        app = self.config.app
+        if isinstance(app, FastAPI) and hasattr(app.state, "context"):
+            app.state.context.live.stop()
+        super().handle_exit(sig, frame)
+
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         if self.started:

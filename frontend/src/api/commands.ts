@@ -3,6 +3,7 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "./client";
 import type {
   Action,
+  BatchRequest,
   StepRequest,
   Design,
   DesignRequest,
@@ -15,7 +16,10 @@ import type {
 } from "./types";
 
 /** Everything that shows a run: its own page, lists, and the badges of the campaign. */
-const RUN_VIEWS = [["runs"], ["run"], ["jobs"], ["job"], ["maneuvers"]];
+const RUN_VIEWS = [
+  ...[["runs"], ["run"], ["jobs"], ["job"], ["maneuvers"]],
+  ...[["batches"], ["batch"], ["queue"]],
+];
 
 function useRefreshRuns() {
   const cache = useQueryClient();
@@ -26,6 +30,33 @@ export function useSubmitRuns() {
   return useMutation({
     mutationFn: (requests: RunRequest[]) =>
       Promise.all(requests.map((request) => body(api.POST("/api/v1/runs", { body: request })))),
+    onSettled: useRefreshRuns(),
+  });
+}
+
+export function useSubmitBatch() {
+  return useMutation({
+    mutationFn: (request: BatchRequest) => body(api.POST("/api/v1/batches", { body: request })),
+    onSettled: useRefreshRuns(),
+  });
+}
+
+/** Cancels what has not ended of a batch, or asks again for what failed. */
+export function useChangeBatch(id: number, action: "cancel" | "retry") {
+  const path = { batch_id: id };
+  return useMutation({
+    mutationFn: () =>
+      action === "cancel"
+        ? body(api.POST("/api/v1/batches/{batch_id}/cancel", { params: { path } }))
+        : body(api.POST("/api/v1/batches/{batch_id}/retry", { params: { path } })),
+    onSettled: useRefreshRuns(),
+  });
+}
+
+export function useRetryJob() {
+  return useMutation({
+    mutationFn: (id: number) =>
+      body(api.POST("/api/v1/jobs/{job_id}/retry", { params: { path: { job_id: id } } })),
     onSettled: useRefreshRuns(),
   });
 }

@@ -1,5 +1,6 @@
 /** What pages read: one query per resource. Pages and tests share these keys. */
 import { infiniteQueryOptions, keepPreviousData, queryOptions } from "@tanstack/react-query";
+import { isLive } from "./live";
 import { address, api, body, json, type QueryValue } from "./client";
 import {
   isOver,
@@ -238,17 +239,52 @@ export const jobQuery = (id: number) =>
     queryFn: ({ signal }) =>
       body(api.GET("/api/v1/jobs/{job_id}", { params: { path: { job_id: id } }, signal })),
     refetchInterval: (query) =>
-      query.state.data !== undefined && isOver(query.state.data.state) ? false : POLL_MS,
+      query.state.data !== undefined && isOver(query.state.data.state)
+        ? false
+        : isLive()
+          ? 4 * POLL_MS
+          : POLL_MS,
   });
 
-export const jobsQuery = (state?: RunState) =>
+export const jobLogQuery = (id: number) =>
   queryOptions({
-    queryKey: ["jobs", state],
+    queryKey: ["job", id, "log"],
     queryFn: async ({ signal }) =>
-      (await body(api.GET("/api/v1/jobs", { params: { query: { state } }, signal }))).items,
-    refetchInterval: (query) =>
-      query.state.data?.some((job) => !isOver(job.state)) === true ? 2 * POLL_MS : 5000,
+      (
+        await body(
+          api.GET("/api/v1/jobs/{job_id}/log", { params: { path: { job_id: id } }, signal }),
+        )
+      ).items,
+    refetchInterval: () => (isLive() ? false : 4 * POLL_MS),
+  });
+
+export const jobsQuery = (filters: { state?: RunState; batch_id?: number }) =>
+  queryOptions({
+    queryKey: ["jobs", filters],
+    queryFn: async ({ signal }) =>
+      (await body(api.GET("/api/v1/jobs", { params: { query: filters }, signal }))).items,
+    refetchInterval: () => (isLive() ? false : 2 * POLL_MS),
     placeholderData: keepPreviousData,
+  });
+
+export const queueQuery = queryOptions({
+  queryKey: ["queue"],
+  queryFn: ({ signal }) => body(api.GET("/api/v1/jobs/status", { signal })),
+  refetchInterval: 4 * POLL_MS,
+});
+
+export const batchesQuery = queryOptions({
+  queryKey: ["batches"],
+  queryFn: async ({ signal }) => (await body(api.GET("/api/v1/batches", { signal }))).items,
+  refetchInterval: () => (isLive() ? false : 4 * POLL_MS),
+});
+
+export const batchQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["batch", id],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/batches/{batch_id}", { params: { path: { batch_id: id } }, signal })),
+    refetchInterval: () => (isLive() ? false : 2 * POLL_MS),
   });
 
 export const comparisonQuery = (runs: readonly number[], predictions: readonly number[]) =>

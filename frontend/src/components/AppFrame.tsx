@@ -1,5 +1,6 @@
 import { AppShell, Group, Menu, Text, UnstyledButton } from "@mantine/core";
 import { Link, Outlet } from "@tanstack/react-router";
+import { useLive } from "../api/live";
 import { VIEWS } from "../views";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { Health } from "./Health";
@@ -11,6 +12,7 @@ const rare = VIEWS.filter((view) => "rare" in view);
 
 /** Header with navigation around every page. */
 export function AppFrame() {
+  useLive();
   return (
     <AppShell header={{ height: 48 }}>
       <a className="skip" href="#content">

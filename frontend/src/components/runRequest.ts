@@ -4,6 +4,7 @@ import type {
   ModalTable,
   Prediction,
   Run,
+  BatchRequest,
   RunRequest,
   StructureVersion as Origin,
 } from "../api/types";
@@ -73,6 +74,28 @@ export function runRequest(
     modal_table_id: draft.modalTable,
     damping_table_id: draft.dampingTable,
     prediction_id: draft.prediction,
+  };
+}
+
+/**
+ * One request for many maneuvers, from those for the first. Where the draft starts
+ * from equation error and asks for it too, the others start from its result.
+ */
+export function batchRequest(draft: RunDraft, maneuvers: number[], like: RunRequest): BatchRequest {
+  const { structure, structure_id, structure_version, settings } = like;
+  const { modal_table_id, damping_table_id, prediction_id } = like;
+  return {
+    name: `${draft.methods.join(", ")} of ${maneuvers.length} maneuvers`,
+    maneuver_ids: maneuvers,
+    methods: draft.methods,
+    structures: [{ structure, structure_id, structure_version }],
+    settings,
+    modal_table_id,
+    damping_table_id,
+    prediction_id,
+    from_equation_error:
+      draft.start === "equation-error" && draft.methods.includes("EE") && draft.methods.length > 1,
+    priority: 0,
   };
 }
 

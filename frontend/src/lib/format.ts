@@ -60,11 +60,18 @@ export function dateTime(iso: string | null | undefined): string {
   return `${day} ${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
 }
 
-/** Time between two moments, e.g. `0.41 s`, `2 min 05 s`. */
+/** Time between two moments. */
 export function elapsed(from: string | null | undefined, to: string | null | undefined): string {
   if (!from || !to) return NONE;
-  const seconds = (new Date(to).getTime() - new Date(from).getTime()) / 1000;
+  return duration((new Date(to).getTime() - new Date(from).getTime()) / 1000);
+}
+
+/** A time, e.g. `0.41 s`, `2 min 05 s`, `3 h 20 min`. */
+export function duration(seconds: number): string {
   if (seconds < 60) return `${fixed(Math.max(0, seconds), seconds < 10 ? 2 : 1)} s`;
+  if (seconds >= 3600) {
+    return `${Math.floor(seconds / 3600)} h ${Math.floor((seconds % 3600) / 60)} min`;
+  }
   return `${Math.floor(seconds / 60)} min ${String(Math.floor(seconds % 60)).padStart(2, "0")} s`;
 }
 

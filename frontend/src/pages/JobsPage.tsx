@@ -1,151 +1,115 @@
-import { Button, Group, Progress, Select, Text } from "@mantine/core";
-import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
+import { Select, Stack } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { useCancelJob } from "../api/commands";
-import { jobsQuery, maneuversQuery, runsQuery } from "../api/queries";
-import { isOver, STATES, type Job } from "../api/types";
+import { batchesQuery, jobsQuery, queueQuery } from "../api/queries";
+import { STATES, type Batch } from "../api/types";
+import { BatchBar, left, total } from "../components/BatchBar";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
+import { JobTable } from "../components/JobTable";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
-import { ProblemAlert } from "../components/ProblemAlert";
-import { StateBadge } from "../components/RunBadge";
+import { QueueStatus } from "../components/QueueStatus";
+import { Section } from "../components/Section";
 import { dateTime, elapsed } from "../lib/format";
 
 const route = getRouteApi("/jobs");
 
+const BATCHES: Column<Batch>[] = [
+  {
+    key: "name",
+    header: "Batch",
+    render: ({ batch }) => (
+      <Link to="/batches/$id" params={{ id: batch.id }} className="link">
+        {batch.name}
+      </Link>
+    ),
+  },
+  { key: "runs", header: "Runs", numeric: true, render: total },
+  { key: "left", header: "To do", numeric: true, render: left },
+  { key: "failed", header: "Failed", numeric: true, render: ({ states }) => states.failed ?? 0 },
+  {
+    key: "bar",
+    header: "Progress",
+    render: (batch) => (
+      <div style={{ width: 220 }}>
+        <BatchBar batch={batch} />
+      </div>
+    ),
+  },
+  {
+    key: "took",
+    header: "Took",
+    numeric: true,
+    render: (batch) => elapsed(batch.started_at, batch.finished_at),
+  },
+  { key: "author", header: "By", render: ({ batch }) => batch.author },
+  {
+    key: "at",
+    header: "Requested",
+    numeric: true,
+    render: ({ batch }) => dateTime(batch.created_at),
+  },
+];
+
 /** What runs, what waits, what is over. */
 export function JobsPage() {
-  const view = route.useSearch();
+  const { state } = route.useSearch();
   const navigate = route.useNavigate();
-  const jobs = useQuery(jobsQuery(view.state));
-  const runs = useQuery(runsQuery({}));
-  const cancel = useCancelJob();
-  const runOf = new Map((runs.data ?? []).map((run) => [run.id, run]));
-
-  const maneuvers = useInfiniteQuery(maneuversQuery({}, "id", 1000));
-  const labels = new Map(
-    maneuvers.data?.pages.flatMap((page) => page.items.map((one) => [one.id, one.label])),
-  );
-
-  const columns: Column<Job>[] = [
-    {
-      key: "run",
-      header: "Run",
-      render: (job) => (
-        <Link to="/runs/$id" params={{ id: job.run_id }} className="link">
-          {runOf.get(job.run_id)?.method ?? ""} run {job.run_id}
-        </Link>
-      ),
-    },
-    {
-      key: "maneuver",
-      header: "Maneuver",
-      render: (job) => {
-        const id = runOf.get(job.run_id)?.maneuver_id;
-        return id === undefined ? (
-          ""
-        ) : (
-          <Link to="/maneuvers/$id" params={{ id }} className="link">
-            {labels.get(id) ?? `Maneuver ${id}`}
-          </Link>
-        );
-      },
-    },
-    { key: "state", header: "State", render: (job) => <StateBadge state={job.state} /> },
-    { key: "progress", header: "Progress", render: (job) => <JobState job={job} /> },
-    {
-      key: "took",
-      header: "Took",
-      numeric: true,
-      render: (job) => elapsed(job.started_at, job.finished_at),
-    },
-    {
-      key: "at",
-      header: "Requested",
-      numeric: true,
-      render: (job) => dateTime(job.created_at),
-    },
-    {
-      key: "cancel",
-      header: "",
-      render: (job) =>
-        !isOver(job.state) && (
-          <Button
-            variant="default"
-            size="compact-xs"
-            onClick={() => {
-              cancel.mutate(job.id);
-            }}
-          >
-            Cancel
-          </Button>
-        ),
-    },
-  ];
-
+  const queue = useQuery(queueQuery);
+  const batches = useQuery(batchesQuery);
+  const jobs = useQuery(jobsQuery({ state }));
   return (
     <>
-      <PageHead
-        title="Jobs"
-        trail={[
-          <Link to="/" className="link" key="campaign">
-            Campaign
-          </Link>,
-        ]}
-        actions={
-          <Select
-            aria-label="State"
-            placeholder="Any state"
-            clearable
-            w={140}
-            data={[...STATES]}
-            value={view.state ?? null}
-            onChange={(state) =>
-              void navigate({ search: { state: STATES.find((one) => one === state) } })
-            }
-          />
-        }
-      />
-      {cancel.isError && <ProblemAlert error={cancel.error} />}
-      <div className="panel">
-        <Loaded query={jobs} rows={10}>
-          {(rows) =>
-            rows.length === 0 ? (
-              <Empty title={view.state ? `No job is ${view.state}` : "No jobs yet"}>
-                A job appears here when a run is submitted from a maneuver.
-              </Empty>
-            ) : (
-              <DataTable
-                label="Jobs"
-                testId="jobs-table"
-                columns={columns}
-                rows={rows}
-                rowKey={(job) => job.id}
-              />
-            )
+      <PageHead title="Jobs" />
+      <Stack gap="md">
+        <Section title="Queue">
+          <Loaded query={queue} rows={2}>
+            {(status) => <QueueStatus status={status} />}
+          </Loaded>
+        </Section>
+        {batches.data !== undefined && batches.data.length > 0 && (
+          <Section title="Batches">
+            <DataTable
+              label="Batches"
+              testId="batches-table"
+              columns={BATCHES}
+              rows={batches.data}
+              rowKey={({ batch }) => batch.id}
+              maxHeight={320}
+            />
+          </Section>
+        )}
+        <Section
+          title="Jobs"
+          note="the newest 100"
+          actions={
+            <Select
+              aria-label="State"
+              placeholder="Any state"
+              clearable
+              w={140}
+              data={[...STATES]}
+              value={state ?? null}
+              onChange={(chosen) =>
+                void navigate({ search: { state: STATES.find((one) => one === chosen) } })
+              }
+            />
           }
-        </Loaded>
-      </div>
+        >
+          <Loaded query={jobs} rows={10}>
+            {(rows) =>
+              rows.length === 0 ? (
+                <Empty title={state ? `No job is ${state}` : "No jobs yet"}>
+                  A job appears here when a run is submitted from a maneuver.
+                </Empty>
+              ) : (
+                <JobTable jobs={rows} />
+              )
+            }
+          </Loaded>
+        </Section>
+      </Stack>
     </>
-  );
-}
-
-function JobState({ job }: { job: Job }) {
-  if (job.state === "failed") {
-    return (
-      <Text size="sm" truncate maw={420} title={job.error?.message}>
-        {job.error?.message ?? ""}
-      </Text>
-    );
-  }
-  if (job.state !== "running") return null;
-  return (
-    <Group gap="xs" wrap="nowrap">
-      <Progress value={100 * (job.progress?.fraction ?? 0)} w={120} aria-label="Progress" />
-      <Text size="xs" className="quiet">
-        iteration {job.progress?.iteration ?? 0}
-      </Text>
-    </Group>
   );
 }

@@ -1,7 +1,7 @@
 import { SegmentedControl, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { useSubmitRuns } from "../api/commands";
+import { useSubmitBatch, useSubmitRuns } from "../api/commands";
 import {
   aircraftQuery,
   maneuverQuery,
@@ -22,7 +22,7 @@ import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { RunForm } from "../components/RunForm";
-import { firstDraft, isUnchanged, runRequest } from "../components/runRequest";
+import { batchRequest, firstDraft, isUnchanged, runRequest } from "../components/runRequest";
 import { excitedInputs, named } from "../lib/channels";
 import type { RunDraft } from "../lib/runDraft";
 import { carriedModes } from "../lib/runDraft";
@@ -109,6 +109,7 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
   const view = route.useSearch();
   const navigate = route.useNavigate();
   const submit = useSubmitRuns();
+  const all = useSubmitBatch();
   const { draft, setDraft, forget } = useDraft<RunDraft>(
     `flexsid.new-run.${maneuver.id}.${like?.id ?? ""}.${origin?.id ?? ""}`,
     firstDraft({ maneuver, tables, predictions, like, origin, methods: view.methods }),
@@ -136,19 +137,29 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
         }),
       ),
     );
+    const [likeAll] = requests;
+    if (separate.length > 1 && likeAll !== undefined) {
+      all.mutate(batchRequest(draft, separate, likeAll), {
+        onSuccess: (batch) => {
+          forget();
+          void navigate({ to: "/batches/$id", params: { id: batch.id }, search: {} });
+        },
+      });
+      return;
+    }
     submit.mutate(requests, {
       onSuccess: (runs) => {
         forget();
         const [run] = runs;
         if (run !== undefined && runs.length === 1) {
           void navigate({ to: "/runs/$id", params: { id: run.id }, search: {} });
-        } else if (maneuvers.length === 1) {
+        } else {
           void navigate({
             to: "/maneuvers/$id",
             params: { id: maneuver.id },
             search: { tab: "runs" },
           });
-        } else void navigate({ to: "/jobs", search: {} });
+        }
       },
     });
   };
@@ -213,9 +224,11 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
         draft={draft}
         fromRun={like?.state === "succeeded"}
         onChange={setDraft}
-        submitting={submit.isPending}
+        submitting={submit.isPending || all.isPending}
         onSubmit={send}
-        footer={submit.isError && <ProblemAlert error={submit.error} />}
+        footer={
+          (submit.isError || all.isError) && <ProblemAlert error={submit.error ?? all.error} />
+        }
       />
     </>
   );

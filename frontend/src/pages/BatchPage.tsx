@@ -1,0 +1,132 @@
+import { Button, Select, Stack, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { getRouteApi, Link } from "@tanstack/react-router";
+import { useChangeBatch } from "../api/commands";
+import { batchQuery, jobsQuery } from "../api/queries";
+import { STATES } from "../api/types";
+import { BatchBar, left, total } from "../components/BatchBar";
+import { ButtonLink } from "../components/ButtonLink";
+import { Empty } from "../components/Empty";
+import { JobTable } from "../components/JobTable";
+import { Loaded } from "../components/Loaded";
+import { PageHead } from "../components/PageHead";
+import { ProblemAlert } from "../components/ProblemAlert";
+import { Section } from "../components/Section";
+import { dateTime, elapsed } from "../lib/format";
+
+const route = getRouteApi("/batches/$id");
+
+/** Runs that were asked for together: how far they are, and what came out so far. */
+export function BatchPage() {
+  const { id } = route.useParams();
+  const { state } = route.useSearch();
+  const navigate = route.useNavigate();
+  const batch = useQuery(batchQuery(id));
+  const jobs = useQuery(jobsQuery({ batch_id: id, state }));
+  const cancel = useChangeBatch(id, "cancel");
+  const retry = useChangeBatch(id, "retry");
+  return (
+    <Loaded query={batch}>
+      {(data) => {
+        const again = (data.states.failed ?? 0) + (data.states.cancelled ?? 0);
+        const done = (jobs.data ?? []).filter((job) => job.state === "succeeded");
+        return (
+          <>
+            <PageHead
+              title={data.batch.name}
+              trail={[
+                <Link to="/jobs" className="link" key="jobs">
+                  Jobs
+                </Link>,
+              ]}
+              actions={
+                <>
+                  {done.length > 1 && (
+                    <ButtonLink
+                      variant="default"
+                      to="/compare"
+                      search={{ runs: done.slice(0, 12).map((job) => job.run_id) }}
+                    >
+                      Compare {Math.min(done.length, 12)}
+                    </ButtonLink>
+                  )}
+                  {again > 0 && (
+                    <Button
+                      variant="default"
+                      loading={retry.isPending}
+                      data-testid="retry-batch"
+                      onClick={() => {
+                        retry.mutate();
+                      }}
+                    >
+                      Retry {again}
+                    </Button>
+                  )}
+                  {left(data) > 0 && (
+                    <Button
+                      variant="default"
+                      loading={cancel.isPending}
+                      data-testid="cancel-batch"
+                      onClick={() => {
+                        cancel.mutate();
+                      }}
+                    >
+                      Cancel {left(data)}
+                    </Button>
+                  )}
+                </>
+              }
+            />
+            {cancel.isError && <ProblemAlert error={cancel.error} />}
+            {retry.isError && <ProblemAlert error={retry.error} />}
+            <Stack gap="md">
+              <Section
+                title="Progress"
+                note={
+                  data.started_at === null
+                    ? "not started"
+                    : data.finished_at === null
+                      ? `started ${dateTime(data.started_at)}`
+                      : `took ${elapsed(data.started_at, data.finished_at)}`
+                }
+              >
+                <BatchBar batch={data} words />
+              </Section>
+              <Section
+                title="Runs"
+                note={total(data) > 100 ? "the newest 100 of those chosen" : undefined}
+                actions={
+                  <Select
+                    aria-label="State"
+                    placeholder="Any state"
+                    clearable
+                    w={140}
+                    data={[...STATES]}
+                    value={state ?? null}
+                    onChange={(chosen) =>
+                      void navigate({ search: { state: STATES.find((one) => one === chosen) } })
+                    }
+                  />
+                }
+              >
+                <Loaded query={jobs} rows={8}>
+                  {(rows) =>
+                    rows.length === 0 ? (
+                      <Empty title="No run of this batch is in that state" />
+                    ) : (
+                      <JobTable jobs={rows} />
+                    )
+                  }
+                </Loaded>
+              </Section>
+              <Text size="xs" className="quiet">
+                Runs that had been asked for before are the same runs here; they are not computed
+                twice.
+              </Text>
+            </Stack>
+          </>
+        );
+      }}
+    </Loaded>
+  );
+}

@@ -1,0 +1,63 @@
+import { Stack } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { getRouteApi, Link } from "@tanstack/react-router";
+import { jobLogQuery, jobQuery } from "../api/queries";
+import type { RunEvent } from "../api/types";
+import { DataTable, type Column } from "../components/DataTable";
+import { JobTable } from "../components/JobTable";
+import { Loaded } from "../components/Loaded";
+import { PageHead } from "../components/PageHead";
+import { StateBadge } from "../components/RunBadge";
+import { Section } from "../components/Section";
+import { dateTime } from "../lib/format";
+
+const route = getRouteApi("/jobs/$id");
+
+const COLUMNS: Column<RunEvent>[] = [
+  { key: "at", header: "When", render: (line) => dateTime(line.at) },
+  { key: "kind", header: "What", render: (line) => line.kind },
+  { key: "attempt", header: "Attempt", numeric: true, render: (line) => line.attempt || "–" },
+  { key: "message", header: "Detail", render: (line) => line.message },
+];
+
+/** What happened to a job, line by line. */
+export function JobPage() {
+  const { id } = route.useParams();
+  const job = useQuery(jobQuery(id));
+  const log = useQuery(jobLogQuery(id));
+  return (
+    <Loaded query={job}>
+      {(data) => (
+        <>
+          <PageHead
+            title={`Job ${id}`}
+            trail={[
+              <Link to="/jobs" className="link" key="jobs">
+                Jobs
+              </Link>,
+            ]}
+            aside={<StateBadge state={data.state} />}
+          />
+          <Stack gap="md">
+            <div className="panel">
+              <JobTable jobs={[data]} />
+            </div>
+            <Section title="Log" note={data.worker === null ? undefined : `worker ${data.worker}`}>
+              <Loaded query={log}>
+                {(lines) => (
+                  <DataTable
+                    label="Log"
+                    testId="job-log"
+                    columns={COLUMNS}
+                    rows={lines}
+                    rowKey={(line) => line.id}
+                  />
+                )}
+              </Loaded>
+            </Section>
+          </Stack>
+        </>
+      )}
+    </Loaded>
+  );
+}
