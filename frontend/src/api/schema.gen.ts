@@ -1638,6 +1638,30 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/events": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Stream Events
+         * @description Stream what happens to runs, as server-sent events.
+         *
+         *     `run` is a line of a log, with its id; `running` lists the jobs under way; `missed`
+         *     says that more happened meanwhile than is told: read the lists again. A browser that
+         *     connects again goes on by itself; others give the id of the last event they know.
+         */
+        get: operations["stream_events"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/batches": {
         parameters: {
             query?: never;
@@ -3172,6 +3196,12 @@ export interface components {
             /** Structures */
             structures: components["schemas"]["BatchStructure"][];
             settings?: components["schemas"]["SettingsRequest"] | null;
+            /** Modal Table Id */
+            modal_table_id?: number | null;
+            /** Damping Table Id */
+            damping_table_id?: number | null;
+            /** Prediction Id */
+            prediction_id?: number | null;
             /**
              * From Equation Error
              * @default false
@@ -11965,6 +11995,40 @@ export interface operations {
                 };
                 content: {
                     "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    stream_events: {
+        parameters: {
+            query?: {
+                /** @description Last event known. */
+                after?: number | null;
+            };
+            header?: {
+                "last-event-id"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/event-stream": unknown;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/event-stream": components["schemas"]["flexsid__api__errors__Problem"];
                 };
             };
         };
