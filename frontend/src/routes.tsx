@@ -26,6 +26,7 @@ import {
   qualityView,
   runsView,
   runView,
+  structuresView,
 } from "./views";
 
 const root = createRootRoute({
@@ -118,6 +119,13 @@ const flutter = createRoute({
   component: lazyRouteComponent(() => import("./pages/FlutterPage"), "FlutterPage"),
 });
 
+const structures = createRoute({
+  getParentRoute: () => root,
+  path: "/structures",
+  validateSearch: structuresView,
+  component: lazyRouteComponent(() => import("./pages/StructuresPage"), "StructuresPage"),
+});
+
 const jobs = createRoute({
   getParentRoute: () => root,
   path: "/jobs",
@@ -196,6 +204,7 @@ export const router = createRouter({
     run,
     compare,
     flutter,
+    structures,
     jobs,
     job,
     batch,

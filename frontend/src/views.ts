@@ -13,6 +13,7 @@ export const VIEWS = [
   { to: "/runs", label: "Runs", key: "r" },
   { to: "/compare", label: "Compare", key: "m" },
   { to: "/model-structures", label: "Structures", key: "t" },
+  { to: "/structures", label: "Modes", key: "o" },
   { to: "/flutter", label: "Flutter", key: "f" },
   { to: "/jobs", label: "Jobs", key: "j" },
   { to: "/excitation", label: "Excitation", key: "e" },
@@ -163,6 +164,35 @@ export const flutterView = view((search) => ({
   next: number(search.next),
 }));
 export type FlutterView = ReturnType<typeof flutterView>;
+
+export const STRUCTURE_TABS = ["fuel", "shapes", "mac", "sensors", "order", "files"] as const;
+export const SYMMETRIES = ["symmetric", "antisymmetric", "all"] as const;
+
+export const structuresView = view((search) => ({
+  tab: oneOf(search.tab, STRUCTURE_TABS),
+  aircraft: integer(search.aircraft),
+  table: integer(search.table),
+  mode: integer(search.mode),
+  /** Fuel in percent. */
+  fuel: number(search.fuel),
+  /** The second source, mode and fuel of whatever is compared. */
+  other: integer(search.other),
+  other_mode: integer(search.other_mode),
+  other_fuel: number(search.other_fuel),
+  beside: flag(search.beside),
+  still: flag(search.still),
+  /** Largest displacement in percent of the span. */
+  scale: number(search.scale),
+  symmetry: oneOf(search.symmetry, SYMMETRIES),
+  up_to: number(search.up_to),
+  airspeed: number(search.airspeed),
+  altitude: number(search.altitude),
+  derivatives: words(search.derivatives),
+  output: text(search.output),
+  surface: text(search.surface),
+  upload: text(search.upload),
+}));
+export type StructuresView = ReturnType<typeof structuresView>;
 
 export const DESIGN_SOURCES = ["table", "own", "flown"] as const;
 

@@ -63,6 +63,7 @@ def modes_against_fuel(value: ModesAgainstFuel) -> Spec:
              "marker": {"symbol": "x-open", "size": 11, "color": style.FLAG}}
         )  # fmt: skip
     layout: Spec = {
+        "meta": {"rows": 3},
         "xaxis": {**title("fuel fraction [1]"), "anchor": "y2"},
         "yaxis": {**title("frequency [Hz]"), "domain": top, "rangemode": "tozero"},
         "yaxis2": {**title("damping [%]"), "domain": bottom, "rangemode": "tozero"},
@@ -107,7 +108,7 @@ def model_order(value: ModelOrder, names: tuple[str, ...]) -> Spec:
     counts = [len(step.modes) for step in value.steps]
     domains = rows([1.0] * len(chosen))
     data: list[Spec] = []
-    layout: Spec = {"shapes": [], "height": 120 + 150 * len(chosen)}
+    layout: Spec = {"shapes": [], "meta": {"rows": max(2, len(chosen))}}
     for place, name in enumerate(chosen):
         y = "y" if place == 0 else f"y{place + 1}"
         full = value.full[name]

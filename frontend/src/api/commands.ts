@@ -10,6 +10,7 @@ import type {
   ManyOf,
   RunRequest,
   SavedViewRequest,
+  StructureFilesRequest,
   StructureEditRequest,
   StructureRequest,
   UploadDetail,
@@ -294,5 +295,55 @@ export function useAssess() {
         ? body(api.POST("/api/v1/quality/assess", { body: {} }))
         : body(api.DELETE("/api/v1/quality/assess")),
     onSettled: () => cache.invalidateQueries({ queryKey: ["quality"] }),
+  });
+}
+
+export function useCorrectMode(tableId: number) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: { number: number; name: string; symmetric: boolean; reason: string }) =>
+      body(
+        api.POST("/api/v1/modal-tables/{modal_table_id}/corrections", {
+          params: { path: { modal_table_id: tableId } },
+          body: wanted,
+        }),
+      ),
+    onSuccess: () => cache.invalidateQueries(),
+  });
+}
+
+export function useImportStructure(upload: string, aircraftId: number) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (
+      wanted: Pick<StructureFilesRequest, "name" | "kind"> & Partial<StructureFilesRequest>,
+    ) =>
+      body(
+        api.POST("/api/v1/uploads/{upload_id}/structure", {
+          params: { path: { upload_id: upload } },
+          body: {
+            axes: "aft right up",
+            origin: [0, 0, 0],
+            rigid_modes: false,
+            ...wanted,
+            aircraft_id: aircraftId,
+          },
+        }),
+      ),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["modal-tables"] }),
+  });
+}
+
+export function useImportFlutterSummary(upload: string, aircraftId: number) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: { name: string; speed_unit: "m/s" | "ft/s" | "in/s" | "kt" | "km/h" }) =>
+      body(
+        api.POST("/api/v1/uploads/{upload_id}/flutter-summary", {
+          params: { path: { upload_id: upload } },
+          body: { ...wanted, aircraft_id: aircraftId },
+        }),
+      ),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["flutter-summaries"] }),
   });
 }

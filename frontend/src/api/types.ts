@@ -74,6 +74,15 @@ export type ComparisonRow = Received<"Row">;
 export type Source = Received<"Source">;
 
 export type SavedViewRequest = Schemas["SavedViewRequest"];
+export type ModeShape = Received<"ShapeAnswer">;
+export type ModeAtFuel = Received<"ModeAtFuel">;
+export type Correlation = Received<"Correlation">;
+export type PairedMode = Received<"PairedMode">;
+export type Observability = Received<"Observability">;
+export type ModelOrder = Received<"ModelOrder">;
+export type StructureFound = Received<"StructureFound">;
+export type FlutterSummary = Received<"FlutterSummary">;
+export type StructureFilesRequest = Schemas["StructureFilesRequest"];
 export type GlossaryEntry = Received<"GlossaryEntry">;
 
 export type Method = Run["method"];

@@ -33,7 +33,7 @@ _Metre = Annotated[float, Field(ge=-1e6, le=1e6)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StructureRequest:
+class StructureFilesRequest:
     """What an analyst says of uploaded files; see ``StructureAnswers``."""
 
     aircraft_id: _AircraftId
@@ -88,7 +88,9 @@ def look_at_upload(context: TheContext, upload_id: _UploadId) -> Json:
     response_model=ModalTable,
     status_code=status.HTTP_201_CREATED,
 )
-def import_structure(context: TheContext, upload_id: _UploadId, wanted: StructureRequest) -> Json:
+def import_structure(
+    context: TheContext, upload_id: _UploadId, wanted: StructureFilesRequest
+) -> Json:
     """Keep the modes of uploaded files as a modal table, a version beside others of its name."""
     aircraft = context.store.aircraft.get(wanted.aircraft_id)
     raw = extract_structure(context.uploads.sources(upload_id), wanted.answers())

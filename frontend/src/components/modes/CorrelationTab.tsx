@@ -1,0 +1,145 @@
+import { NumberInput, Select, Stack, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { correlationQuery } from "../../api/queries";
+import type { Correlation, PairedMode } from "../../api/types";
+import { fixed, percent } from "../../lib/format";
+import { DataTable, type Column } from "../DataTable";
+import { Figure } from "../Figure";
+import { Loaded } from "../Loaded";
+import { Section } from "../Section";
+import { tableTitle, type TableProps } from "./tables";
+
+/** MAC of two sources or two fuel weights, modes paired, and the points that disagree. */
+export function CorrelationTab({ table, usable, view, onChange }: TableProps) {
+  const comparable = usable.filter((one) => "nodes" in one.arrays || "shape" in one.arrays);
+  const other = comparable.find((one) => one.id === view.other) ?? table;
+  const question = {
+    fuel: (view.fuel ?? 50) / 100,
+    other_id: other.id,
+    other_fuel: (view.other_fuel ?? view.fuel ?? 50) / 100,
+  };
+  const told = useQuery(correlationQuery(table.id, question));
+  return (
+    <div className="split split-early">
+      <Stack gap="md">
+        <Select
+          label="Compared with"
+          allowDeselect={false}
+          data={comparable.map((one) => ({ value: String(one.id), label: tableTitle(one) }))}
+          value={String(other.id)}
+          onChange={(value) => {
+            onChange({ other: Number(value) });
+          }}
+        />
+        <NumberInput
+          label="At fuel [%]"
+          min={0}
+          max={100}
+          value={view.other_fuel ?? view.fuel ?? 50}
+          onChange={(value) => {
+            onChange({ other_fuel: typeof value === "number" ? value : undefined });
+          }}
+        />
+      </Stack>
+      <Stack gap="md">
+        <div className="panel" style={{ padding: 12 }}>
+          <Figure
+            kind="mac"
+            title="Modal assurance criterion"
+            params={{ modal_table_id: table.id, ...question }}
+            height={620}
+          />
+        </div>
+        <Loaded query={told} rows={8}>
+          {(data) => <Told told={data} />}
+        </Loaded>
+      </Stack>
+    </div>
+  );
+}
+
+function Told({ told }: { told: Correlation }) {
+  return (
+    <>
+      <Section title="Modes paired" note={told.notes.join(" ")}>
+        <DataTable
+          label="Modes paired"
+          testId="paired-modes"
+          columns={PAIRS}
+          rows={told.pairs}
+          rowKey={(row) => row.number}
+          maxHeight={420}
+        />
+      </Section>
+      {told.points.length > 0 && (
+        <Section title="Points that agree least" note="COMAC over the pairs that are alike">
+          <DataTable
+            label="COMAC"
+            columns={[
+              { key: "point", header: "Point", render: (row) => row.point },
+              { key: "direction", header: "Direction", render: (row) => row.direction },
+              {
+                key: "comac",
+                header: "COMAC",
+                numeric: true,
+                render: (row) => fixed(row.comac, 4),
+              },
+            ]}
+            rows={told.points.slice(0, 12)}
+            rowKey={(row) => `${row.point} ${row.direction}`}
+          />
+        </Section>
+      )}
+    </>
+  );
+}
+
+const PAIRS: Column<PairedMode>[] = [
+  { key: "name", header: "Mode", render: (row) => row.name },
+  { key: "other", header: "Most alike", render: (row) => row.other_name },
+  {
+    key: "mac",
+    header: "MAC",
+    numeric: true,
+    render: (row) => (
+      <Text component="span" size="sm" fw={row.mac >= 0.9 ? 600 : undefined}>
+        {fixed(row.mac, 3)}
+      </Text>
+    ),
+  },
+  {
+    key: "hz",
+    header: "Frequency",
+    unit: "Hz",
+    numeric: true,
+    render: (row) => fixed(row.frequency_hz, 3),
+  },
+  {
+    key: "other_hz",
+    header: "Other",
+    unit: "Hz",
+    numeric: true,
+    render: (row) => fixed(row.other_hz, 3),
+  },
+  {
+    key: "change",
+    header: "Difference",
+    unit: "%",
+    numeric: true,
+    render: (row) => percent(row.frequency_change, 2),
+  },
+  {
+    key: "damping",
+    header: "Damping",
+    unit: "%",
+    numeric: true,
+    render: (row) => percent(row.damping, 2),
+  },
+  {
+    key: "other_damping",
+    header: "Other",
+    unit: "%",
+    numeric: true,
+    render: (row) => percent(row.other_damping, 2),
+  },
+];

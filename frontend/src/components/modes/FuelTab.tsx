@@ -1,0 +1,170 @@
+import { Button, Group, Modal, Stack, Switch, Text, TextInput } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { useState } from "react";
+import { useCorrectMode } from "../../api/commands";
+import { modesAtQuery } from "../../api/queries";
+import type { ModeAtFuel } from "../../api/types";
+import { fixed, percent, significant } from "../../lib/format";
+import { DataTable, type Column } from "../DataTable";
+import { Figure } from "../Figure";
+import { Loaded } from "../Loaded";
+import { ProblemAlert } from "../ProblemAlert";
+import { Section } from "../Section";
+import type { TableProps } from "./tables";
+
+/** Frequencies and damping over fuel, and the modes at the chosen fuel with their names. */
+export function FuelTab({ table, view }: TableProps) {
+  const fuel = (view.fuel ?? 50) / 100;
+  const modes = useQuery(modesAtQuery(table.id, fuel));
+  const [corrected, setCorrected] = useState<ModeAtFuel | null>(null);
+  return (
+    <Stack gap="md">
+      <div className="panel" style={{ padding: 12 }}>
+        <Figure
+          kind="modes-against-fuel"
+          title="Frequency and damping over fuel; antisymmetric modes dashed, crossings circled"
+          params={{ modal_table_id: table.id }}
+        />
+      </div>
+      <Section
+        title={`Modes at ${percent(fuel)} % fuel`}
+        note="Named by rule from their shapes; a correction keeps its reason."
+      >
+        <Loaded query={modes} rows={8}>
+          {({ items }) => (
+            <DataTable
+              label="Modes"
+              testId="modes"
+              columns={columnsOf(setCorrected)}
+              rows={items}
+              rowKey={(row) => row.number}
+              maxHeight={520}
+            />
+          )}
+        </Loaded>
+      </Section>
+      {corrected !== null && (
+        <Correction
+          tableId={table.id}
+          mode={corrected}
+          onClose={() => {
+            setCorrected(null);
+          }}
+        />
+      )}
+    </Stack>
+  );
+}
+
+function columnsOf(correct: (mode: ModeAtFuel) => void): Column<ModeAtFuel>[] {
+  return [
+    { key: "number", header: "Mode", numeric: true, render: (row) => row.number },
+    { key: "name", header: "Name", render: (row) => row.name },
+    { key: "symmetry", header: "Symmetry", render: (row) => (row.symmetric ? "S" : "A") },
+    {
+      key: "frequency",
+      header: "Frequency",
+      unit: "Hz",
+      numeric: true,
+      render: (row) => fixed(row.frequency_hz, 3),
+    },
+    {
+      key: "damping",
+      header: "Damping",
+      unit: "%",
+      numeric: true,
+      render: (row) => percent(row.damping, 2),
+    },
+    {
+      key: "mass",
+      header: "Generalised mass",
+      unit: "kg m²",
+      numeric: true,
+      render: (row) => significant(row.mass_kg_m2, 4),
+    },
+    {
+      key: "followed",
+      header: "Least MAC over fuel",
+      numeric: true,
+      render: (row) => fixed(row.followed, 3),
+    },
+    { key: "reason", header: "Why", render: (row) => row.reason },
+    {
+      key: "correct",
+      header: "",
+      render: (row) => (
+        <Button
+          size="compact-xs"
+          variant="subtle"
+          onClick={() => {
+            correct(row);
+          }}
+        >
+          Correct
+        </Button>
+      ),
+    },
+  ];
+}
+
+interface CorrectionProps {
+  tableId: number;
+  mode: ModeAtFuel;
+  onClose: () => void;
+}
+
+function Correction({ tableId, mode, onClose }: CorrectionProps) {
+  const send = useCorrectMode(tableId);
+  const [name, setName] = useState(mode.name);
+  const [symmetric, setSymmetric] = useState(mode.symmetric);
+  const [reason, setReason] = useState("");
+  return (
+    <Modal opened onClose={onClose} title={`Mode ${String(mode.number)}: ${mode.name}`}>
+      <Stack gap="sm">
+        <Text size="sm" className="quiet">
+          {mode.reason}
+        </Text>
+        <TextInput
+          label="Name"
+          value={name}
+          onChange={(event) => {
+            setName(event.currentTarget.value);
+          }}
+        />
+        <Switch
+          label="Symmetric"
+          checked={symmetric}
+          onChange={(event) => {
+            setSymmetric(event.currentTarget.checked);
+          }}
+        />
+        <TextInput
+          label="Why"
+          required
+          value={reason}
+          onChange={(event) => {
+            setReason(event.currentTarget.value);
+          }}
+        />
+        {send.isError && <ProblemAlert error={send.error} />}
+        <Group justify="end">
+          <Button variant="default" onClick={onClose}>
+            Cancel
+          </Button>
+          <Button
+            loading={send.isPending}
+            disabled={reason.trim() === "" || name.trim() === ""}
+            onClick={() => {
+              send.mutate(
+                { number: mode.number, name: name.trim(), symmetric, reason },
+                { onSuccess: onClose },
+              );
+            }}
+          >
+            Keep
+          </Button>
+        </Group>
+      </Stack>
+    </Modal>
+  );
+}

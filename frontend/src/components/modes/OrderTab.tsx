@@ -1,0 +1,168 @@
+import { Alert, NumberInput, Select, Stack, TagsInput } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { modelOrderQuery } from "../../api/queries";
+import type { ModelOrder } from "../../api/types";
+import { fixed, percent } from "../../lib/format";
+import { DataTable, type Column } from "../DataTable";
+import { Figure } from "../Figure";
+import { Loaded } from "../Loaded";
+import { Section } from "../Section";
+import type { TableProps } from "./tables";
+
+type Step = ModelOrder["steps"][number];
+
+/** How many modes a condition needs: derivatives, poles and responses of reduced models. */
+export function OrderTab({ aircraft, table, view, onChange }: TableProps) {
+  const question = {
+    aircraft_id: aircraft.id,
+    modal_table_id: table.kind === "FEM" ? table.id : undefined,
+    airspeed_m_s: view.airspeed ?? 40,
+    altitude_m: view.altitude ?? 0,
+    fuel: (view.fuel ?? 50) / 100,
+    high_hz: view.up_to ?? 15,
+  };
+  const told = useQuery(modelOrderQuery(question));
+  const derivatives = view.derivatives ?? ["CZ_alpha", "Cm_alpha", "CZ_q", "Cm_q"];
+  const outputs = [...aircraft.combinations, ...aircraft.sensors].map((one) => one.name);
+  const output = view.output ?? outputs.find((name) => name === "q") ?? outputs[0];
+  const surface = view.surface ?? aircraft.surfaces[0]?.name;
+  const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
+  return (
+    <div className="split split-early">
+      <Stack gap="md">
+        <NumberInput
+          label="Airspeed [m/s]"
+          min={1}
+          value={view.airspeed ?? 40}
+          onChange={(value) => {
+            onChange({ airspeed: typed(value) });
+          }}
+        />
+        <NumberInput
+          label="Altitude [m]"
+          min={-1000}
+          max={11000}
+          value={view.altitude ?? 0}
+          onChange={(value) => {
+            onChange({ altitude: typed(value) });
+          }}
+        />
+        <NumberInput
+          label="Band up to [Hz]"
+          min={1}
+          value={view.up_to ?? 15}
+          onChange={(value) => {
+            onChange({ up_to: typed(value) });
+          }}
+        />
+        <TagsInput
+          label="Derivatives"
+          value={derivatives}
+          data={Object.keys(told.data?.full ?? {}).filter((name) => /^C[Zm]_/.test(name))}
+          maxDropdownHeight={260}
+          onChange={(names) => {
+            onChange({ derivatives: names });
+          }}
+        />
+        <Select
+          label="Response of"
+          searchable
+          data={outputs}
+          value={output ?? null}
+          onChange={(value) => {
+            onChange({ output: value ?? undefined });
+          }}
+        />
+        <Select
+          label="to"
+          data={aircraft.surfaces.map((one) => one.name)}
+          value={surface ?? null}
+          onChange={(value) => {
+            onChange({ surface: value ?? undefined });
+          }}
+        />
+      </Stack>
+      <Loaded query={told} rows={10}>
+        {(data) => (
+          <Stack gap="md">
+            <Proposal told={data} />
+            <div className="panel" style={{ padding: 12 }}>
+              <Figure
+                kind="model-order"
+                title="Derivatives against modes kept, with ±10 % about the full model"
+                params={{ ...question, derivatives: derivatives.join(",") }}
+              />
+            </div>
+            {output !== undefined && surface !== undefined && (
+              <div className="panel" style={{ padding: 12 }}>
+                <Figure
+                  kind="reduced-responses"
+                  title="Response of full and reduced models, and to sensors of a rigid body"
+                  params={{ ...question, output, surface, counts: "0,1,2,3,4" }}
+                  height={520}
+                />
+              </div>
+            )}
+            <Section title="Evidence" note="Poles of residualised models, ωn [Hz] and ζ">
+              <DataTable
+                label="Reduced models"
+                testId="reduced-models"
+                columns={COLUMNS}
+                rows={data.steps}
+                rowKey={(row) => row.modes.length}
+              />
+            </Section>
+          </Stack>
+        )}
+      </Loaded>
+    </div>
+  );
+}
+
+function Proposal({ told }: { told: ModelOrder }) {
+  const chosen = told.steps[told.needed];
+  return (
+    <Alert
+      color="blue"
+      variant="light"
+      title={`This condition needs ${["SP", ...(chosen?.names ?? [])].join(" + ")}`}
+      data-testid="order-proposal"
+      styles={{ title: { color: "var(--mantine-color-text)" } }}
+    >
+      {told.evidence.join(" ")}
+    </Alert>
+  );
+}
+
+const COLUMNS: Column<Step>[] = [
+  { key: "count", header: "Modes", numeric: true, render: (row) => row.modes.length },
+  { key: "last", header: "Last", render: (row) => row.names.at(-1) ?? "rigid" },
+  { key: "worst", header: "Worst derivative", render: (row) => row.worst },
+  { key: "bias", header: "Off", unit: "%", numeric: true, render: (row) => percent(row.bias, 1) },
+  {
+    key: "pole",
+    header: "Poles off",
+    unit: "%",
+    numeric: true,
+    render: (row) => (row.pole_error === null ? "missing" : percent(row.pole_error, 1)),
+  },
+  {
+    key: "response",
+    header: "Responses off",
+    unit: "%",
+    numeric: true,
+    render: (row) => percent(row.response_error, 1),
+  },
+  {
+    key: "poles",
+    header: "Poles",
+    render: (row) =>
+      row.poles
+        .map(([re = 0, im = 0]) => {
+          const size = Math.hypot(re, im);
+          return `${fixed(size / 2 / Math.PI, 2)} (${fixed(-re / size, 3)})`;
+        })
+        .join(", "),
+  },
+  { key: "enough", header: "Enough", render: (row) => (row.sufficient ? "yes" : "no") },
+];

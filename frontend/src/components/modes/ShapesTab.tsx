@@ -1,0 +1,177 @@
+import { Button, Group, Select, Slider, Stack, Switch, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { useState } from "react";
+import { modesAtQuery, shapeQuery } from "../../api/queries";
+import type { ModalTable } from "../../api/types";
+import { fixed } from "../../lib/format";
+import { CAMERA, type Camera } from "../../lib/projection";
+import { Empty } from "../Empty";
+import { Loaded } from "../Loaded";
+import { ShapeCanvas } from "../ShapeCanvas";
+import { hasShapes, tableTitle, type TableProps } from "./tables";
+
+/** Mode shapes in three dimensions: one, or two modes or sources side by side. */
+export function ShapesTab({ table, usable, view, onChange }: TableProps) {
+  const [camera, setCamera] = useState<Camera>(CAMERA);
+  const fuel = (view.fuel ?? 50) / 100;
+  const drawable = usable.filter(hasShapes);
+  const scale = (view.scale ?? 10) / 100;
+  const shared = { fuel, scale, playing: view.still !== true, camera, onCamera: setCamera };
+  const other = drawable.find((one) => one.id === view.other) ?? table;
+  if (!hasShapes(table))
+    return (
+      <Empty title="No shapes at nodes">
+        {tableTitle(table)} holds frequencies only. Choose a table with shapes.
+      </Empty>
+    );
+  return (
+    <Stack gap="md">
+      <Group gap="lg" align="end">
+        <Switch
+          label="Two side by side"
+          checked={view.beside === true}
+          onChange={(event) => {
+            onChange({ beside: event.currentTarget.checked || undefined });
+          }}
+        />
+        <Switch
+          label="Animate"
+          checked={view.still !== true}
+          onChange={(event) => {
+            onChange({ still: event.currentTarget.checked ? undefined : true });
+          }}
+        />
+        <div style={{ width: 220 }}>
+          <Text size="sm" fw={500}>
+            Largest displacement: {view.scale ?? 10} % of the span
+          </Text>
+          <Slider
+            thumbLabel="Largest displacement in percent of the span"
+            min={1}
+            max={40}
+            label={null}
+            defaultValue={view.scale ?? 10}
+            onChangeEnd={(value) => {
+              onChange({ scale: value });
+            }}
+          />
+        </div>
+        <Button
+          variant="default"
+          onClick={() => {
+            setCamera(CAMERA);
+          }}
+        >
+          Reset view
+        </Button>
+      </Group>
+      <div className={view.beside === true ? "halves" : undefined}>
+        <OneShape
+          {...shared}
+          table={table}
+          number={view.mode}
+          onNumber={(mode) => {
+            onChange({ mode });
+          }}
+        />
+        {view.beside === true && (
+          <OneShape
+            {...shared}
+            table={other}
+            tables={drawable}
+            onTable={(id) => {
+              onChange({ other: id, other_mode: undefined });
+            }}
+            number={view.other_mode}
+            second={other.id === table.id}
+            onNumber={(mode) => {
+              onChange({ other_mode: mode });
+            }}
+          />
+        )}
+      </div>
+      <Text size="xs" className="quiet">
+        Undeformed grey, deformed black; sensors are dots and tell φ and ν (per unit η, body axes)
+        when pointed at. Drag or arrow keys turn, wheel or + and − zoom.
+      </Text>
+    </Stack>
+  );
+}
+
+interface OneProps {
+  table: ModalTable;
+  tables?: ModalTable[];
+  onTable?: (id: number) => void;
+  number: number | undefined;
+  /** Begins with the second mode rather than the first. */
+  second?: boolean;
+  onNumber: (number: number) => void;
+  fuel: number;
+  scale: number;
+  playing: boolean;
+  camera: Camera;
+  onCamera: (camera: Camera) => void;
+}
+
+function OneShape(props: OneProps) {
+  const { table, tables, fuel } = props;
+  const modes = useQuery(modesAtQuery(table.id, fuel));
+  const items = modes.data?.items ?? [];
+  const number = props.number ?? items[props.second === true ? 1 : 0]?.number;
+  return (
+    <div className="panel" style={{ padding: 12 }}>
+      <Group gap="sm" mb="xs">
+        {tables !== undefined && (
+          <Select
+            aria-label="Modal table beside"
+            size="xs"
+            allowDeselect={false}
+            data={tables.map((one) => ({ value: String(one.id), label: tableTitle(one) }))}
+            value={String(table.id)}
+            onChange={(value) => props.onTable?.(Number(value))}
+          />
+        )}
+        <Select
+          aria-label="Mode"
+          data-testid="mode"
+          size="xs"
+          w={240}
+          searchable
+          allowDeselect={false}
+          data={items.map((mode) => ({
+            value: String(mode.number),
+            label: `${String(mode.number)}: ${mode.name}, ${fixed(mode.frequency_hz, 2)} Hz`,
+          }))}
+          value={number === undefined ? null : String(number)}
+          onChange={(value) => {
+            props.onNumber(Number(value));
+          }}
+        />
+      </Group>
+      {number !== undefined && <Drawn {...props} number={number} />}
+    </div>
+  );
+}
+
+function Drawn({ table, number, fuel, ...view }: OneProps & { number: number }) {
+  const shape = useQuery(shapeQuery(table.id, number, fuel));
+  return (
+    <Loaded query={shape} rows={12}>
+      {(data) => (
+        <>
+          <ShapeCanvas
+            shape={data}
+            scale={view.scale}
+            playing={view.playing}
+            camera={view.camera}
+            onCamera={view.onCamera}
+          />
+          <Text size="xs" className="quiet">
+            {data.name}, {fixed(data.frequency_hz, 3)} Hz; {data.nodes_m.length} of {data.n_nodes}{" "}
+            nodes
+          </Text>
+        </>
+      )}
+    </Loaded>
+  );
+}

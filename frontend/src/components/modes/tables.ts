@@ -1,0 +1,22 @@
+import type { Aircraft, ModalTable } from "../../api/types";
+import type { StructuresView } from "../../views";
+
+/** What every tab of a table is handed. */
+export interface TableProps {
+  aircraft: Aircraft;
+  table: ModalTable;
+  /** Tables with frequencies, of any kind and version. */
+  usable: ModalTable[];
+  view: StructuresView;
+  onChange: (change: Partial<StructuresView>) => void;
+}
+
+/** What a table is called among others of its name. */
+export const tableTitle = (table: ModalTable): string =>
+  [
+    table.version > 1 ? `${table.name} (version ${String(table.version)})` : table.name,
+    ...(table.name.includes(table.kind) ? [] : [table.kind]),
+  ].join(", ");
+
+/** Whether single modes of a table can be drawn. */
+export const hasShapes = (table: ModalTable): boolean => "nodes" in table.arrays;

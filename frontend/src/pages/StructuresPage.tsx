@@ -1,0 +1,191 @@
+import { Group, Select, Slider, Stack, Tabs, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { getRouteApi, Link } from "@tanstack/react-router";
+import { aircraftQuery, modalTablesQuery } from "../api/queries";
+import type { Aircraft, ModalTable } from "../api/types";
+import { Empty } from "../components/Empty";
+import { Loaded } from "../components/Loaded";
+import { CorrelationTab } from "../components/modes/CorrelationTab";
+import { FuelTab } from "../components/modes/FuelTab";
+import { OrderTab } from "../components/modes/OrderTab";
+import { SensorsTab } from "../components/modes/SensorsTab";
+import { ShapesTab } from "../components/modes/ShapesTab";
+import { StructureFiles } from "../components/modes/StructureFiles";
+import { tableTitle, type TableProps } from "../components/modes/tables";
+import { PageHead } from "../components/PageHead";
+import { STRUCTURE_TABS, type StructuresView } from "../views";
+
+const route = getRouteApi("/structures");
+
+const TITLES: Record<(typeof STRUCTURE_TABS)[number], string> = {
+  fuel: "Over fuel",
+  shapes: "Shapes",
+  mac: "MAC and correlation",
+  sensors: "Sensors",
+  order: "Model order",
+  files: "Import",
+};
+
+/** Modes of the structure: FEM and GVT over fuel, drawn, compared, seen by sensors. */
+export function StructuresPage() {
+  const view = route.useSearch();
+  const navigate = route.useNavigate();
+  const fleet = useQuery(aircraftQuery);
+  const change = (part: Partial<StructuresView>) =>
+    void navigate({ search: (previous) => ({ ...previous, ...part }), replace: true });
+  return (
+    <>
+      <PageHead
+        title="Modes"
+        trail={[
+          <Link to="/aircraft" className="link" key="aircraft">
+            Aircraft
+          </Link>,
+        ]}
+      />
+      <Loaded query={fleet} rows={8}>
+        {(aircraft) => {
+          const chosen = aircraft.find((one) => one.id === view.aircraft) ?? aircraft[0];
+          return chosen === undefined ? (
+            <Empty title="No aircraft yet">Import a maneuver or a mapping first.</Empty>
+          ) : (
+            <OneAircraft all={aircraft} aircraft={chosen} view={view} onChange={change} />
+          );
+        }}
+      </Loaded>
+    </>
+  );
+}
+
+interface Props {
+  all: Aircraft[];
+  aircraft: Aircraft;
+  view: StructuresView;
+  onChange: (change: Partial<StructuresView>) => void;
+}
+
+function OneAircraft({ all, aircraft, view, onChange }: Props) {
+  const tables = useQuery(modalTablesQuery(aircraft.id));
+  return (
+    <Loaded query={tables} rows={8}>
+      {(known) => {
+        const usable = known.filter((table) => "omega" in table.arrays);
+        const table =
+          usable.find((one) => one.id === view.table) ??
+          usable.filter((one) => one.kind === "FEM").at(-1) ??
+          usable[0];
+        const tab = view.tab ?? (table === undefined ? "files" : "fuel");
+        return (
+          <Stack gap="md">
+            <Choices {...{ all, aircraft, view, onChange, usable, table }} />
+            <Tabs
+              value={tab}
+              onChange={(value) => {
+                onChange({ tab: STRUCTURE_TABS.find((one) => one === value) });
+              }}
+              keepMounted={false}
+            >
+              <Tabs.List mb="md">
+                {STRUCTURE_TABS.map((one) => (
+                  <Tabs.Tab value={one} key={one}>
+                    {TITLES[one]}
+                  </Tabs.Tab>
+                ))}
+              </Tabs.List>
+              <Tabs.Panel value="files">
+                <StructureFiles aircraft={aircraft} view={view} onChange={onChange} />
+              </Tabs.Panel>
+              {table === undefined ? (
+                tab !== "files" && (
+                  <Empty title="No modes yet">
+                    Import the output of a FEM (.op2, .f06, .pch with its deck) or of a ground
+                    vibration test (.uff, .unv).
+                  </Empty>
+                )
+              ) : (
+                <TablePanels {...{ aircraft, table, usable, view, onChange }} />
+              )}
+            </Tabs>
+          </Stack>
+        );
+      }}
+    </Loaded>
+  );
+}
+
+function TablePanels(props: TableProps) {
+  return (
+    <>
+      <Tabs.Panel value="fuel">
+        <FuelTab {...props} />
+      </Tabs.Panel>
+      <Tabs.Panel value="shapes">
+        <ShapesTab {...props} />
+      </Tabs.Panel>
+      <Tabs.Panel value="mac">
+        <CorrelationTab {...props} />
+      </Tabs.Panel>
+      <Tabs.Panel value="sensors">
+        <SensorsTab {...props} />
+      </Tabs.Panel>
+      <Tabs.Panel value="order">
+        <OrderTab {...props} />
+      </Tabs.Panel>
+    </>
+  );
+}
+
+interface ChoicesProps extends Props {
+  usable: ModalTable[];
+  table: ModalTable | undefined;
+}
+
+function Choices({ all, aircraft, view, onChange, usable, table }: ChoicesProps) {
+  return (
+    <Group align="end" gap="lg">
+      {all.length > 1 && (
+        <Select
+          label="Aircraft"
+          allowDeselect={false}
+          data={all.map((one) => ({ value: String(one.id), label: one.name }))}
+          value={String(aircraft.id)}
+          onChange={(value) => {
+            onChange({ aircraft: Number(value), table: undefined, mode: undefined });
+          }}
+        />
+      )}
+      <Select
+        label="Modal table"
+        w={280}
+        allowDeselect={false}
+        data-testid="modal-table"
+        data={usable.map((one) => ({ value: String(one.id), label: tableTitle(one) }))}
+        value={table === undefined ? null : String(table.id)}
+        onChange={(value) => {
+          onChange({ table: Number(value), mode: undefined });
+        }}
+      />
+      <div style={{ width: 260 }}>
+        <Text size="sm" fw={500} id="fuel-label">
+          Fuel [%]: {view.fuel ?? 50}
+        </Text>
+        <Slider
+          aria-labelledby="fuel-label"
+          thumbLabel="Fuel in percent"
+          defaultValue={view.fuel ?? 50}
+          min={0}
+          max={100}
+          label={null}
+          onChangeEnd={(fuel) => {
+            onChange({ fuel });
+          }}
+        />
+      </div>
+      {table !== undefined && (
+        <Text size="xs" className="quiet" maw={420}>
+          {[table.origin, ...table.notes.slice(0, 3)].filter(Boolean).join(" · ")}
+        </Text>
+      )}
+    </Group>
+  );
+}
