@@ -3219,7 +3219,7 @@ export interface components {
          * @description A structure of a batch: in full, or a kept one, in its newest version if none is named.
          */
         BatchStructure: {
-            structure?: components["schemas"]["flexsid__api__requests__StructureRequest"] | null;
+            structure?: components["schemas"]["StructureRequest"] | null;
             /** Structure Id */
             structure_id?: number | null;
             /** Structure Version */
@@ -5671,7 +5671,7 @@ export interface components {
             aircraft_id: number;
             /** Name */
             name: string;
-            structure: components["schemas"]["flexsid__api__requests__StructureRequest"];
+            structure: components["schemas"]["StructureRequest"];
             /**
              * Note
              * @default
@@ -6593,7 +6593,7 @@ export interface components {
             /** Maneuver Id */
             maneuver_id: number;
             method: components["schemas"]["Method"];
-            structure?: components["schemas"]["flexsid__api__requests__StructureRequest"] | null;
+            structure?: components["schemas"]["StructureRequest"] | null;
             settings?: components["schemas"]["SettingsRequest"] | null;
             /** Modal Table Id */
             modal_table_id?: number | null;
@@ -6822,7 +6822,7 @@ export interface components {
             /** Maneuver Ids */
             maneuver_ids: number[];
             method: components["schemas"]["Method"];
-            structure: components["schemas"]["flexsid__api__requests__StructureRequest"];
+            structure: components["schemas"]["StructureRequest"];
             /**
              * @default {
              *       "algorithm": "stepwise",
@@ -7428,7 +7428,7 @@ export interface components {
         StructureEditRequest: {
             /** Name */
             name: string;
-            structure: components["schemas"]["flexsid__api__requests__StructureRequest"];
+            structure: components["schemas"]["StructureRequest"];
             /**
              * Note
              * @default
@@ -7436,6 +7436,55 @@ export interface components {
             note: string;
             /** Version */
             version?: number | null;
+        };
+        /**
+         * StructureFilesRequest
+         * @description What an analyst says of uploaded files; see ``StructureAnswers``.
+         */
+        StructureFilesRequest: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Name */
+            name: string;
+            /** @default FEM */
+            kind: components["schemas"]["ModalKind"];
+            /** Length Unit */
+            length_unit?: ("m" | "mm" | "in" | "ft") | null;
+            /** Mass Unit */
+            mass_unit?: ("kg" | "t" | "lb" | "slug" | "slinch") | null;
+            /** Generalized Mass */
+            generalized_mass?: ("file" | "unit" | "unknown") | null;
+            /**
+             * Axes
+             * @default aft right up
+             */
+            axes: string;
+            /**
+             * Origin
+             * @default [
+             *       0,
+             *       0,
+             *       0
+             *     ]
+             */
+            origin: [
+                number,
+                number,
+                number
+            ];
+            /** Fuel */
+            fuel?: {
+                [key: string]: number;
+            };
+            /**
+             * Rigid Modes
+             * @default false
+             */
+            rigid_modes: boolean;
+            /** Points */
+            points?: {
+                [key: string]: number;
+            };
         };
         /**
          * StructureForecast
@@ -7485,6 +7534,66 @@ export interface components {
             id: number;
             /** Version */
             version: number;
+        };
+        /**
+         * StructureRequest
+         * @description A model structure; see ``Structure``.
+         */
+        StructureRequest: {
+            /**
+             * Modes
+             * @default []
+             */
+            modes: number[];
+            /**
+             * Inputs
+             * @default []
+             */
+            inputs: string[];
+            /**
+             * Outputs
+             * @default []
+             */
+            outputs: string[];
+            /** Free */
+            free?: string[] | null;
+            /** Fixed */
+            fixed?: {
+                [key: string]: number;
+            } | null;
+            /**
+             * Free Delays
+             * @default false
+             */
+            free_delays: boolean;
+            /**
+             * Also Free
+             * @default []
+             */
+            also_free: string[];
+            /**
+             * Axis
+             * @default longitudinal
+             * @constant
+             */
+            axis: "longitudinal";
+            /**
+             * Absent
+             * @default []
+             */
+            absent: string[];
+            /** Fixed To */
+            fixed_to?: {
+                [key: string]: components["schemas"]["FixedToRequest"];
+            } | null;
+            /** Delays */
+            delays?: {
+                [key: string]: number;
+            } | null;
+            /** Instruments */
+            instruments?: {
+                [key: string]: string | null;
+            } | null;
         };
         /**
          * StructureSearch
@@ -7849,115 +7958,6 @@ export interface components {
             code: string;
             /** Errors */
             errors?: components["schemas"]["FieldError"][] | null;
-        };
-        /**
-         * StructureRequest
-         * @description A model structure; see ``Structure``.
-         */
-        flexsid__api__requests__StructureRequest: {
-            /**
-             * Modes
-             * @default []
-             */
-            modes: number[];
-            /**
-             * Inputs
-             * @default []
-             */
-            inputs: string[];
-            /**
-             * Outputs
-             * @default []
-             */
-            outputs: string[];
-            /** Free */
-            free?: string[] | null;
-            /** Fixed */
-            fixed?: {
-                [key: string]: number;
-            } | null;
-            /**
-             * Free Delays
-             * @default false
-             */
-            free_delays: boolean;
-            /**
-             * Also Free
-             * @default []
-             */
-            also_free: string[];
-            /**
-             * Axis
-             * @default longitudinal
-             * @constant
-             */
-            axis: "longitudinal";
-            /**
-             * Absent
-             * @default []
-             */
-            absent: string[];
-            /** Fixed To */
-            fixed_to?: {
-                [key: string]: components["schemas"]["FixedToRequest"];
-            } | null;
-            /** Delays */
-            delays?: {
-                [key: string]: number;
-            } | null;
-            /** Instruments */
-            instruments?: {
-                [key: string]: string | null;
-            } | null;
-        };
-        /**
-         * StructureRequest
-         * @description What an analyst says of uploaded files; see ``StructureAnswers``.
-         */
-        flexsid__api__routes__structure_files__StructureRequest: {
-            /** Aircraft Id */
-            aircraft_id: number;
-            /** Name */
-            name: string;
-            /** @default FEM */
-            kind: components["schemas"]["ModalKind"];
-            /** Length Unit */
-            length_unit?: ("m" | "mm" | "in" | "ft") | null;
-            /** Mass Unit */
-            mass_unit?: ("kg" | "t" | "lb" | "slug" | "slinch") | null;
-            /** Generalized Mass */
-            generalized_mass?: ("file" | "unit" | "unknown") | null;
-            /**
-             * Axes
-             * @default aft right up
-             */
-            axes: string;
-            /**
-             * Origin
-             * @default [
-             *       0,
-             *       0,
-             *       0
-             *     ]
-             */
-            origin: [
-                number,
-                number,
-                number
-            ];
-            /** Fuel */
-            fuel?: {
-                [key: string]: number;
-            };
-            /**
-             * Rigid Modes
-             * @default false
-             */
-            rigid_modes: boolean;
-            /** Points */
-            points?: {
-                [key: string]: number;
-            };
         };
         /**
          * FoundFile
@@ -9757,7 +9757,7 @@ export interface operations {
                  *       }
                  *     }
                  */
-                "application/json": components["schemas"]["flexsid__api__routes__structure_files__StructureRequest"];
+                "application/json": components["schemas"]["StructureFilesRequest"];
             };
         };
         responses: {
