@@ -147,12 +147,32 @@ export const runView = view((search) => ({
 }));
 export type RunView = ReturnType<typeof runView>;
 
+export const COMPARE_TABS = [
+  "derivatives",
+  "agreement",
+  "trends",
+  "responses",
+  "poles",
+  "setup",
+] as const;
+export const AGAINST = ["dynamic_pressure", "airspeed_ratio", "fuel", "fta"] as const;
+
 export const compareView = view((search) => ({
+  tab: oneOf(search.tab, COMPARE_TABS),
   runs: integers(search.runs),
   predictions: integers(search.predictions),
   coefficient: text(search.coefficient),
+  /** Only derivatives on which the runs differ. */
   differences: flag(search.differences),
   maneuver: integer(search.maneuver),
+  /** Source that the others are held against. */
+  baseline: text(search.baseline),
+  /** Derivative of the forest plot and of the trend. */
+  derivative: text(search.derivative),
+  against: oneOf(search.against, AGAINST),
+  degree: integer(search.degree),
+  /** Output of the frequency responses. */
+  output: text(search.output),
 }));
 export type CompareView = ReturnType<typeof compareView>;
 

@@ -29,7 +29,7 @@ METHODS = {"OE": (BLUE, "circle"), "FRE": (VERMILION, "square"), "EE": (GREEN, "
 PREDICTIONS = ((PINK, "triangle-up"), (OCHRE, "triangle-down"), (VIOLET, "star"), (TEAL, "cross"))
 
 
-_REPEATS = ("", "-open", "-dot", "-open-dot")
+_REPEATS = ("", "-open", "-cross-open", "-x-open", "-open-dot")
 
 
 def of_method(method: str, repeat: int = 0) -> tuple[str, str]:

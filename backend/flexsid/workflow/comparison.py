@@ -154,11 +154,13 @@ def _residualized(
             continue
         shown.append(values)
         key = f"residualized-{result.prediction_id}-{run.id}"
+        # the run is told only where there is more than one condition to tell apart
+        of_run = f" for run {run.id}" if len(shown) > 1 else ""
         columns.append(
             _Column(
                 Source(
                     key=key,
-                    label=f"{labels[result.prediction_id]}, residualized",
+                    label=f"{labels[result.prediction_id]}, residualized{of_run}",
                     kind="prediction",
                     run_id=run.id,
                     prediction_id=result.prediction_id,

@@ -4,6 +4,7 @@ import { isLive } from "./live";
 import { address, api, body, json, type QueryValue } from "./client";
 import {
   isOver,
+  type DerivativeTrend,
   type FigureSpec,
   type ManeuverFilters,
   type RunFilters,
@@ -298,6 +299,22 @@ export const comparisonQuery = (runs: readonly number[], predictions: readonly n
         }),
       ),
     enabled: runs.length > 0,
+    placeholderData: keepPreviousData,
+  });
+
+export interface TrendQuestion {
+  run_ids: string;
+  prediction_ids?: string;
+  name: string;
+  against: DerivativeTrend["against"];
+  degree: number;
+}
+
+export const trendQuery = (question: TrendQuestion) =>
+  queryOptions({
+    queryKey: ["trend", question],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/comparisons/trend", { params: { query: question }, signal })),
     placeholderData: keepPreviousData,
   });
 

@@ -72,6 +72,8 @@ export type Job = Received<"Job">;
 export type Comparison = Received<"Comparison">;
 export type ComparisonRow = Received<"Row">;
 export type Source = Received<"Source">;
+export type Pair = Received<"Pair">;
+export type DerivativeTrend = Received<"DerivativeTrend">;
 
 export type SavedViewRequest = Schemas["SavedViewRequest"];
 export type ModeShape = Received<"ShapeAnswer">;

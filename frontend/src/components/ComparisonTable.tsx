@@ -4,8 +4,13 @@ import { fixed, withError } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
 
-/** The same derivatives as the bars, as numbers. */
-export function ComparisonTable({ sources, rows }: Pick<Comparison, "sources" | "rows">) {
+interface Props extends Pick<Comparison, "sources" | "rows"> {
+  /** Place of the source that the others are held against. */
+  baseline?: number;
+}
+
+/** The same derivatives as the bars, as numbers; with a baseline, how far each is from it. */
+export function ComparisonTable({ sources, rows, baseline }: Props) {
   const columns: Column<ComparisonRow>[] = [
     { key: "name", header: "Derivative", render: (row) => <DerivativeName name={row.name} /> },
     {
@@ -46,10 +51,12 @@ export function ComparisonTable({ sources, rows }: Pick<Comparison, "sources" | 
         const cell = row.values[place];
         if (cell == null) return <span className="quiet">–</span>;
         const { value, error } = withError(cell.value, cell.std_error);
+        const base = baseline === undefined || baseline === place ? null : row.values[baseline];
         return (
           <span style={{ whiteSpace: "nowrap" }}>
             {value}
             {cell.std_error != null && <span className="quiet"> ± {error}</span>}
+            {base != null && <Difference from={base} to={cell} />}
           </span>
         );
       },
@@ -64,5 +71,25 @@ export function ComparisonTable({ sources, rows }: Pick<Comparison, "sources" | 
       rowKey={(row) => row.name}
       isSelected={(row) => row.consistent === false}
     />
+  );
+}
+
+type Cell = NonNullable<ComparisonRow["values"][number]>;
+
+/** In joint standard errors where there are any, else in percent. */
+function Difference({ from, to }: { from: Cell; to: Cell }) {
+  const joint = Math.hypot(from.std_error ?? 0, to.std_error ?? 0);
+  const sigmas = joint > 0 ? (to.value - from.value) / joint : null;
+  const far = sigmas !== null && Math.abs(sigmas) > 2;
+  const text =
+    sigmas !== null
+      ? `${sigmas > 0 ? "+" : ""}${fixed(sigmas, 1)}σ`
+      : from.value === 0
+        ? ""
+        : `${to.value > from.value ? "+" : ""}${fixed(100 * (to.value / from.value - 1), 0)}%`;
+  return (
+    <Text span size="xs" ml={6} c={far ? "var(--page-warn)" : "var(--page-quiet)"}>
+      {text}
+    </Text>
   );
 }

@@ -1,8 +1,9 @@
-import { Checkbox, CloseButton, Group, Select, Stack, Text } from "@mantine/core";
+import { Button, Checkbox, CloseButton, Group, Select, Stack, Text } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { useState } from "react";
-import { maneuversQuery, predictionsQuery, runsQuery } from "../api/queries";
+import { useChangeMany } from "../api/commands";
+import { maneuversQuery, predictionsQuery, runListQuery, runsQuery } from "../api/queries";
 import type { Source } from "../api/types";
 import { integer } from "../lib/urlState";
 import type { CompareView } from "../views";
@@ -14,11 +15,15 @@ interface Props {
   onChange: (change: Partial<CompareView>) => void;
 }
 
+const BASELINE = "baseline";
+
 const without = (ids: number[] | undefined, id: number) => (ids ?? []).filter((one) => one !== id);
 
 /** What is compared: predictions, and runs of any maneuver. */
 export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
   const predictions = useQuery(predictionsQuery());
+  const baselines = useInfiniteQuery(runListQuery({ tag: BASELINE, state: "succeeded" }, "-id"));
+  const pinned = baselines.data?.pages.flatMap((page) => page.items) ?? [];
   const maneuver = view.maneuver ?? maneuverIds[0];
   const toggle = (key: "runs" | "predictions", id: number, on: boolean) => {
     onChange({ [key]: on ? [...(view[key] ?? []), id] : without(view[key], id) });
@@ -37,6 +42,9 @@ export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
         {sources.map((source) => (
           <Group key={source.key} justify="space-between" wrap="nowrap" gap={4}>
             <Text size="sm">{source.label}</Text>
+            {source.run_id !== null && source.kind !== "prediction" && (
+              <Pin runId={source.run_id} pinned={pinned.some((run) => run.id === source.run_id)} />
+            )}
             {/* What belongs to both, a residualized prediction, goes with either. */}
             {(source.run_id === null || source.prediction_id === null) && (
               <CloseButton
@@ -74,6 +82,24 @@ export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
           />
         ))}
       </Stack>
+      {pinned.length > 0 && (
+        <Stack gap={6} role="group" aria-label="Pinned baselines">
+          <Text size="sm" fw={600}>
+            Pinned baselines
+          </Text>
+          {pinned.map((run) => (
+            <Checkbox
+              key={run.id}
+              label={`${run.method} run ${run.id}, ${run.maneuver_label}`}
+              checked={view.runs?.includes(run.id) ?? false}
+              data-testid={`pinned-${run.id}`}
+              onChange={(event) => {
+                toggle("runs", run.id, event.currentTarget.checked);
+              }}
+            />
+          ))}
+        </Stack>
+      )}
       <Stack gap={6} role="group" aria-label="Runs">
         <ManeuverSelect
           value={maneuver}
@@ -86,6 +112,26 @@ export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
         )}
       </Stack>
     </div>
+  );
+}
+
+/** A pinned run is offered in every comparison; the tag says so in the list of runs too. */
+function Pin({ runId, pinned }: { runId: number; pinned: boolean }) {
+  const change = useChangeMany("runs");
+  return (
+    <Button
+      variant="subtle"
+      size="compact-xs"
+      ml="auto"
+      aria-pressed={pinned}
+      aria-label={`Pin run ${runId} as baseline`}
+      data-testid={`pin-${runId}`}
+      onClick={() => {
+        change.mutate({ ids: [runId], action: pinned ? "untag" : "tag", tag: BASELINE });
+      }}
+    >
+      {pinned ? "Unpin" : "Pin"}
+    </Button>
   );
 }
 

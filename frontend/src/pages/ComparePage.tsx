@@ -1,18 +1,22 @@
-import { Button, Group, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
+import { Button, Tabs } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
+import type { ComponentType } from "react";
 import { comparisonQuery } from "../api/queries";
 import type { Comparison } from "../api/types";
-import { ComparisonTable } from "../components/ComparisonTable";
+import { CompareAgreement } from "../components/CompareAgreement";
+import { CompareDerivatives, type CompareTabProps } from "../components/CompareDerivatives";
+import { ComparePoles, CompareResponses } from "../components/CompareModels";
+import { CompareSetup } from "../components/CompareSetup";
+import { CompareTrends } from "../components/CompareTrends";
 import { Empty } from "../components/Empty";
-import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ReportMenu } from "../components/ReportMenu";
+import { SavedViews } from "../components/SavedViews";
 import { SourcePicker } from "../components/SourcePicker";
 import { csv, saveText } from "../lib/csv";
-import { coefficientsIn, parseDerivative } from "../lib/derivatives";
-import type { CompareView } from "../views";
+import { COMPARE_TABS, type CompareView } from "../views";
 
 const route = getRouteApi("/compare");
 
@@ -38,12 +42,18 @@ export function ComparePage() {
           </Link>,
         ]}
         actions={
-          shown && (
-            <>
-              <ReportMenu of="comparison" query={{ run_ids: runs, prediction_ids: predictions }} />
-              <ExportButton comparison={shown} />
-            </>
-          )
+          <>
+            <SavedViews page="compare" />
+            {shown && (
+              <>
+                <ReportMenu
+                  of="comparison"
+                  query={{ run_ids: runs, prediction_ids: predictions }}
+                />
+                <ExportButton comparison={shown} />
+              </>
+            )}
+          </>
         }
       />
       <div className="split split-early">
@@ -55,7 +65,14 @@ export function ComparePage() {
         />
         {any ? (
           <Loaded query={comparison} rows={10}>
-            {(data) => <Compared comparison={data} view={view} onChange={change} />}
+            {(data) => (
+              <Compared
+                comparison={data}
+                view={view}
+                onChange={change}
+                onRun={(id) => void navigate({ to: "/runs/$id", params: { id } })}
+              />
+            )}
           </Loaded>
         ) : (
           <div className="panel">
@@ -69,73 +86,46 @@ export function ComparePage() {
   );
 }
 
-interface ComparedProps {
-  comparison: Comparison;
-  view: CompareView;
-  onChange: (change: Partial<CompareView>) => void;
-}
+const TABS: Record<(typeof COMPARE_TABS)[number], string> = {
+  derivatives: "Derivatives",
+  agreement: "Agreement",
+  trends: "Trends",
+  responses: "Responses",
+  poles: "Poles and fits",
+  setup: "Set-up",
+};
 
-function Compared({ comparison, view, onChange }: ComparedProps) {
-  const names = comparison.rows.map((row) => row.name);
-  const coefficients = coefficientsIn(names);
-  const coefficient = coefficients.find((one) => one === view.coefficient) ?? coefficients[0];
-  const all = view.coefficient === "all";
-  const drawn = all ? coefficients : coefficient === undefined ? [] : [coefficient];
-  const rows = comparison.rows.filter((row) => {
-    if (view.differences === true && row.consistent !== false) return false;
-    return all || parseDerivative(row.name)?.coefficient === coefficient;
-  });
-  const inconsistent = comparison.rows.filter((row) => row.consistent === false).length;
-  const judged = comparison.rows.filter((row) => row.consistent != null).length;
+const CONTENT: Record<(typeof COMPARE_TABS)[number], ComponentType<CompareTabProps>> = {
+  derivatives: CompareDerivatives,
+  agreement: CompareAgreement,
+  trends: CompareTrends,
+  responses: CompareResponses,
+  poles: ComparePoles,
+  setup: CompareSetup,
+};
 
+function Compared(props: CompareTabProps) {
+  const tab = props.view.tab ?? "derivatives";
+  const Content = CONTENT[tab];
   return (
-    <Stack gap="md" style={{ minWidth: 0 }}>
-      <Group justify="space-between">
-        <SegmentedControl
-          aria-label="Coefficient"
-          data={[...coefficients, { value: "all", label: "All" }]}
-          value={all ? "all" : (coefficient ?? "")}
-          onChange={(next) => {
-            onChange({ coefficient: next });
-          }}
-        />
-        <Text size="sm" className="quiet numbers">
-          {judged > 0
-            ? `${judged - inconsistent} of ${judged} derivatives agree within 2σ between runs`
-            : "Two runs are needed to judge consistency"}
-        </Text>
-      </Group>
-      <div className="panel" style={{ padding: 12 }}>
-        {drawn.map((one) => (
-          <Figure
-            key={one}
-            kind="derivatives"
-            title={`Derivatives of ${one}, with ±2σ`}
-            params={{
-              run_ids: view.runs,
-              prediction_ids: view.predictions,
-              coefficient: one,
-            }}
-          />
+    <Tabs
+      value={tab}
+      style={{ minWidth: 0 }}
+      onChange={(next) => {
+        props.onChange({ tab: COMPARE_TABS.find((one) => one === next) });
+      }}
+    >
+      <Tabs.List mb="md">
+        {COMPARE_TABS.map((one) => (
+          <Tabs.Tab key={one} value={one} data-testid={`tab-${one}`}>
+            {TABS[one]}
+          </Tabs.Tab>
         ))}
-      </div>
-      <div className="panel">
-        <Group px="sm" pt="sm">
-          <Switch
-            label="Only inconsistent derivatives"
-            checked={view.differences === true}
-            onChange={(event) => {
-              onChange({ differences: event.currentTarget.checked ? true : undefined });
-            }}
-          />
-        </Group>
-        {rows.length === 0 ? (
-          <Empty title={view.differences ? "All of these agree" : "No derivatives"} />
-        ) : (
-          <ComparisonTable sources={comparison.sources} rows={rows} />
-        )}
-      </div>
-    </Stack>
+      </Tabs.List>
+      <Tabs.Panel value={tab}>
+        <Content {...props} />
+      </Tabs.Panel>
+    </Tabs>
   );
 }
 

@@ -1,0 +1,137 @@
+import { Stack } from "@mantine/core";
+import type { ComparisonRow, Pair } from "../api/types";
+import { fixed, significant } from "../lib/format";
+import type { CompareTabProps } from "./CompareDerivatives";
+import { DataTable, type Column } from "./DataTable";
+import { DerivativeName } from "./DerivativeName";
+import { DerivativeSelect } from "./DerivativeSelect";
+import { Empty } from "./Empty";
+import { Figure } from "./Figure";
+import { Section } from "./Section";
+
+/** Whether the sources agree: one derivative, every two sources, every derivative. */
+export function CompareAgreement({ comparison, view, onChange, onRun }: CompareTabProps) {
+  const names = comparison.rows.map((row) => row.name);
+  const name = names.find((one) => one === view.derivative) ?? names[0];
+  const labels = new Map(comparison.sources.map((source) => [source.key, source.label]));
+  const judged = comparison.rows.filter((row) => row.chi_square !== null);
+  return (
+    <Stack gap="md" style={{ minWidth: 0 }}>
+      <Section
+        title="Forest plot"
+        note="Estimates with ±2σ; the band is their weighted mean with ±2σ"
+        actions={
+          <DerivativeSelect
+            names={names}
+            value={name}
+            onChange={(derivative) => {
+              onChange({ derivative });
+            }}
+          />
+        }
+      >
+        {name !== undefined && (
+          <Figure
+            kind="forest"
+            title={name}
+            params={{ run_ids: view.runs, prediction_ids: view.predictions, name }}
+            onPick={onRun}
+          />
+        )}
+      </Section>
+      <Section
+        title="Every two sources"
+        note="Differences over their joint σ, taken as independent; 1 is what errors alone would make"
+      >
+        {comparison.pairs.length === 0 ? (
+          <Empty title="Nothing to judge">
+            It takes two sources that give standard errors for the same derivative.
+          </Empty>
+        ) : (
+          <DataTable
+            label="Agreement of every two sources"
+            testId="pairs-table"
+            maxHeight={420}
+            columns={pairColumns(labels)}
+            rows={comparison.pairs}
+            rowKey={(pair) => `${pair.first} ${pair.second}`}
+            isSelected={(pair) => pair.probability < 0.05}
+          />
+        )}
+      </Section>
+      {judged.length > 0 && (
+        <Section
+          title="Every derivative"
+          note="Scatter of all estimates about their weighted mean; unlikely ones are marked"
+        >
+          <DataTable
+            label="Scatter of every derivative"
+            testId="scatter-table"
+            maxHeight={420}
+            columns={SCATTER}
+            rows={judged}
+            rowKey={(row) => row.name}
+            isSelected={(row) => (row.probability ?? 1) < 0.05}
+          />
+        </Section>
+      )}
+    </Stack>
+  );
+}
+
+const pairColumns = (labels: ReadonlyMap<string, string>): Column<Pair>[] => [
+  { key: "first", header: "Source", render: (pair) => labels.get(pair.first) },
+  { key: "second", header: "against", render: (pair) => labels.get(pair.second) },
+  { key: "n", header: "Derivatives", numeric: true, render: (pair) => pair.n },
+  {
+    key: "rms",
+    header: "rms diff.",
+    unit: "σ",
+    numeric: true,
+    render: (pair) => fixed(pair.rms_sigma, 2),
+  },
+  { key: "chi", header: "χ²", numeric: true, render: (pair) => fixed(pair.chi_square, 1) },
+  {
+    key: "p",
+    header: <span title="Probability of a larger χ² by chance">P</span>,
+    numeric: true,
+    render: (pair) => significant(pair.probability, 2),
+  },
+  {
+    key: "worst",
+    header: "Differ most in",
+    render: (pair) => <DerivativeName name={pair.worst} />,
+  },
+  {
+    key: "by",
+    header: "by",
+    unit: "σ",
+    numeric: true,
+    render: (pair) => fixed(pair.worst_sigma, 1),
+  },
+];
+
+const SCATTER: Column<ComparisonRow>[] = [
+  { key: "name", header: "Derivative", render: (row) => <DerivativeName name={row.name} /> },
+  {
+    key: "mean",
+    header: "Weighted mean",
+    numeric: true,
+    render: (row) => significant(row.mean, 4),
+  },
+  { key: "error", header: "σ", numeric: true, render: (row) => significant(row.mean_std_error, 2) },
+  { key: "chi", header: "χ²", numeric: true, render: (row) => fixed(row.chi_square, 1) },
+  {
+    key: "p",
+    header: <span title="Probability of a larger scatter by chance">P</span>,
+    numeric: true,
+    render: (row) => significant(row.probability, 2),
+  },
+  {
+    key: "largest",
+    header: "Largest diff.",
+    unit: "σ",
+    numeric: true,
+    render: (row) => fixed(row.max_difference_sigma, 1),
+  },
+];

@@ -1,0 +1,111 @@
+import { Button, Group, SegmentedControl, Select, Stack, Switch, Text } from "@mantine/core";
+import type { Comparison } from "../api/types";
+import { coefficientsIn, parseDerivative } from "../lib/derivatives";
+import type { CompareView } from "../views";
+import { ComparisonTable } from "./ComparisonTable";
+import { Empty } from "./Empty";
+import { Figure } from "./Figure";
+
+export interface CompareTabProps {
+  comparison: Comparison;
+  view: CompareView;
+  onChange: (change: Partial<CompareView>) => void;
+  /** A point was clicked: its run. */
+  onRun: (id: number) => void;
+}
+
+/** Bars with ±2σ (Fig. 17), and the same as numbers. */
+export function CompareDerivatives({ comparison, view, onChange, onRun }: CompareTabProps) {
+  const { sources } = comparison;
+  const coefficients = coefficientsIn(comparison.rows.map((row) => row.name));
+  const coefficient = coefficients.find((one) => one === view.coefficient) ?? coefficients[0];
+  const all = view.coefficient === "all";
+  const drawn = all ? coefficients : coefficient === undefined ? [] : [coefficient];
+  const rows = comparison.rows.filter((row) => {
+    if (view.differences === true && row.consistent !== false) return false;
+    return all || parseDerivative(row.name)?.coefficient === coefficient;
+  });
+  const inconsistent = comparison.rows.filter((row) => row.consistent === false).length;
+  const judged = comparison.rows.filter((row) => row.consistent != null).length;
+  const baseline = sources.findIndex((source) => source.key === view.baseline);
+
+  return (
+    <Stack gap="md" style={{ minWidth: 0 }}>
+      <Group justify="space-between">
+        <SegmentedControl
+          aria-label="Coefficient"
+          data={[...coefficients, { value: "all", label: "All" }]}
+          value={all ? "all" : (coefficient ?? "")}
+          onChange={(next) => {
+            onChange({ coefficient: next });
+          }}
+        />
+        <Text size="sm" className="quiet numbers">
+          {judged > 0
+            ? `${judged - inconsistent} of ${judged} derivatives agree within 2σ between runs`
+            : "Two runs are needed to judge consistency"}
+        </Text>
+      </Group>
+      <div className="panel" style={{ padding: 12 }}>
+        {drawn.map((one) => (
+          <Figure
+            key={one}
+            kind="derivatives"
+            title={`Derivatives of ${one}, with ±2σ`}
+            params={{
+              run_ids: view.runs,
+              prediction_ids: view.predictions,
+              coefficient: one,
+            }}
+            onPick={onRun}
+          />
+        ))}
+      </div>
+      <div className="panel">
+        <Group px="sm" pt="sm" align="flex-end">
+          <Select
+            label="Differences from"
+            placeholder="no baseline"
+            clearable
+            w={240}
+            data-testid="baseline"
+            data={sources.map((source) => ({ value: source.key, label: source.label }))}
+            value={sources[baseline]?.key ?? null}
+            onChange={(key) => {
+              onChange({ baseline: key ?? undefined });
+            }}
+          />
+          <Switch
+            label="Only derivatives that differ"
+            mb={6}
+            data-testid="differences"
+            checked={view.differences === true}
+            onChange={(event) => {
+              onChange({ differences: event.currentTarget.checked ? true : undefined });
+            }}
+          />
+        </Group>
+        {rows.length === 0 ? (
+          <Empty title={view.differences ? "All of these agree" : "No derivatives"}>
+            {view.differences && (
+              <Button
+                variant="default"
+                onClick={() => {
+                  onChange({ differences: undefined });
+                }}
+              >
+                Show all
+              </Button>
+            )}
+          </Empty>
+        ) : (
+          <ComparisonTable
+            sources={sources}
+            rows={rows}
+            baseline={baseline < 0 ? undefined : baseline}
+          />
+        )}
+      </div>
+    </Stack>
+  );
+}

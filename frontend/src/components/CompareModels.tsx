@@ -1,0 +1,83 @@
+import { Select, Stack } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { maneuverQuery } from "../api/queries";
+import { excitedInputs } from "../lib/channels";
+import type { CompareTabProps } from "./CompareDerivatives";
+import { Empty } from "./Empty";
+import { Figure } from "./Figure";
+import { Loaded } from "./Loaded";
+import { Section } from "./Section";
+
+/** Frequency responses of all maneuvers with the models of all runs over them. */
+export function CompareResponses({ comparison, view, onChange }: CompareTabProps) {
+  const [first, ...beside] = comparison.maneuver_ids;
+  const maneuver = useQuery({ ...maneuverQuery(first ?? 0), enabled: first !== undefined });
+  return (
+    <Loaded query={maneuver} rows={8}>
+      {(flown) => {
+        const outputs = flown.channels
+          .filter((channel) => channel.role === "output")
+          .map((channel) => channel.name);
+        const output = outputs.find((one) => one === view.output) ?? outputs[0];
+        if (output === undefined) return <Empty title={`${flown.label} has no outputs`} />;
+        return (
+          <Section
+            title="Frequency responses"
+            note={`Measured in ${comparison.maneuver_ids.length === 1 ? flown.label : "each maneuver"}, with the models of the runs`}
+            actions={
+              <Select
+                aria-label="Output"
+                searchable
+                allowDeselect={false}
+                w={140}
+                data={outputs}
+                value={output}
+                onChange={(next) => {
+                  onChange({ output: next ?? undefined });
+                }}
+              />
+            }
+          >
+            <Figure
+              kind="bode"
+              title={`${output}, measured and modelled`}
+              params={{
+                maneuver_id: flown.id,
+                beside,
+                output,
+                inputs: excitedInputs(flown).slice(0, 3),
+                run_id: view.runs,
+              }}
+            />
+          </Section>
+        );
+      }}
+    </Loaded>
+  );
+}
+
+/** What each run fitted, and its poles beside those of the others. */
+export function ComparePoles({ comparison, view, onRun }: CompareTabProps) {
+  const runs = comparison.sources.filter(
+    (source) => source.run_id !== null && source.kind !== "prediction",
+  );
+  return (
+    <Stack gap="md">
+      <Section title="Poles" note="Of the identified models with ±1σ, and in vacuo">
+        <Figure kind="poles" title="Poles" params={{ run_id: view.runs }} onPick={onRun} />
+      </Section>
+      <Section title="Fits" note="Fitted over measured lines of the first outputs">
+        <div className="fits">
+          {runs.map((source) => (
+            <Figure
+              key={source.key}
+              kind="fit"
+              title={source.label}
+              params={{ run_id: source.run_id }}
+            />
+          ))}
+        </div>
+      </Section>
+    </Stack>
+  );
+}
