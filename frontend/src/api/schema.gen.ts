@@ -12262,15 +12262,22 @@ export interface operations {
                  * @example 1
                  */
                 run_ids: string;
-                /** @description Derivative, e.g. Cm_alpha. */
+                /**
+                 * @description Derivative, e.g. Cm_alpha.
+                 * @example Cm_alpha
+                 */
                 name: string;
+                /** @example dynamic_pressure */
                 against?: components["schemas"]["Against"];
                 /**
                  * @description Ids of predictions, separated by commas.
                  * @example 1
                  */
                 prediction_ids?: string | null;
-                /** @description Of the weighted polynomial. */
+                /**
+                 * @description Of the weighted polynomial.
+                 * @example 1
+                 */
                 degree?: number;
             };
             header?: never;
@@ -13833,7 +13840,10 @@ export interface operations {
                  * @example 1
                  */
                 run_ids: string;
-                /** @description Derivative, e.g. Cm_alpha. */
+                /**
+                 * @description Derivative, e.g. Cm_alpha.
+                 * @example Cm_alpha
+                 */
                 name: string;
                 /**
                  * @description Ids separated by commas.
@@ -13881,15 +13891,22 @@ export interface operations {
                  * @example 1
                  */
                 run_ids: string;
-                /** @description Derivative, e.g. Cm_alpha. */
+                /**
+                 * @description Derivative, e.g. Cm_alpha.
+                 * @example Cm_alpha
+                 */
                 name: string;
+                /** @example dynamic_pressure */
                 against?: components["schemas"]["Against"];
                 /**
                  * @description Ids of predictions, separated by commas.
                  * @example 1
                  */
                 prediction_ids?: string | null;
-                /** @description Of the weighted polynomial. */
+                /**
+                 * @description Of the weighted polynomial.
+                 * @example 1
+                 */
                 degree?: number;
             };
             header?: never;
