@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from flexsid.nomenclature import describe
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.conditioning import ConditioningStep
+from flexsid.records.cutting import FoundManeuver
 from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.ground_test import GroundTest
 from flexsid.records.maneuver import Channel, Maneuver
@@ -78,6 +79,13 @@ class FlightChannelList:
     """Channels of a whole flight."""
 
     items: list[FlightChannel]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FoundManeuverList:
+    """Stretches of a flight that look like maneuvers."""
+
+    items: list[FoundManeuver]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -113,6 +113,7 @@ _BODIES: dict[str, Any] = {
         "effort": "quick",
     },
     "take_conditioning": {"items": [{"channel": "q", "kind": "delay", "delay_s": 0.004}]},
+    "cut_maneuver": {"label": "1-01 FTA 506", "start_s": 98.0, "stop_s": 130.0, "fta": 506},
     "assess_maneuvers": {"maneuver_ids": [1]},
     "rescale_design": {"name": "FTA 500, less body flap", "gains": {"bfs": 0.8}},
     "correct_mode": {

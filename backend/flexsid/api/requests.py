@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field
 
 from flexsid.records.conditioning import Correction, StepKind
+from flexsid.records.cutting import Cut
 from flexsid.records.model_structure import FixedTo, HeldBy, Structure
 from flexsid.records.run import EstimationRun, Limits, Method, RunSettings, Start
 from flexsid.records.saved_view import SavedView
@@ -364,3 +365,28 @@ class AssessRequest:
     maneuver_ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=10_000)] | None = None
 
     __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CutRequest:
+    """A window of a flight that becomes a maneuver. [s]"""
+
+    label: Title
+    start_s: Number
+    stop_s: Number
+    fta: Annotated[int, Field(strict=True, ge=0, le=10**9)] | None = None
+    axis: Literal["longitudinal", "lateral"] = "longitudinal"
+    note: Text = ""
+
+    __pydantic_config__ = _STRICT
+
+    def record(self) -> Cut:
+        """Return what was asked for."""
+        return Cut(
+            label=self.label,
+            start_s=self.start_s,
+            stop_s=self.stop_s,
+            fta=self.fta,
+            axis=self.axis,
+            note=self.note,
+        )

@@ -18,7 +18,7 @@ from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.routes.modal_tables import Fuel, TheOrderQuestion
 from flexsid.api.wire import Reference, split_ids, split_names
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow import excitation, flutter, ground_tests, reconstruction, views
+from flexsid.workflow import cutting, excitation, flutter, ground_tests, reconstruction, views
 from flexsid.workflow.audit import figure_spec
 from flexsid.workflow.foresight import expected_response
 from flexsid.workflow.views import model_order, structure
@@ -65,6 +65,22 @@ def draw_time_history(
     if form != "json":
         longest = max((trace.time_s.size for trace in value.traces), default=points)
         value = replace(value, points=longest)
+    return sent(figures.time_history(value), form)
+
+
+@router.get("/flight-history", response_model=Figure)
+def draw_flight_history(
+    store: TheStore,
+    flight_id: _Id,
+    channels: _Names = None,
+    start_s: _Seconds = None,
+    stop_s: _Seconds = None,
+    points: Annotated[int, Query(ge=100, le=20_000)] = 2000,
+    form: Form = "json",
+) -> Response:
+    """Draw channels of a whole flight against time; the commands by default."""
+    chosen = split_names(channels) or ()
+    value = cutting.flight_history(store, flight_id, chosen, start_s, stop_s, points)
     return sent(figures.time_history(value), form)
 
 

@@ -1,13 +1,16 @@
-"""Flights of an aircraft."""
+"""Flights of an aircraft, and maneuvers cut out of their recordings."""
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+from fastapi import APIRouter, status
 
-from flexsid.api.answers import FlightChannelList, FlightList
+from flexsid.api.answers import FlightChannelList, FlightList, FoundManeuverList, ManeuverDetail
 from flexsid.api.context import TheStore
+from flexsid.api.requests import CutRequest
+from flexsid.api.routes.maneuvers import detail_of
 from flexsid.api.wire import Identity, Json, Reference
 from flexsid.records.flight import Flight
+from flexsid.workflow import cutting
 
 router = APIRouter(prefix="/flights", tags=["flights"])
 
@@ -30,3 +33,19 @@ def list_flight_channels(store: TheStore, flight_id: Identity) -> Json:
     """List the channels of a whole flight, from which maneuvers are cut."""
     store.flights.get(flight_id)
     return Json(FlightChannelList(items=store.flight_channels.find(flight_id=flight_id)))
+
+
+@router.get("/{flight_id}/found-maneuvers", response_model=FoundManeuverList)
+def find_maneuvers(store: TheStore, flight_id: Identity) -> Json:
+    """Look for maneuvers in the recording of a flight; nothing is cut yet."""
+    return Json(FoundManeuverList(items=list(cutting.find_maneuvers(store, flight_id))))
+
+
+@router.post(
+    "/{flight_id}/maneuvers", response_model=ManeuverDetail, status_code=status.HTTP_201_CREATED
+)
+def cut_maneuver(store: TheStore, flight_id: Identity, wanted: CutRequest) -> Json:
+    """Cut a maneuver out of a window of the recording, which stays as it is."""
+    kept = cutting.cut_maneuver(store, flight_id, wanted.record())
+    location = {"Location": f"/api/v1/maneuvers/{kept.id}"}
+    return Json(detail_of(store, kept), status.HTTP_201_CREATED, location)

@@ -111,7 +111,7 @@ def change_maneuvers(store: TheStore, wanted: ChangeRequest) -> Json:
 @router.get("/{maneuver_id}", response_model=ManeuverDetail)
 def get_maneuver(store: TheStore, maneuver_id: Identity) -> Json:
     """Return one maneuver with its channels."""
-    return Json(_detail(store, store.maneuvers.get(maneuver_id)))
+    return Json(detail_of(store, store.maneuvers.get(maneuver_id)))
 
 
 @router.post("", response_model=ManeuverDetail, status_code=status.HTTP_201_CREATED)
@@ -137,7 +137,7 @@ def upload_maneuver(
         ).maneuver
     assert kept is not None
     location = {"Location": f"/api/v1/maneuvers/{kept.id}"}
-    return Json(_detail(context.store, kept), status.HTTP_201_CREATED, location)
+    return Json(detail_of(context.store, kept), status.HTTP_201_CREATED, location)
 
 
 @router.delete("/{maneuver_id}", status_code=status.HTTP_204_NO_CONTENT)
@@ -147,7 +147,8 @@ def delete_maneuver(store: TheStore, maneuver_id: Identity) -> Response:
     return Response(status_code=status.HTTP_204_NO_CONTENT)
 
 
-def _detail(store: Store, maneuver: Maneuver) -> ManeuverDetail:
+def detail_of(store: Store, maneuver: Maneuver) -> ManeuverDetail:
+    """Answer a maneuver with its channels."""
     assert maneuver.id is not None
     more: dict[str, Any] = {
         "flight_number": store.flights.get(maneuver.flight_id).number,

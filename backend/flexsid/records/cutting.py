@@ -1,0 +1,36 @@
+"""Cutting: where maneuvers lie in the recording of a whole flight."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from flexsid.records.maneuver import Excitation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FoundManeuver:
+    """A stretch of a flight that looks like a maneuver, with trim before and after.
+
+    ``basis`` says what it was found by; ``maneuver_id`` names one that was cut there.
+    """
+
+    label: str
+    start_s: float
+    stop_s: float
+    excitation: Excitation | None
+    n_periods: int
+    fta: int | None
+    basis: str
+    maneuver_id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cut:
+    """What to cut out of a flight; without an excitation it is looked for in the window."""
+
+    label: str
+    start_s: float
+    stop_s: float
+    fta: int | None = None
+    axis: str = "longitudinal"
+    note: str = ""

@@ -1,0 +1,196 @@
+"""Find maneuvers in the recording of a whole flight: where the excitation ran, and how often.
+
+A recorded excitation rests between maneuvers; a marker holds a number while one is flown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from flexsid.errors import BadInput
+from flexsid.sysid.excitation.recognition import recognise
+
+_ACTIVE = 1e-3  # of the largest command: digital, it rests at a level exactly
+_NOISY = 8.0  # robust standard deviations, where it does not
+_PAUSE_S = 1.0  # a shorter rest is part of the excitation
+_SHORTEST_S = 1.0
+_SAME = 0.02  # of its size: how little a period may differ from the one before
+_SHORTEST_PERIOD_S = 2.0
+_SLACK = 2  # samples by which an onset may be missed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Excited:
+    """Samples ``first`` up to ``stop`` in which an excitation ran.
+
+    ``period`` is in samples, not whole where the excitation came from another clock;
+    ``harmonics`` are those of each input, empty where no multisine was recognised.
+    ``marker`` is the number that a marker held.
+    """
+
+    first: int
+    stop: int
+    period: float
+    n_periods: int
+    harmonics: tuple[tuple[int, ...], ...] = ()
+    marker: int | None = None
+
+
+def find_excitations(
+    commands: Float[np.ndarray, "n_samples n_inputs"], rate_hz: float
+) -> tuple[Excited, ...]:
+    """Find every stretch in which a command moves, with its periods and harmonics.
+
+    Parameters
+    ----------
+    commands
+        Excitation of each input before it was added to anything else. [rad]
+    rate_hz
+        Samples per second. [Hz]
+    """
+    moving = np.zeros(commands.shape[0], dtype=bool)
+    for command in commands.T:
+        moving |= _moving(command)
+    found = []
+    for first, stop in _stretches(moving, round(_PAUSE_S * rate_hz)):
+        if stop - first >= _SHORTEST_S * rate_hz:
+            found.append(_described(commands, first, stop, rate_hz))
+    return tuple(found)
+
+
+def find_marked(marker: Float[np.ndarray, " n_samples"], rate_hz: float) -> tuple[Excited, ...]:
+    """Find every stretch in which a marker holds one number other than zero.
+
+    Parameters
+    ----------
+    marker
+        Number of the flight test aid while it is flown, zero or negative between.
+    rate_hz
+        Samples per second. [Hz]
+    """
+    number = np.where(np.isfinite(marker), np.rint(marker), 0).astype(np.int64)
+    number = np.maximum(number, 0)
+    edges = np.flatnonzero(np.diff(number)) + 1
+    first, stop = np.r_[0, edges], np.r_[edges, number.size]
+    return tuple(
+        Excited(first=int(a), stop=int(b), period=float(b - a), n_periods=1, marker=int(number[a]))
+        for a, b in zip(first, stop, strict=True)
+        if number[a] > 0 and b - a >= _SHORTEST_S * rate_hz
+    )
+
+
+def _moving(command: Float[np.ndarray, " n_samples"]) -> Bool[np.ndarray, " n_samples"]:
+    """Samples away from the level at which a command rests."""
+    values, counts = np.unique(command, return_counts=True)
+    rest = float(values[np.argmax(counts)])
+    away = np.abs(command - rest)
+    most = float(away.max())
+    if most == 0.0 or not np.isfinite(most):
+        return np.zeros(command.size, dtype=bool)
+    if counts.max() > 0.05 * command.size:
+        return away > _ACTIVE * most
+    # It never rests exactly: what is quiet for most of a flight is noise.
+    away = np.abs(command - np.median(command))
+    noise = 1.4826 * float(np.percentile(away, 25)) / 0.4726  # quartile of a half normal
+    return away > max(_NOISY * noise, 0.05 * most)
+
+
+def _stretches(moving: Bool[np.ndarray, " n_samples"], pause: int) -> list[tuple[int, int]]:
+    edges = np.diff(np.r_[False, moving, False].astype(np.int8))
+    first, stop = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    joined: list[tuple[int, int]] = []
+    for a, b in zip(first.tolist(), stop.tolist(), strict=True):
+        if joined and a - joined[-1][1] < pause:
+            joined[-1] = (joined[-1][0], b)
+        else:
+            joined.append((a, b))
+    return joined
+
+
+def _described(
+    commands: Float[np.ndarray, "n_samples n_inputs"], first: int, stop: int, rate_hz: float
+) -> Excited:
+    """Count the periods of an excitation and recognise its sines.
+
+    A multisine begins at zero, so that its first sample may not be seen to move.
+    """
+    x = commands[first:stop]
+    busy = np.flatnonzero(np.ptp(x, axis=0) > 0)
+    lag = _repeats_after(x[:, busy], round(_SHORTEST_PERIOD_S * rate_hz))
+    n_periods = 1 if lag is None else max(1, round((stop - first) / lag))
+    length = (stop - first) / n_periods if lag is None else float(lag)
+    best = None
+    for start in range(max(0, first - _SLACK), first + 1):
+        for period in range(round(length) - _SLACK, round(length) + _SLACK + 1):
+            if start + period > commands.shape[0] or period < 8:
+                continue
+            harmonics = _harmonics(commands[start : start + period], busy)
+            if harmonics is None:
+                continue
+            left = _unexplained(commands[start : start + period], harmonics)
+            if best is None or left < best[0]:
+                best = left, start, period, harmonics
+    if best is None:
+        return Excited(first=first, stop=stop, period=length, n_periods=n_periods)
+    _, start, period, harmonics = best
+    return Excited(
+        first=start,
+        stop=start + n_periods * period,
+        period=float(period),
+        n_periods=n_periods,
+        harmonics=harmonics,
+    )
+
+
+def _repeats_after(x: Float[np.ndarray, "n_samples n_inputs"], least: int) -> int | None:
+    """Smallest lag after which the excitation is the same again; None where it never is."""
+    n = x.shape[0]
+    if n < 2 * least:
+        return None
+    power = np.sum(x**2)
+    size = 1 << (2 * n - 1).bit_length()
+    spectrum = np.fft.rfft(x, size, axis=0)
+    together = np.fft.irfft(np.sum(np.abs(spectrum) ** 2, axis=1), size)[:n]
+    energy = np.concatenate([[0.0], np.cumsum(np.sum(x**2, axis=1))])
+    lags = np.arange(n)
+    early, late = energy[n - lags], energy[n] - energy[lags]
+    likeness = 2.0 * together / np.maximum(early + late, 1e-12 * power)
+    inside = slice(least, n // 2 + 2)
+    peaks = np.flatnonzero(likeness[inside] > 1.0 - 0.5 * _SAME) + least
+    if peaks.size == 0:
+        return None
+    group = peaks[peaks < peaks[0] + 0.01 * n + 3]
+    return int(group[np.argmax(likeness[group])])
+
+
+def _harmonics(
+    period: Float[np.ndarray, "n_samples n_inputs"], busy: Int[np.ndarray, " n_busy"]
+) -> tuple[tuple[int, ...], ...] | None:
+    """Harmonics of every input; None unless each is a multisine and none shares a line."""
+    found: list[tuple[int, ...]] = [() for _ in range(period.shape[1])]
+    owned: set[int] = set()
+    for column in busy.tolist():
+        try:
+            tones, length = recognise(np.ascontiguousarray(period[:, column]))
+        except BadInput:
+            return None
+        lines = tuple(int(line) for line in tones.harmonics)
+        if length != period.shape[0] or owned & set(lines) or 0 in lines:
+            return None
+        owned |= set(lines)
+        found[column] = lines
+    return tuple(found)
+
+
+def _unexplained(
+    period: Float[np.ndarray, "n_samples n_inputs"], harmonics: Sequence[tuple[int, ...]]
+) -> float:
+    """Share of the power that lies outside the lines: least where the period begins."""
+    power = np.abs(np.fft.rfft(period, axis=0)) ** 2
+    power[0] = 0.0
+    on = sum(float(power[list(lines), k].sum()) for k, lines in enumerate(harmonics))
+    return 1.0 - on / float(power.sum())
