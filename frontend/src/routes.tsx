@@ -16,6 +16,7 @@ import {
   designView,
   excitationView,
   importView,
+  flightView,
   flutterView,
   glossaryView,
   jobsView,
@@ -59,6 +60,14 @@ const maneuver = createRoute({
   params: byId,
   validateSearch: maneuverView,
   component: lazyRouteComponent(() => import("./pages/ManeuverPage"), "ManeuverPage"),
+});
+
+const flight = createRoute({
+  getParentRoute: () => root,
+  path: "/flights/$id",
+  params: byId,
+  validateSearch: flightView,
+  component: lazyRouteComponent(() => import("./pages/FlightPage"), "FlightPage"),
 });
 
 const quality = createRoute({
@@ -200,6 +209,7 @@ export const router = createRouter({
     maneuver,
     miniGvt,
     quality,
+    flight,
     newRun,
     run,
     compare,

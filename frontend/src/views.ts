@@ -46,6 +46,16 @@ export const campaignView = view((search) => ({
 }));
 export type CampaignView = ReturnType<typeof campaignView>;
 
+export const flightView = view((search) => ({
+  channels: words(search.channels),
+  /** Window of the recording [s], and what a maneuver cut there would be called. */
+  from: number(search.from),
+  to: number(search.to),
+  label: text(search.label),
+  fta: integer(search.fta),
+}));
+export type FlightView = ReturnType<typeof flightView>;
+
 export const VERDICTS = ["bad", "doubtful", "good", "missing"] as const;
 
 export const qualityView = view((search) => ({

@@ -15,6 +15,7 @@ from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import FlownManeuver, fly
 from flexsid.demo.ground import shake
 from flexsid.demo.sources import modal_tables, model_structures, predictions
+from flexsid.demo.whole_flight import add_uncut_flight
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight
 from flexsid.records.maneuver import Channel, Maneuver
@@ -136,6 +137,7 @@ def fill(store: Store, report: Report | None = None, seed: int = SEED) -> int:
     tell = report or (lambda fraction, message: None)
     aircraft = add_aircraft(store)
     missing = _missing(store, aircraft, seed)
+    add_uncut_flight(store, aircraft, seed)
     if missing:
         tell(0.0, f"flying {len(missing)} maneuvers")
     else:

@@ -4,17 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from datetime import date
 
 import numpy as np
 
-from flexsid.demo.flights import TRIM_S, FlownManeuver
+from flexsid.demo.flights import TRIM_S, FlownManeuver, fly
 from flexsid.demo.recorder import FlownChannel
+from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
+from flexsid.sysid.preparation.resampling import resample
 
 PAUSE_S = 20.0
 """Steady flight before the first maneuver, between two, and after the last."""
+
+_NUMBER = 4
+_START_S = 480.0
+_CARDS = ((0.65, 0.60, 506), (0.72, 0.57, 503))  # V/V_f, fuel, FTA
+_LATE, _LATE_S = "az_mar", 0.009
+_SPIKED, _SPIKES_S = "az_cf", (35.0, 88.0, 88.4)
 
 
 def record_flight(flown: Sequence[FlownManeuver]) -> tuple[FlownChannel, ...]:
@@ -67,3 +76,42 @@ def _between(channel: FlownChannel, following: FlownChannel) -> np.ndarray:
     change = last - float(steady.mean())
     ramp = 0.5 * (1.0 + np.cos(np.pi * np.arange(steady.size) / steady.size))
     return steady + change * ramp
+
+
+def add_uncut_flight(store: Store, aircraft: Aircraft, seed: int) -> None:
+    """Fly and keep a flight that nobody has cut yet, unless it is there.
+
+    Two of its channels are at fault, as the quality page should find: an accelerometer is
+    recorded late, and another has spikes.
+    """
+    assert aircraft.id is not None
+    if store.flights.find(aircraft_id=aircraft.id, number=_NUMBER):
+        return
+    flown = [
+        fly(airspeed_ratio=ratio, fuel=fuel, fta=fta, seed=(seed, _NUMBER, place))
+        for place, (ratio, fuel, fta) in enumerate(_CARDS)
+    ]
+    channels = tuple(_at_fault(channel) for channel in record_flight(flown))
+    with store.transaction():
+        flight = store.flights.add(
+            Flight(
+                aircraft_id=aircraft.id,
+                number=_NUMBER,
+                flown_on=date(2025, 5, 27),
+                description="Recorded whole: its maneuvers wait to be cut",
+            )
+        )
+        add_recording(store, channels, flight, _START_S)
+
+
+def _at_fault(channel: FlownChannel) -> FlownChannel:
+    samples = channel.samples.astype(float)
+    if channel.name == _LATE:
+        rate_hz = channel.rate_hz
+        band = (0.0, 0.625 * rate_hz)
+        samples = resample(samples, rate_hz, 0.0, rate_hz, -_LATE_S, samples.size, None, band)
+    elif channel.name == _SPIKED:
+        samples[np.round(np.array(_SPIKES_S) * channel.rate_hz).astype(int)] += 2.5
+    else:
+        return channel
+    return replace(channel, samples=samples.astype(channel.samples.dtype))

@@ -4,6 +4,7 @@ import { api, body, json } from "./client";
 import type {
   Action,
   BatchRequest,
+  CutRequest,
   StepRequest,
   Design,
   DesignRequest,
@@ -345,5 +346,32 @@ export function useImportFlutterSummary(upload: string, aircraftId: number) {
         }),
       ),
     onSuccess: () => cache.invalidateQueries({ queryKey: ["flutter-summaries"] }),
+  });
+}
+
+/** Cuts maneuvers out of a flight, one after the other; what was cut stays when one is refused. */
+export function useCut(flightId: number) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: async (wanted: CutRequest[]) => {
+      const made = [];
+      for (const one of wanted) {
+        made.push(
+          await body(
+            api.POST("/api/v1/flights/{flight_id}/maneuvers", {
+              params: { path: { flight_id: flightId } },
+              body: one,
+            }),
+          ),
+        );
+      }
+      return made;
+    },
+    onSettled: () =>
+      Promise.all(
+        [["flight", flightId, "found"], ["maneuvers"], ["quality"], ["figure", "envelope"]].map(
+          (queryKey) => cache.invalidateQueries({ queryKey }),
+        ),
+      ),
   });
 }

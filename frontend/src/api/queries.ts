@@ -103,6 +103,44 @@ export const flightsQuery = queryOptions({
   queryFn: async ({ signal }) => (await body(api.GET("/api/v1/flights", { signal }))).items,
 });
 
+export const flightQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["flight", id],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/flights/{flight_id}", { params: { path: { flight_id: id } }, signal })),
+  });
+
+export const flightChannelsQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["flight", id, "channels"],
+    queryFn: async ({ signal }) =>
+      (
+        await body(
+          api.GET("/api/v1/flights/{flight_id}/channels", {
+            params: { path: { flight_id: id } },
+            signal,
+          }),
+        )
+      ).items,
+    staleTime: 60_000,
+  });
+
+export const foundManeuversQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["flight", id, "found"],
+    queryFn: async ({ signal }) =>
+      (
+        await body(
+          api.GET("/api/v1/flights/{flight_id}/found-maneuvers", {
+            params: { path: { flight_id: id } },
+            signal,
+          }),
+        )
+      ).items,
+    staleTime: 60_000,
+    retry: false,
+  });
+
 export const groundTestsQuery = queryOptions({
   queryKey: ["ground-tests"],
   queryFn: async ({ signal }) => (await body(api.GET("/api/v1/ground-tests", { signal }))).items,

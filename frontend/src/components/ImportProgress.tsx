@@ -56,7 +56,19 @@ export function ImportProgress({ id, text, ready, onImported }: Props) {
               Open the maneuver
             </ButtonLink>
           ) : (
-            `The whole flight was kept with ${String(upload.n_channels ?? 0)} channels.`
+            <Group gap="sm">
+              {`The whole flight was kept with ${String(upload.n_channels ?? 0)} channels.`}
+              {upload.flight_id !== null && (
+                <ButtonLink
+                  size="xs"
+                  variant="default"
+                  to="/flights/$id"
+                  params={{ id: upload.flight_id }}
+                >
+                  Cut its maneuvers
+                </ButtonLink>
+              )}
+            </Group>
           )}
         </Alert>
       )}

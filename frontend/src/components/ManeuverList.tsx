@@ -34,7 +34,11 @@ export function ManeuverList({ maneuvers, selected, onSelect, sort, onSort }: Pr
       header: "Flight",
       sort: "flight_number",
       numeric: true,
-      render: (one) => one.flight_number,
+      render: (one) => (
+        <Link to="/flights/$id" params={{ id: one.flight_id }} className="link">
+          {one.flight_number}
+        </Link>
+      ),
     },
     { key: "fta", header: "FTA", sort: "fta", numeric: true, render: (one) => one.fta ?? "–" },
     {

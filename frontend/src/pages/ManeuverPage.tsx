@@ -50,12 +50,7 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
           <Link to="/campaign" className="link" key="campaign">
             Campaign
           </Link>,
-          <Link
-            to="/campaign"
-            search={{ flight: maneuver.flight_id }}
-            className="link"
-            key="flight"
-          >
+          <Link to="/flights/$id" params={{ id: maneuver.flight_id }} className="link" key="flight">
             Flight {maneuver.flight_number}
           </Link>,
         ]}

@@ -34,7 +34,7 @@ function OneTest({ test }: { test: GroundTest }) {
           <Link to="/campaign" className="link" key="campaign">
             Campaign
           </Link>,
-          <Link to="/campaign" search={{ flight: test.flight_id }} className="link" key="flight">
+          <Link to="/flights/$id" params={{ id: test.flight_id }} className="link" key="flight">
             Flight {test.flight_number}
           </Link>,
         ]}

@@ -1,0 +1,104 @@
+import { Alert, Button, Group, NumberInput, Stack, TextInput } from "@mantine/core";
+import { Link } from "@tanstack/react-router";
+import { useState } from "react";
+import { useCut } from "../api/commands";
+import { ProblemAlert } from "./ProblemAlert";
+
+interface Props {
+  flightId: number;
+  window: [number, number] | undefined;
+  label: string | undefined;
+  fta: number | undefined;
+  onWindow: (window: [number, number]) => void;
+}
+
+/** The window that was brushed, to the hundredth of a second, and the maneuver it becomes. */
+export function CutForm({ flightId, window, label: offered, fta: number, onWindow }: Props) {
+  const [label, setLabel] = useState(offered ?? "");
+  const [fta, setFta] = useState<number | string>(number ?? "");
+  const [start, setStart] = useState<number | string>(rounded(window?.[0]));
+  const [stop, setStop] = useState<number | string>(rounded(window?.[1]));
+  const cut = useCut(flightId);
+  const ready =
+    typeof start === "number" && typeof stop === "number" && stop > start && label.trim() !== "";
+  const show = () => {
+    if (typeof start === "number" && typeof stop === "number" && stop > start)
+      onWindow([start, stop]);
+  };
+  const made = cut.data?.[0];
+  return (
+    <Stack
+      gap="xs"
+      component="form"
+      aria-label="Cut a maneuver"
+      onSubmit={(event) => {
+        event.preventDefault();
+      }}
+    >
+      <Group gap="xs" grow>
+        <NumberInput
+          label="From [s]"
+          value={start}
+          onChange={setStart}
+          onBlur={show}
+          decimalScale={3}
+        />
+        <NumberInput
+          label="To [s]"
+          value={stop}
+          onChange={setStop}
+          onBlur={show}
+          decimalScale={3}
+        />
+      </Group>
+      <TextInput
+        label="Maneuver"
+        placeholder="label"
+        value={label}
+        onChange={(event) => {
+          setLabel(event.currentTarget.value);
+        }}
+      />
+      <NumberInput
+        label="FTA"
+        placeholder="none"
+        value={fta}
+        onChange={setFta}
+        allowDecimal={false}
+        min={0}
+      />
+      <Button
+        disabled={!ready}
+        loading={cut.isPending}
+        data-testid="cut-window"
+        onClick={() => {
+          if (typeof start !== "number" || typeof stop !== "number") return;
+          cut.mutate([
+            {
+              label: label.trim(),
+              start_s: start,
+              stop_s: stop,
+              fta: typeof fta === "number" ? fta : null,
+              axis: "longitudinal",
+              note: "",
+            },
+          ]);
+        }}
+      >
+        Cut this window
+      </Button>
+      {cut.isError && <ProblemAlert error={cut.error} />}
+      {made && (
+        <Alert color="green" variant="light" role="status">
+          <Link to="/maneuvers/$id" params={{ id: made.id }} className="link">
+            {made.label}
+          </Link>{" "}
+          was cut.
+        </Alert>
+      )}
+    </Stack>
+  );
+}
+
+const rounded = (value: number | undefined): number | string =>
+  value === undefined ? "" : Math.round(1000 * value) / 1000;
