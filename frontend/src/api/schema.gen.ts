@@ -121,6 +121,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/flights/{flight_id}/found-maneuvers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Find Maneuvers
+         * @description Look for maneuvers in the recording of a flight; nothing is cut yet.
+         */
+        get: operations["find_maneuvers"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/flights/{flight_id}/maneuvers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cut Maneuver
+         * @description Cut a maneuver out of a window of the recording, which stays as it is.
+         */
+        post: operations["cut_maneuver"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/ground-tests": {
         parameters: {
             query?: never;
@@ -2219,6 +2259,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/figures/flight-history": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Flight History
+         * @description Draw channels of a whole flight against time; the commands by default.
+         */
+        get: operations["draw_flight_history"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/figures/spectrum": {
         parameters: {
             query?: never;
@@ -3759,6 +3819,31 @@ export interface components {
             running: number[];
         };
         /**
+         * CutRequest
+         * @description A window of a flight that becomes a maneuver. [s]
+         */
+        CutRequest: {
+            /** Label */
+            label: string;
+            /** Start S */
+            start_s: number;
+            /** Stop S */
+            stop_s: number;
+            /** Fta */
+            fta?: number | null;
+            /**
+             * Axis
+             * @default longitudinal
+             * @enum {string}
+             */
+            axis: "longitudinal" | "lateral";
+            /**
+             * Note
+             * @default
+             */
+            note: string;
+        };
+        /**
          * Decision
          * @description Where a decision stands after its events; ``version`` counts them.
          *
@@ -4720,6 +4805,37 @@ export interface components {
             smallest: number | null;
             /** Largest */
             largest: number | null;
+        };
+        /**
+         * FoundManeuver
+         * @description A stretch of a flight that looks like a maneuver, with trim before and after.
+         *
+         *     ``basis`` says what it was found by; ``maneuver_id`` names one that was cut there.
+         */
+        FoundManeuver: {
+            /** Label */
+            label: string;
+            /** Start S */
+            start_s: number;
+            /** Stop S */
+            stop_s: number;
+            excitation: components["schemas"]["Excitation"] | null;
+            /** N Periods */
+            n_periods: number;
+            /** Fta */
+            fta: number | null;
+            /** Basis */
+            basis: string;
+            /** Maneuver Id */
+            maneuver_id?: number | null;
+        };
+        /**
+         * FoundManeuverList
+         * @description Stretches of a flight that look like maneuvers.
+         */
+        FoundManeuverList: {
+            /** Items */
+            items: components["schemas"]["FoundManeuver"][];
         };
         /**
          * FoundStretch
@@ -8248,6 +8364,88 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["FlightChannelList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    find_maneuvers: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                flight_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FoundManeuverList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    cut_maneuver: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                flight_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "label": "1-01 FTA 506",
+                 *       "start_s": 98,
+                 *       "stop_s": 130,
+                 *       "fta": 506
+                 *     }
+                 */
+                "application/json": components["schemas"]["CutRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ManeuverDetail"];
                 };
             };
             /** @description Client Error */
@@ -13232,6 +13430,52 @@ export interface operations {
             query: {
                 /** @example 1 */
                 maneuver_id: number;
+                /**
+                 * @description Names separated by commas.
+                 * @example bfs,q
+                 */
+                channels?: string | null;
+                /** @example 0 */
+                start_s?: number | null;
+                /** @example 5 */
+                stop_s?: number | null;
+                points?: number;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_flight_history: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                flight_id: number;
                 /**
                  * @description Names separated by commas.
                  * @example bfs,q
