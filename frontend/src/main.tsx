@@ -7,16 +7,20 @@ import { RouterProvider } from "@tanstack/react-router";
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { ApiProblem } from "./api/problem";
+import { healthQuery } from "./api/queries";
 import { router } from "./routes";
 import { theme } from "./theme";
 
-const queries = new QueryClient({
+const queries: QueryClient = new QueryClient({
   defaultOptions: {
     queries: {
       staleTime: 10_000,
       // What the server refused once it refuses again; a lost connection comes back.
-      retry: (failures, error) =>
-        failures < 3 && (!(error instanceof ApiProblem) || error.status === 0),
+      retry: (failures, error) => {
+        const lost = !(error instanceof ApiProblem) || error.status === 0;
+        if (lost) void queries.invalidateQueries(healthQuery); // so that the frame says it soon
+        return lost && failures < 3;
+      },
       retryDelay: (attempt) => Math.min(500 * 2 ** attempt, 4000),
     },
   },

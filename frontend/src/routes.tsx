@@ -7,6 +7,7 @@ import {
 } from "@tanstack/react-router";
 import { PageError } from "./components/PageError";
 import { AppFrame } from "./components/AppFrame";
+import { patiently } from "./lib/patiently";
 import { parseSearch, stringifySearch } from "./lib/urlState";
 import { NotFoundPage } from "./pages/NotFoundPage";
 import {
@@ -30,6 +31,9 @@ import {
   structuresView,
 } from "./views";
 
+/** A page, loaded when first opened, also over a server that comes back. */
+const page: typeof lazyRouteComponent = (load, name) => lazyRouteComponent(patiently(load), name);
+
 const root = createRootRoute({
   component: AppFrame,
   notFoundComponent: NotFoundPage,
@@ -44,14 +48,14 @@ const byId = {
 const start = createRoute({
   getParentRoute: () => root,
   path: "/",
-  component: lazyRouteComponent(() => import("./pages/StartPage"), "StartPage"),
+  component: page(() => import("./pages/StartPage"), "StartPage"),
 });
 
 const campaign = createRoute({
   getParentRoute: () => root,
   path: "/campaign",
   validateSearch: campaignView,
-  component: lazyRouteComponent(() => import("./pages/CampaignPage"), "CampaignPage"),
+  component: page(() => import("./pages/CampaignPage"), "CampaignPage"),
 });
 
 const maneuver = createRoute({
@@ -59,7 +63,7 @@ const maneuver = createRoute({
   path: "/maneuvers/$id",
   params: byId,
   validateSearch: maneuverView,
-  component: lazyRouteComponent(() => import("./pages/ManeuverPage"), "ManeuverPage"),
+  component: page(() => import("./pages/ManeuverPage"), "ManeuverPage"),
 });
 
 const flight = createRoute({
@@ -74,14 +78,14 @@ const quality = createRoute({
   getParentRoute: () => root,
   path: "/quality",
   validateSearch: qualityView,
-  component: lazyRouteComponent(() => import("./pages/QualityPage"), "QualityPage"),
+  component: page(() => import("./pages/QualityPage"), "QualityPage"),
 });
 
 const miniGvt = createRoute({
   getParentRoute: () => root,
   path: "/flights/$id/mini-gvt",
   params: byId,
-  component: lazyRouteComponent(() => import("./pages/MiniGvtPage"), "MiniGvtPage"),
+  component: page(() => import("./pages/MiniGvtPage"), "MiniGvtPage"),
 });
 
 const newRun = createRoute({
@@ -89,7 +93,7 @@ const newRun = createRoute({
   path: "/maneuvers/$id/new-run",
   params: byId,
   validateSearch: newRunView,
-  component: lazyRouteComponent(() => import("./pages/NewRunPage"), "NewRunPage"),
+  component: page(() => import("./pages/NewRunPage"), "NewRunPage"),
 });
 
 const run = createRoute({
@@ -97,56 +101,56 @@ const run = createRoute({
   path: "/runs/$id",
   params: byId,
   validateSearch: runView,
-  component: lazyRouteComponent(() => import("./pages/RunPage"), "RunPage"),
+  component: page(() => import("./pages/RunPage"), "RunPage"),
 });
 
 const runs = createRoute({
   getParentRoute: () => root,
   path: "/runs",
   validateSearch: runsView,
-  component: lazyRouteComponent(() => import("./pages/RunsPage"), "RunsPage"),
+  component: page(() => import("./pages/RunsPage"), "RunsPage"),
 });
 
 const glossary = createRoute({
   getParentRoute: () => root,
   path: "/glossary",
   validateSearch: glossaryView,
-  component: lazyRouteComponent(() => import("./pages/GlossaryPage"), "GlossaryPage"),
+  component: page(() => import("./pages/GlossaryPage"), "GlossaryPage"),
 });
 
 const compare = createRoute({
   getParentRoute: () => root,
   path: "/compare",
   validateSearch: compareView,
-  component: lazyRouteComponent(() => import("./pages/ComparePage"), "ComparePage"),
+  component: page(() => import("./pages/ComparePage"), "ComparePage"),
 });
 
 const flutter = createRoute({
   getParentRoute: () => root,
   path: "/flutter",
   validateSearch: flutterView,
-  component: lazyRouteComponent(() => import("./pages/FlutterPage"), "FlutterPage"),
+  component: page(() => import("./pages/FlutterPage"), "FlutterPage"),
 });
 
 const structures = createRoute({
   getParentRoute: () => root,
   path: "/structures",
   validateSearch: structuresView,
-  component: lazyRouteComponent(() => import("./pages/StructuresPage"), "StructuresPage"),
+  component: page(() => import("./pages/StructuresPage"), "StructuresPage"),
 });
 
 const jobs = createRoute({
   getParentRoute: () => root,
   path: "/jobs",
   validateSearch: jobsView,
-  component: lazyRouteComponent(() => import("./pages/JobsPage"), "JobsPage"),
+  component: page(() => import("./pages/JobsPage"), "JobsPage"),
 });
 
 const job = createRoute({
   getParentRoute: () => root,
   path: "/jobs/$id",
   params: byId,
-  component: lazyRouteComponent(() => import("./pages/JobPage"), "JobPage"),
+  component: page(() => import("./pages/JobPage"), "JobPage"),
 });
 
 const batch = createRoute({
@@ -154,27 +158,27 @@ const batch = createRoute({
   path: "/batches/$id",
   params: byId,
   validateSearch: batchView,
-  component: lazyRouteComponent(() => import("./pages/BatchPage"), "BatchPage"),
+  component: page(() => import("./pages/BatchPage"), "BatchPage"),
 });
 
 const aircraft = createRoute({
   getParentRoute: () => root,
   path: "/aircraft",
-  component: lazyRouteComponent(() => import("./pages/AircraftPage"), "AircraftPage"),
+  component: page(() => import("./pages/AircraftPage"), "AircraftPage"),
 });
 
 const excitation = createRoute({
   getParentRoute: () => root,
   path: "/excitation",
   validateSearch: excitationView,
-  component: lazyRouteComponent(() => import("./pages/ExcitationPage"), "ExcitationPage"),
+  component: page(() => import("./pages/ExcitationPage"), "ExcitationPage"),
 });
 
 const modelStructures = createRoute({
   getParentRoute: () => root,
   path: "/model-structures",
   validateSearch: modelStructuresView,
-  component: lazyRouteComponent(() => import("./pages/ModelStructuresPage"), "ModelStructuresPage"),
+  component: page(() => import("./pages/ModelStructuresPage"), "ModelStructuresPage"),
 });
 
 const modelStructure = createRoute({
@@ -182,14 +186,14 @@ const modelStructure = createRoute({
   path: "/model-structures/$id",
   params: byId,
   validateSearch: modelStructureView,
-  component: lazyRouteComponent(() => import("./pages/ModelStructurePage"), "ModelStructurePage"),
+  component: page(() => import("./pages/ModelStructurePage"), "ModelStructurePage"),
 });
 
 const importPage = createRoute({
   getParentRoute: () => root,
   path: "/import",
   validateSearch: importView,
-  component: lazyRouteComponent(() => import("./pages/ImportPage"), "ImportPage"),
+  component: page(() => import("./pages/ImportPage"), "ImportPage"),
 });
 
 const design = createRoute({
@@ -197,7 +201,7 @@ const design = createRoute({
   path: "/excitation/$id",
   params: byId,
   validateSearch: designView,
-  component: lazyRouteComponent(() => import("./pages/DesignPage"), "DesignPage"),
+  component: page(() => import("./pages/DesignPage"), "DesignPage"),
 });
 
 export const router = createRouter({

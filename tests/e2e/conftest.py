@@ -75,11 +75,23 @@ def server(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator
     folder = tmp_path_factory.mktemp("server")
     database = folder / "flexsid.db"
     shutil.copy(campaign, database)
+    port = free_port()
+    with serving(database, port, folder / "server.log") as process:
+        yield f"http://127.0.0.1:{port}"
+        assert process.poll() is None, "the server ended by itself"
+
+
+def free_port() -> int:
+    """A port that nothing listens on."""
     with closing(socket.socket()) as probe:
         probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    log = folder / "server.log"
-    with log.open("w") as output:
+        return probe.getsockname()[1]
+
+
+@contextmanager
+def serving(database: Path, port: int, log: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """A server on this database and port, until it is killed or no longer needed."""
+    with log.open("a") as output:
         process = subprocess.Popen(
             [*FLEXSID, "serve", "--database", f"sqlite:///{database}"],
             cwd=ROOT / "backend",
@@ -87,10 +99,9 @@ def server(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator
             stdout=output,
             stderr=subprocess.STDOUT,
         )
-        address = f"http://127.0.0.1:{port}"
         try:
-            _wait_until_healthy(address, process, log)
-            yield address
+            _wait_until_healthy(f"http://127.0.0.1:{port}", process, log)
+            yield process
         finally:
             process.terminate()
             process.wait(timeout=20)

@@ -17,7 +17,7 @@ const POLL_MS = 500;
 export const healthQuery = queryOptions({
   queryKey: ["health"],
   queryFn: ({ signal }) => body(api.GET("/api/v1/health", { signal })),
-  refetchInterval: 10_000,
+  refetchInterval: (query) => (query.state.status === "error" ? 1500 : 10_000),
   retry: false,
 });
 

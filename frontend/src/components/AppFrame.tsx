@@ -3,7 +3,7 @@ import { Link, Outlet } from "@tanstack/react-router";
 import { useLive } from "../api/live";
 import { VIEWS } from "../views";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
-import { Health } from "./Health";
+import { Health, LostConnection } from "./Health";
 import { Keyboard } from "./Keyboard";
 import { NoticeBar } from "./NoticeBar";
 
@@ -55,6 +55,7 @@ export function AppFrame() {
       </AppShell.Header>
       <AppShell.Main>
         <div className="page" id="content" tabIndex={-1}>
+          <LostConnection />
           <Outlet />
         </div>
       </AppShell.Main>

@@ -1,5 +1,7 @@
-import { Group, Text, Tooltip } from "@mantine/core";
-import { useQuery } from "@tanstack/react-query";
+import { Alert, Group, Text, Tooltip } from "@mantine/core";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useRouter } from "@tanstack/react-router";
+import { useEffect, useRef } from "react";
 import { healthQuery } from "../api/queries";
 
 /** Whether the server answers, and which version it is. */
@@ -23,5 +25,33 @@ export function Health() {
         </Text>
       </Group>
     </Tooltip>
+  );
+}
+
+/** Says that the server is lost; once it answers again, what failed is asked again. */
+export function LostConnection() {
+  const { isError } = useQuery(healthQuery);
+  const cache = useQueryClient();
+  const router = useRouter();
+  const wasLost = useRef(false);
+  useEffect(() => {
+    if (wasLost.current && !isError) {
+      void cache.invalidateQueries();
+      void router.invalidate(); // a page whose code could not be loaded
+    }
+    wasLost.current = isError;
+  }, [isError, cache, router]);
+  if (!isError) return null;
+  return (
+    <Alert
+      color="red.9"
+      variant="filled"
+      role="alert"
+      mb="md"
+      title="The server does not answer"
+      data-testid="lost-connection"
+    >
+      What is shown may be out of date. This page tries again by itself and goes on where it was.
+    </Alert>
   );
 }

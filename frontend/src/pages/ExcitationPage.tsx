@@ -1,7 +1,6 @@
 import { Button, Group, NumberInput, Stack, Tabs } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { Link, useNavigate, useSearch } from "@tanstack/react-router";
-import { useState } from "react";
 import { useSearchDesign } from "../api/commands";
 import { catalogueQuery, designsQuery } from "../api/queries";
 import type { CatalogueRow, Design, DesignRequest } from "../api/types";
@@ -15,6 +14,7 @@ import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
 import { TaskProgress } from "../components/TaskProgress";
 import { dateTime, fixed } from "../lib/format";
+import { useDraft } from "../lib/useDraft";
 import { DESIGN_SOURCES, type ExcitationView } from "../views";
 
 const DEGREE = Math.PI / 180;
@@ -90,10 +90,16 @@ export function ExcitationPage() {
   const catalogue = useQuery(catalogueQuery);
   const search = useSearchDesign();
   const cache = useQueryClient();
-  const [period, setPeriod] = useState(24);
-  const [rate, setRate] = useState(100);
-  const [first, setFirst] = useState(6);
-  const [peak, setPeak] = useState(2);
+  const { draft, setDraft } = useDraft("catalogue-design", {
+    period: 24,
+    rate: 100,
+    first: 6,
+    peak: 2,
+  });
+  const { period, rate, first, peak } = draft;
+  const set = (key: keyof typeof draft) => (value: number) => {
+    setDraft((previous) => ({ ...previous, [key]: value }));
+  };
 
   const make = (wanted: DesignRequest) => {
     search.mutate(wanted);
@@ -203,10 +209,10 @@ export function ExcitationPage() {
               note="Amplitudes low and high are half and twice the medium one"
             >
               <Group mb="sm">
-                <Wanted label="T [s]" value={period} onChange={setPeriod} />
-                <Wanted label="Rate [Hz]" value={rate} onChange={setRate} />
-                <Wanted label="First harmonic" value={first} onChange={setFirst} />
-                <Wanted label="Body flap, medium [deg]" value={peak} onChange={setPeak} />
+                <Wanted label="T [s]" value={period} onChange={set("period")} />
+                <Wanted label="Rate [Hz]" value={rate} onChange={set("rate")} />
+                <Wanted label="First harmonic" value={first} onChange={set("first")} />
+                <Wanted label="Body flap, medium [deg]" value={peak} onChange={set("peak")} />
               </Group>
               <Loaded query={catalogue} rows={24}>
                 {(rows) => (
