@@ -229,7 +229,7 @@ export const DESIGN_SOURCES = ["table", "own", "flown"] as const;
 export const excitationView = view((search) => ({ from: oneOf(search.from, DESIGN_SOURCES) }));
 export type ExcitationView = ReturnType<typeof excitationView>;
 
-export const DESIGN_TABS = ["excitation", "told", "amplitudes", "classic"] as const;
+export const DESIGN_TABS = ["excitation", "told", "amplitudes", "classic", "rehearsal"] as const;
 
 export const designView = view((search) => ({
   tab: oneOf(search.tab, DESIGN_TABS),

@@ -17,6 +17,7 @@ from flexsid.records.aircraft import (
     SensorKind,
     Surface,
 )
+from flexsid.records.controller import ControlLaw, Controller
 from flexsid.sysid.model.instruments import Butterworth, Instrument, SecondOrder
 from flexsid.units import factor
 
@@ -71,6 +72,31 @@ def describe_aircraft(truth: Truth) -> Aircraft:
         flutter=FlutterTable(
             fuel=_numbers(truth.flutter_fuel), speed_m_s=_numbers(truth.flutter_speed)
         ),
+    )
+
+
+def describe_controller(truth: Truth, aircraft_id: int) -> Controller:
+    """The law that flies, on the sensors that it reads: scheduled, so two airspeeds say all."""
+    law = truth.controller
+    corner = law.filter_corner
+    lagged = ((-corner, 0.0), (0.0, -corner)), ((corner, 0.0), (0.0, corner))
+    lowest = law.low_speed + law.least_gain * (law.high_speed - law.low_speed)
+    return Controller(
+        aircraft_id=aircraft_id,
+        name="Pitch-rate and attitude feedback",
+        reads=("q", "theta"),
+        drives=law.surfaces,
+        laws=tuple(
+            ControlLaw(
+                airspeed_m_s=float(airspeed),
+                A=lagged[0],
+                B=lagged[1],
+                C=tuple(_numbers(-row) for row in law.gains_at(airspeed)),
+                D=((0.0, 0.0),) * len(law.surfaces),
+            )
+            for airspeed in (lowest, law.high_speed)
+        ),
+        delay_s=law.delay_s,
     )
 
 

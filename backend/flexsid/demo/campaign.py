@@ -10,7 +10,7 @@ from datetime import date
 
 from threadpoolctl import threadpool_limits
 
-from flexsid.demo.aircraft import NAME, describe_aircraft
+from flexsid.demo.aircraft import NAME, describe_aircraft, describe_controller
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import FlownManeuver, fly
 from flexsid.demo.ground import shake
@@ -20,6 +20,7 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight
 from flexsid.records.maneuver import Channel, Maneuver
 from flexsid.storage.store import Store
+from flexsid.workflow.controllers import add_controller
 from flexsid.workflow.structures import add_structure
 
 Report = Callable[[float, str], None]
@@ -164,6 +165,7 @@ def add_aircraft(store: Store) -> Aircraft:
             store.predictions.add(prediction)
         for structure in model_structures(aircraft.id):
             add_structure(store, structure)
+        add_controller(store, describe_controller(truth, aircraft.id))
     return aircraft
 
 

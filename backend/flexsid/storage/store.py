@@ -9,6 +9,7 @@ from typing import Any, Unpack
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.batch import Batch
 from flexsid.records.conditioning import ConditioningStep
+from flexsid.records.controller import Controller
 from flexsid.records.decision import (
     Decision,
     DecisionEvent,
@@ -29,6 +30,7 @@ from flexsid.records.modal_table import (
 from flexsid.records.model_structure import ModelStructure, StructureVersion
 from flexsid.records.prediction import Prediction
 from flexsid.records.quality import ManeuverQuality
+from flexsid.records.rehearsal import Rehearsal
 from flexsid.records.run import EstimationRun
 from flexsid.records.saved_view import SavedView
 from flexsid.records.search import StructureSearch
@@ -105,6 +107,8 @@ class Store:
             database, tables.frozen_figures, FrozenFigure, "frozen figure"
         )
         self.looks = Repository(database, tables.looks, Look, "look")
+        self.controllers = Repository(database, tables.controllers, Controller, "controller")
+        self.rehearsals = Repository(database, tables.rehearsals, Rehearsal, "rehearsal")
         self.runs = Repository(database, tables.runs, EstimationRun, "run")
         self.searches = Repository(database, tables.searches, StructureSearch, "search")
         self.saved_views = Repository(database, tables.saved_views, SavedView, "saved view")

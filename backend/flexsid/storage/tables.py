@@ -323,6 +323,31 @@ designs = _table(
     sa.Column("created_at", UtcDateTime, nullable=False),
 )
 
+controllers = _table(
+    "controllers",
+    _identity(),
+    _refers_to("aircraft_id", "aircraft"),
+    _text("name"),
+    _json("reads"),
+    _json("drives"),
+    _json("laws"),
+    _number("delay_s"),
+    _text("note"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+)
+
+rehearsals = _table(
+    "rehearsals",
+    _identity(),
+    _refers_to("design_id", "designs", ondelete="CASCADE"),
+    sa.Column("level", sa.Integer, nullable=False),
+    _refers_to("model_run_id", "runs", ondelete="CASCADE"),
+    _refers_to("controller_id", "controllers", required=False),
+    _refers_to("maneuver_id", "maneuvers", ondelete="CASCADE"),
+    _refers_to("run_id", "runs", ondelete="CASCADE"),
+    sa.Column("created_at", UtcDateTime, nullable=False),
+)
+
 runs = _table(
     "runs",
     _identity(),

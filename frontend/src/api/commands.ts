@@ -193,6 +193,18 @@ export function useRedesign(id: number) {
   });
 }
 
+export function useRehearse(designId: number) {
+  return useMutation({
+    mutationFn: (wanted: { run_id: number; level: number; controller_id: number | null }) =>
+      body(
+        api.POST("/api/v1/designs/{design_id}/rehearsals", {
+          params: { path: { design_id: designId } },
+          body: wanted,
+        }),
+      ),
+  });
+}
+
 export function useCancelTask() {
   const cache = useQueryClient();
   return useMutation({

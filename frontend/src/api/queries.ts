@@ -461,6 +461,27 @@ export const taskQuery = (task: Task) =>
       query.state.data?.state === "waiting" || query.state.data?.state === "running" ? 300 : false,
   });
 
+export const controllersQuery = queryOptions({
+  queryKey: ["controllers"],
+  queryFn: async ({ signal }) => (await body(api.GET("/api/v1/controllers", { signal }))).items,
+});
+
+export const rehearsalsQuery = (designId: number) =>
+  queryOptions({
+    queryKey: ["designs", designId, "rehearsals"],
+    queryFn: async ({ signal }) =>
+      (
+        await body(
+          api.GET("/api/v1/designs/{design_id}/rehearsals", {
+            params: { path: { design_id: designId } },
+            signal,
+          }),
+        )
+      ).items,
+    refetchInterval: (query) =>
+      query.state.data?.some((one) => !isOver(one.state)) === true ? 3 * POLL_MS : false,
+  });
+
 export interface AllocationLimits {
   /** Largest deflection [rad] and load factor [g]; the design's own where undefined. */
   deflection?: number;

@@ -15,6 +15,7 @@ import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
+import { RehearsalPart } from "../components/RehearsalPart";
 import { Section } from "../components/Section";
 import { TaskProgress } from "../components/TaskProgress";
 import { fixed } from "../lib/format";
@@ -29,6 +30,7 @@ const TAB_NAMES: Record<(typeof DESIGN_TABS)[number], string> = {
   told: "What it would tell",
   amplitudes: "Amplitudes",
   classic: "Classic inputs",
+  rehearsal: "Rehearsal",
 };
 
 type Change = (part: Partial<DesignView>) => void;
@@ -176,6 +178,11 @@ function OneDesign({ design }: { design: Design }) {
                 <ClassicInputsPart design={design} level={level} run={run} />
               </Section>
             )}
+          </ForRun>
+        </Tabs.Panel>
+        <Tabs.Panel value="rehearsal" pt="md">
+          <ForRun view={view} onChange={change}>
+            {(run) => <RehearsalPart design={design} level={level} run={run} />}
           </ForRun>
         </Tabs.Panel>
       </Tabs>

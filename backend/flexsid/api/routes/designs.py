@@ -23,7 +23,7 @@ from flexsid.storage.repository import LARGEST_ID
 from flexsid.sysid.excitation.allotment import Band
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks
 from flexsid.sysid.excitation.designer import InputWish, Wish, check_wish
-from flexsid.workflow import allocation, classic, excitation, flown, foresight
+from flexsid.workflow import allocation, classic, excitation, flown, foresight, rehearsal
 from flexsid.workflow.tasks import Report, Task
 
 router = APIRouter(prefix="/designs", tags=["designs"])
@@ -170,6 +170,25 @@ class RedesignRequest:
     effort: Effort = "thorough"
 
     __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RehearsalRequest:
+    """Whose model flies, at which amplitude, and which controller holds it; none for open loop."""
+
+    run_id: Annotated[int, Field(strict=True, ge=1, le=LARGEST_ID)]
+    level: Annotated[int, Field(strict=True, ge=0, le=2)] = 1
+    controller_id: Annotated[int, Field(strict=True, ge=1, le=LARGEST_ID)] | None = None
+
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RehearsalList:
+    """Rehearsals of one design."""
+
+    items: list[rehearsal.RehearsalResult]
+    next: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -381,6 +400,31 @@ def redesign(context: TheContext, design_id: Identity, wanted: RedesignRequest) 
         return flown.redesign(context.store, design, wanted.name, wanted.effort, _teller(report)).id
 
     begun = context.tasks.begin("design", work)
+    return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
+
+
+@router.get("/{design_id}/rehearsals", response_model=RehearsalList)
+def list_rehearsals(store: TheStore, design_id: Identity) -> Json:
+    """List the rehearsals of a design, newest first, with what their runs estimated."""
+    design = store.designs.get(design_id)
+    return Json(RehearsalList(items=list(rehearsal.rehearsal_results(store, design))))
+
+
+@router.post("/{design_id}/rehearsals", response_model=Task, status_code=status.HTTP_202_ACCEPTED)
+def rehearse(context: TheContext, design_id: Identity, wanted: RehearsalRequest) -> Json:
+    """Begin to fly a design in simulation; the maneuver is kept and its estimation queued."""
+    design = context.store.designs.get(design_id)
+    if wanted.controller_id is not None:
+        context.store.controllers.get(wanted.controller_id)
+
+    def work(report: Report) -> int | None:
+        kept = rehearsal.rehearse_design(
+            context.store, design, wanted.run_id, wanted.level, wanted.controller_id, report
+        )
+        context.dispatcher.wake()
+        return kept.id
+
+    begun = context.tasks.begin("rehearsal", work)
     return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
 
 

@@ -1,0 +1,190 @@
+"""Controllers: taken over from state-space matrices or transfer functions, and read at a speed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.importers.source import Sources
+from flexsid.records.controller import ControlLaw, Controller
+from flexsid.storage.store import Store
+from flexsid.sysid.model.aeroelastic import StateSpace
+from flexsid.sysid.model.laws import Law, check_laws, from_transfer, law_at
+
+_MATRICES = ("A", "B", "C", "D")
+_EXAMPLE = (
+    'expected {"reads": ["q"], "drives": ["wf4s"], "laws": [{"airspeed_m_s": 30, "A": [[...]], '
+    '"B": ..., "C": ..., "D": ...}]} or {"reads", "drives", "transfer": {"wf4s": {"q": {"num": '
+    '[...], "den": [...]}}}}'
+)
+
+
+def add_controller(store: Store, controller: Controller) -> Controller:
+    """Keep a controller whose matrices fit.
+
+    Raises
+    ------
+    BadInput
+        If a matrix has a wrong shape, or a surface is not the aircraft's.
+    """
+    check_laws(_laws(controller), controller.reads, controller.drives)
+    aircraft = store.aircraft.get(controller.aircraft_id)
+    surfaces = [surface.name for surface in aircraft.surfaces]
+    for name in controller.drives:
+        if name not in surfaces:
+            raise BadInput(
+                f"the controller drives '{name}', which {aircraft.name} has not; its surfaces are"
+                f" {', '.join(surfaces)}",
+                code="unknown-input",
+                input=name,
+            )
+    if not 0.0 <= controller.delay_s < 1.0:
+        raise BadInput(f"a delay of {controller.delay_s:g} s is none that a loop could bear")
+    return store.controllers.add(replace(controller, id=None))
+
+
+def controller_at(controller: Controller, airspeed_m_s: float) -> StateSpace:
+    """Matrices of a controller at an airspeed, its delay left out."""
+    return law_at(_laws(controller), airspeed_m_s, controller.reads, controller.drives)
+
+
+def read_controller(text: str, aircraft_id: int, name: str) -> Controller:
+    """Read a controller from JSON.
+
+    Raises
+    ------
+    BadInput
+        If the text is no JSON, or not of the two forms.
+    """
+    try:
+        content = json.loads(text)
+    except ValueError as error:
+        raise BadInput(f"the controller is no JSON: {error}; {_EXAMPLE}") from error
+    if not isinstance(content, dict):
+        raise BadInput(f"the controller is no JSON object; {_EXAMPLE}")
+    reads, drives = (_names(content, key) for key in ("reads", "drives"))
+    if "transfer" in content:
+        laws = (_from_transfer(content["transfer"], reads, drives),)
+    elif "laws" in content:
+        listed = content["laws"]
+        if not isinstance(listed, list):
+            raise BadInput(f"'laws' must be a list; {_EXAMPLE}")
+        laws = tuple(_from_matrices(one, reads, drives) for one in listed)
+    else:
+        laws = (_from_matrices(content, reads, drives),)
+    return Controller(
+        aircraft_id=aircraft_id,
+        name=str(content.get("name", name)) or name,
+        reads=reads,
+        drives=drives,
+        laws=laws,
+        delay_s=_number(content.get("delay_s", 0.0), "delay_s"),
+        note=str(content.get("note", "")),
+    )
+
+
+def controller_of_matrices(
+    sources: Sources, aircraft_id: int, name: str, reads: Sequence[str], drives: Sequence[str]
+) -> Controller:
+    """Take the matrices A, B, C, D of a MATLAB file."""
+    found = {}
+    for matrix in _MATRICES:
+        if not sources.has(matrix):
+            if matrix == "D":
+                raise BadInput("the file holds no matrix D; save A, B, C and D as variables")
+            continue
+        _, values = sources.find(matrix)
+        found[matrix] = np.atleast_2d(np.asarray(values, dtype=float)).tolist()
+    law = _from_matrices(found, tuple(reads), tuple(drives))
+    return Controller(
+        aircraft_id=aircraft_id, name=name, reads=tuple(reads), drives=tuple(drives), laws=(law,)
+    )
+
+
+def _from_matrices(content: object, reads: tuple[str, ...], drives: tuple[str, ...]) -> ControlLaw:
+    if not isinstance(content, Mapping) or "D" not in content:
+        raise BadInput(f"a law lacks its matrices, at least D; {_EXAMPLE}")
+    A = _matrix(content.get("A", []), "A", None)
+    n = A.shape[0]
+    shapes = {"B": (n, len(reads)), "C": (len(drives), n), "D": (len(drives), len(reads))}
+    rest = {
+        key: _matrix(content.get(key, []), key, shape if 0 in shape else None)
+        for key, shape in shapes.items()
+    }
+    speed = _number(content.get("airspeed_m_s", 0.0), "airspeed_m_s")
+    return _record(Law(speed, A, rest["B"], rest["C"], rest["D"]))
+
+
+def _from_transfer(content: object, reads: tuple[str, ...], drives: tuple[str, ...]) -> ControlLaw:
+    if not isinstance(content, Mapping):
+        raise BadInput(f"'transfer' must hold functions by surface and signal; {_EXAMPLE}")
+    elements = {}
+    for surface, by_signal in content.items():
+        if surface not in drives or not isinstance(by_signal, Mapping):
+            raise BadInput(f"'transfer' names '{surface}', which 'drives' does not; {_EXAMPLE}")
+        for signal, function in by_signal.items():
+            if signal not in reads or not isinstance(function, Mapping):
+                raise BadInput(f"'transfer' names '{signal}', which 'reads' does not; {_EXAMPLE}")
+            where = drives.index(surface), reads.index(signal)
+            parts = [
+                _matrix(function.get(key, []), f"{surface}.{signal}.{key}", None).ravel().tolist()
+                for key in ("num", "den")
+            ]
+            elements[where] = parts[0], parts[1]
+    return _record(Law(0.0, *from_transfer(elements, len(drives), len(reads))))
+
+
+def _matrix(content: object, name: str, shape: tuple[int, int] | None) -> np.ndarray:
+    if shape is not None:
+        return np.zeros(shape)
+    try:
+        values = np.asarray(content, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise BadInput(f"{name} is no matrix of numbers; {_EXAMPLE}") from error
+    if values.size == 0:
+        return np.zeros((0, 0))
+    return np.atleast_2d(values)
+
+
+def _number(content: object, name: str) -> float:
+    if not isinstance(content, int | float) or not np.isfinite(content):
+        raise BadInput(f"{name} must be a finite number, not {content!r}")
+    return float(content)
+
+
+def _names(content: Mapping[str, Any], key: str) -> tuple[str, ...]:
+    listed = content.get(key)
+    if not isinstance(listed, list) or not listed or not all(isinstance(x, str) for x in listed):
+        raise BadInput(f"'{key}' must list names; {_EXAMPLE}")
+    if len(set(listed)) < len(listed):
+        raise BadInput(f"'{key}' names something twice: {', '.join(listed)}")
+    return tuple(listed)
+
+
+def _laws(controller: Controller) -> list[Law]:
+    n_read, n_driven = len(controller.reads), len(controller.drives)
+    laws = []
+    for law in controller.laws:
+        n = len(law.A)
+        laws.append(
+            Law(
+                law.airspeed_m_s,
+                np.array(law.A, dtype=float).reshape(n, -1) if n else np.zeros((0, 0)),
+                np.array(law.B, dtype=float) if n else np.zeros((0, n_read)),
+                np.array(law.C, dtype=float) if n else np.zeros((n_driven, 0)),
+                np.array(law.D, dtype=float),
+            )
+        )
+    return laws
+
+
+def _record(law: Law) -> ControlLaw:
+    A, B, C, D = (
+        tuple(tuple(row) for row in matrix.tolist()) for matrix in (law.A, law.B, law.C, law.D)
+    )
+    return ControlLaw(airspeed_m_s=law.airspeed, A=A, B=B, C=C, D=D)
