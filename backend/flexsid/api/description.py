@@ -39,6 +39,10 @@ _EXAMPLES: dict[str, Any] = {
     "acceleration": 100.0,
     "altitude_m": 1000.0,
     "next_m_s": 45.0,
+    "deflection": 0.1,
+    "load_factor": 0.5,
+    "level": 1,
+    "task_id": "t0123456789abcdef",
     "upload_id": "5b0c2a",
     "version": 1,
     "step_id": 1,
@@ -115,6 +119,24 @@ _BODIES: dict[str, Any] = {
     "take_conditioning": {"items": [{"channel": "q", "kind": "delay", "delay_s": 0.004}]},
     "cut_maneuver": {"label": "1-01 FTA 506", "start_s": 98.0, "stop_s": 130.0, "fta": 506},
     "assess_maneuvers": {"maneuver_ids": [1]},
+    "search_design": {
+        "name": "about the short period",
+        "duration_s": 24.0,
+        "rate_hz": 100.0,
+        "peaks": [0.0175, 0.035, 0.07],
+        "bands": [
+            {"name": "bfs", "low_hz": 0.3, "high_hz": 8.0, "count": 20, "targets_hz": [2.3]},
+        ],
+        "effort": "quick",
+    },
+    "redesign": {"name": "FTA 500, phases anew", "effort": "quick"},
+    "rehearse": {"run_id": 1, "level": 1, "controller_id": 1},
+    "create_controller": {
+        "aircraft_id": 1,
+        "name": "Pitch damper",
+        "text": '{"reads": ["q"], "drives": ["wf4s"],'
+        ' "transfer": {"wf4s": {"q": {"num": [0.2], "den": [0.02, 1.0]}}}}',
+    },
     "rescale_design": {"name": "FTA 500, less body flap", "gains": {"bfs": 0.8}},
     "correct_mode": {
         "number": 12,

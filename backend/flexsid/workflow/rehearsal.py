@@ -137,7 +137,8 @@ def rehearse_design(
                     array=store.arrays.put(kept, unit),
                 )
             )
-        run = store.runs.add(
+        run = queue.add(
+            store,
             EstimationRun(
                 maneuver_id=maneuver.id or 0,
                 method=at.run.method,
@@ -148,7 +149,7 @@ def rehearse_design(
                 modal_table_id=at.run.modal_table_id,
                 damping_table_id=at.run.damping_table_id,
                 prediction_id=at.run.prediction_id,
-            )
+            ),
         )
         return store.rehearsals.add(
             Rehearsal(
