@@ -14,6 +14,7 @@ from flexsid.records.flight import Flight
 from flexsid.records.maneuver import Channel, Excitation, Maneuver, Role
 from flexsid.records.rehearsal import Rehearsal
 from flexsid.records.run import EstimationRun, RunState
+from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.model.instruments import Instrument
 from flexsid.sysid.model.laws import chain_of
