@@ -2137,6 +2137,30 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/designs/{design_id}/rehearsals": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Rehearsals
+         * @description List the rehearsals of a design, newest first, with what their runs estimated.
+         */
+        get: operations["list_rehearsals"];
+        put?: never;
+        /**
+         * Rehearse
+         * @description Begin to fly a design in simulation; the maneuver is kept and its estimation queued.
+         */
+        post: operations["rehearse"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/designs/{design_id}/export": {
         parameters: {
             query?: never;
@@ -2152,6 +2176,74 @@ export interface paths {
         put?: never;
         post?: never;
         delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/controllers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Controllers
+         * @description List controllers, of one aircraft or all.
+         */
+        get: operations["list_controllers"];
+        put?: never;
+        /**
+         * Create Controller
+         * @description Keep a controller given as text.
+         */
+        post: operations["create_controller"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/controllers/files": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Upload Controller
+         * @description Keep a controller of a file.
+         */
+        post: operations["upload_controller"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/controllers/{controller_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Controller
+         * @description Return one controller.
+         */
+        get: operations["get_controller"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete Controller
+         * @description Forget a controller that no rehearsal was flown with.
+         */
+        delete: operations["delete_controller"];
         options?: never;
         head?: never;
         patch?: never;
@@ -3309,6 +3401,30 @@ export interface components {
              */
             apart: boolean;
         };
+        /** Body_upload_controller */
+        Body_upload_controller: {
+            /**
+             * File
+             * @description JSON, or MATLAB with A, B, C and D.
+             */
+            file: string;
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Name */
+            name: string;
+            /**
+             * Reads
+             * @description For MATLAB: signals read, by commas.
+             * @default
+             */
+            reads: string;
+            /**
+             * Drives
+             * @description For MATLAB: surfaces driven, by commas.
+             * @default
+             */
+            drives: string;
+        };
         /** Body_upload_files */
         Body_upload_files: {
             /**
@@ -3725,6 +3841,74 @@ export interface components {
             undone_at?: string | null;
             /** Id */
             id?: number | null;
+        };
+        /**
+         * ControlLaw
+         * @description u = K y with the sign in K, in state-space form; SI and rad.
+         */
+        ControlLaw: {
+            /** Airspeed M S */
+            airspeed_m_s: number;
+            /** A */
+            A: number[][];
+            /** B */
+            B: number[][];
+            /** C */
+            C: number[][];
+            /** D */
+            D: number[][];
+        };
+        /**
+         * Controller
+         * @description A law reads outputs and drives surfaces by their names; linear between airspeeds.
+         */
+        Controller: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Name */
+            name: string;
+            /** Reads */
+            reads: string[];
+            /** Drives */
+            drives: string[];
+            /** Laws */
+            laws: components["schemas"]["ControlLaw"][];
+            /**
+             * Delay S
+             * @default 0
+             */
+            delay_s: number;
+            /**
+             * Note
+             * @default
+             */
+            note: string;
+            /** Created At */
+            created_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * ControllerList
+         * @description Controllers, oldest first.
+         */
+        ControllerList: {
+            /** Items */
+            items: components["schemas"]["Controller"][];
+            /** Next */
+            next?: string | null;
+        };
+        /**
+         * ControllerRequest
+         * @description A controller as JSON text: ``reads``, ``drives``, and matrices or transfer functions.
+         */
+        ControllerRequest: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Name */
+            name: string;
+            /** Text */
+            text: string;
         };
         /**
          * Correction
@@ -6322,6 +6506,83 @@ export interface components {
             id: number;
             /** Version */
             version: number;
+        };
+        /**
+         * Rehearsal
+         * @description Which design, at which amplitude, with whose model and controller; what came of it.
+         */
+        Rehearsal: {
+            /** Design Id */
+            design_id: number;
+            /** Level */
+            level: number;
+            /** Model Run Id */
+            model_run_id: number;
+            /** Controller Id */
+            controller_id: number | null;
+            /** Maneuver Id */
+            maneuver_id: number;
+            /** Run Id */
+            run_id: number;
+            /** Created At */
+            created_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * RehearsalList
+         * @description Rehearsals of one design.
+         */
+        RehearsalList: {
+            /** Items */
+            items: components["schemas"]["RehearsalResult"][];
+            /** Next */
+            next?: string | null;
+        };
+        /**
+         * RehearsalRequest
+         * @description Whose model flies, at which amplitude, and which controller holds it; none for open loop.
+         */
+        RehearsalRequest: {
+            /** Run Id */
+            run_id: number;
+            /**
+             * Level
+             * @default 1
+             */
+            level: number;
+            /** Controller Id */
+            controller_id?: number | null;
+        };
+        /**
+         * RehearsalResult
+         * @description A rehearsal, how far its run is, and the derivatives once it has succeeded.
+         */
+        RehearsalResult: {
+            rehearsal: components["schemas"]["Rehearsal"];
+            /** Label */
+            label: string;
+            state: components["schemas"]["RunState"];
+            /** Correlation */
+            correlation: number | null;
+            /** Derivatives */
+            derivatives: components["schemas"]["RehearsedDerivative"][];
+        };
+        /**
+         * RehearsedDerivative
+         * @description A derivative of the model that flew, what was estimated, and what had been expected.
+         */
+        RehearsedDerivative: {
+            /** Name */
+            name: string;
+            /** Flown */
+            flown: number;
+            /** Estimate */
+            estimate: number;
+            /** Std Error */
+            std_error: number | null;
+            /** Expected */
+            expected: number;
         };
         /**
          * RescaleRequest
@@ -12743,6 +13004,30 @@ export interface operations {
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "name": "about the short period",
+                 *       "duration_s": 24,
+                 *       "rate_hz": 100,
+                 *       "peaks": [
+                 *         0.0175,
+                 *         0.035,
+                 *         0.07
+                 *       ],
+                 *       "bands": [
+                 *         {
+                 *           "name": "bfs",
+                 *           "low_hz": 0.3,
+                 *           "high_hz": 8,
+                 *           "count": 20,
+                 *           "targets_hz": [
+                 *             2.3
+                 *           ]
+                 *         }
+                 *       ],
+                 *       "effort": "quick"
+                 *     }
+                 */
                 "application/json": components["schemas"]["DesignRequest"];
             };
         };
@@ -12914,7 +13199,10 @@ export interface operations {
                 rate?: number | null;
                 /** @example 100 */
                 acceleration?: number | null;
-                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                /**
+                 * @description Amplitude: 0 low, 1 medium, 2 high.
+                 * @example 1
+                 */
                 level?: number;
             };
             header?: never;
@@ -12954,7 +13242,10 @@ export interface operations {
             query: {
                 /** @example 1 */
                 run_id: number;
-                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                /**
+                 * @description Amplitude: 0 low, 1 medium, 2 high.
+                 * @example 1
+                 */
                 level?: number;
             };
             header?: never;
@@ -12994,7 +13285,10 @@ export interface operations {
             query: {
                 /** @example 1 */
                 run_id: number;
-                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                /**
+                 * @description Amplitude: 0 low, 1 medium, 2 high.
+                 * @example 1
+                 */
                 level?: number;
             };
             header?: never;
@@ -13034,7 +13328,10 @@ export interface operations {
             query: {
                 /** @example 1 */
                 run_id: number;
-                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                /**
+                 * @description Amplitude: 0 low, 1 medium, 2 high.
+                 * @example 1
+                 */
                 level?: number;
             };
             header?: never;
@@ -13074,9 +13371,14 @@ export interface operations {
             query: {
                 /** @example 1 */
                 run_id: number;
+                /** @example 0.1 */
                 deflection?: number | null;
+                /** @example 0.5 */
                 load_factor?: number | null;
-                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                /**
+                 * @description Amplitude: 0 low, 1 medium, 2 high.
+                 * @example 1
+                 */
                 level?: number;
             };
             header?: never;
@@ -13173,7 +13475,94 @@ export interface operations {
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "name": "FTA 500, phases anew",
+                 *       "effort": "quick"
+                 *     }
+                 */
                 "application/json": components["schemas"]["RedesignRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Task"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_rehearsals: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                design_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RehearsalList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    rehearse: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                design_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "run_id": 1,
+                 *       "level": 1,
+                 *       "controller_id": 1
+                 *     }
+                 */
+                "application/json": components["schemas"]["RehearsalRequest"];
             };
         };
         responses: {
@@ -13201,7 +13590,10 @@ export interface operations {
         parameters: {
             query?: {
                 form?: "csv" | "mat" | "h" | "json";
-                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                /**
+                 * @description Amplitude: 0 low, 1 medium, 2 high.
+                 * @example 1
+                 */
                 level?: number;
             };
             header?: never;
@@ -13227,6 +13619,179 @@ export interface operations {
                     "text/plain": string;
                     "application/json": string;
                 };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_controllers: {
+        parameters: {
+            query?: {
+                /** @example 1 */
+                aircraft_id?: number | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ControllerList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    create_controller: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "aircraft_id": 1,
+                 *       "name": "Pitch damper",
+                 *       "text": "{\"reads\": [\"q\"], \"drives\": [\"wf4s\"], \"transfer\": {\"wf4s\": {\"q\": {\"num\": [0.2], \"den\": [0.02, 1.0]}}}}"
+                 *     }
+                 */
+                "application/json": components["schemas"]["ControllerRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Controller"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    upload_controller: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "multipart/form-data": components["schemas"]["Body_upload_controller"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Controller"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_controller: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                controller_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Controller"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    delete_controller: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                controller_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description Client Error */
             "4XX": {
@@ -13294,7 +13859,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @example 1 */
+                /** @example t0123456789abcdef */
                 task_id: string;
             };
             cookie?: never;
@@ -13326,7 +13891,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @example 1 */
+                /** @example t0123456789abcdef */
                 task_id: string;
             };
             cookie?: never;
@@ -14402,7 +14967,10 @@ export interface operations {
             query: {
                 /** @example 1 */
                 design_id: number;
-                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                /**
+                 * @description Amplitude: 0 low, 1 medium, 2 high.
+                 * @example 1
+                 */
                 level?: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -14440,7 +15008,10 @@ export interface operations {
             query: {
                 /** @example 1 */
                 design_id: number;
-                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                /**
+                 * @description Amplitude: 0 low, 1 medium, 2 high.
+                 * @example 1
+                 */
                 level?: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -14480,7 +15051,10 @@ export interface operations {
                 design_id: number;
                 /** @example 1 */
                 run_id: number;
-                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                /**
+                 * @description Amplitude: 0 low, 1 medium, 2 high.
+                 * @example 1
+                 */
                 level?: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -14520,7 +15094,10 @@ export interface operations {
                 design_id: number;
                 /** @example 1 */
                 run_id: number;
-                /** @description Amplitude: 0 low, 1 medium, 2 high. */
+                /**
+                 * @description Amplitude: 0 low, 1 medium, 2 high.
+                 * @example 1
+                 */
                 level?: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
