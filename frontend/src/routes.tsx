@@ -22,7 +22,10 @@ import {
   glossaryView,
   jobsView,
   maneuverView,
+  decisionsView,
+  decisionView,
   modelStructuresView,
+  newDecisionView,
   modelStructureView,
   newRunView,
   qualityView,
@@ -181,6 +184,28 @@ const modelStructures = createRoute({
   component: page(() => import("./pages/ModelStructuresPage"), "ModelStructuresPage"),
 });
 
+const decisions = createRoute({
+  getParentRoute: () => root,
+  path: "/decisions",
+  validateSearch: decisionsView,
+  component: lazyRouteComponent(() => import("./pages/DecisionsPage"), "DecisionsPage"),
+});
+
+const newDecision = createRoute({
+  getParentRoute: () => root,
+  path: "/decisions/new",
+  validateSearch: newDecisionView,
+  component: lazyRouteComponent(() => import("./pages/NewDecisionPage"), "NewDecisionPage"),
+});
+
+const decision = createRoute({
+  getParentRoute: () => root,
+  path: "/decisions/$id",
+  params: byId,
+  validateSearch: decisionView,
+  component: lazyRouteComponent(() => import("./pages/DecisionPage"), "DecisionPage"),
+});
+
 const modelStructure = createRoute({
   getParentRoute: () => root,
   path: "/model-structures/$id",
@@ -228,6 +253,9 @@ export const router = createRouter({
     importPage,
     modelStructures,
     modelStructure,
+    decisions,
+    newDecision,
+    decision,
   ]),
   parseSearch,
   stringifySearch,

@@ -1,5 +1,12 @@
 /** What each page keeps in its address. */
-import { METHODS, STATES, type Method, type RunState } from "./api/types";
+import {
+  DECISION_STATES,
+  METHODS,
+  STATES,
+  type DecisionState,
+  type Method,
+  type RunState,
+} from "./api/types";
 import { flag, integer, integers, number, oneOf, text, words, type Search } from "./lib/urlState";
 
 /**
@@ -14,6 +21,7 @@ export const VIEWS = [
   { to: "/compare", label: "Compare", key: "m" },
   { to: "/model-structures", label: "Structures", key: "t" },
   { to: "/structures", label: "Modes", key: "o" },
+  { to: "/decisions", label: "Decisions", key: "d" },
   { to: "/flutter", label: "Flutter", key: "f" },
   { to: "/jobs", label: "Jobs", key: "j" },
   { to: "/excitation", label: "Excitation", key: "e" },
@@ -276,3 +284,25 @@ export const modelStructureView = view((search) => ({
   numbers: oneOf(search.numbers, CELL_NUMBERS),
 }));
 export type ModelStructureView = ReturnType<typeof modelStructureView>;
+
+export const decisionsView = view((search) => ({
+  aircraft: integer(search.aircraft),
+  state: oneOf<DecisionState>(search.state, DECISION_STATES),
+}));
+
+export const newDecisionView = view((search) => ({
+  structure: integer(search.structure),
+  version: integer(search.version),
+  /** Structure and version that the proposal changes. */
+  changes: integer(search.changes),
+  changes_version: integer(search.changes_version),
+  runs: integers(search.runs),
+}));
+
+export const decisionView = view((search) => ({
+  /** Derivative that is looked at and commented on. */
+  derivative: text(search.derivative),
+  /** The proposal is being revised. */
+  revise: flag(search.revise),
+}));
+export type DecisionView = ReturnType<typeof decisionView>;

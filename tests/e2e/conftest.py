@@ -110,27 +110,39 @@ def serving(database: Path, port: int, log: Path) -> Iterator[subprocess.Popen[b
 @pytest.fixture
 def page(browser: Browser, server: str) -> Iterator[Page]:
     """A page that fails the test when the console complains or a request fails."""
-    with _watched_page(browser, server, refusals=False) as page:
+    with _watched_page(browser, server) as page:
         yield page
 
 
 @pytest.fixture
 def refused(browser: Browser, server: str) -> Iterator[Page]:
     """The same for tests in which the server is to refuse something (422)."""
-    with _watched_page(browser, server, refusals=True) as page:
+    with _watched_page(browser, server, refused=422) as page:
         yield page
 
 
+@pytest.fixture
+def two_pages(browser: Browser, server: str) -> Iterator[tuple[Page, Page]]:
+    """Pages of two browsers that know nothing of each other; stale edits are to be refused."""
+    with (
+        _watched_page(browser, server, refused=409) as one,
+        _watched_page(browser, server, refused=409) as other,
+    ):
+        yield one, other
+
+
 @contextmanager
-def _watched_page(browser: Browser, server: str, *, refusals: bool) -> Iterator[Page]:
+def _watched_page(browser: Browser, server: str, refused: int | None = None) -> Iterator[Page]:
     complaints: list[str] = []
 
     def heard(said: ConsoleMessage) -> None:
-        if said.type in ("error", "warning") and not (refusals and "422" in said.text):
+        if said.type in ("error", "warning") and not (
+            refused is not None and str(refused) in said.text
+        ):
             complaints.append(said.text)
 
     def answered(answer: Response) -> None:
-        if answer.status >= 400 and not (refusals and answer.status == 422):
+        if answer.status >= 400 and answer.status != refused:
             complaints.append(f"{answer.status} {answer.url}")
 
     context = browser.new_context(viewport={"width": 1440, "height": 1000}, base_url=server)

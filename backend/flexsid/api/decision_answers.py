@@ -9,8 +9,8 @@ from flexsid.records.decision import (
     Decision,
     DecisionEvent,
     FrozenFigure,
-    Proposal,
     ReviewRules,
+    StructureProposal,
 )
 from flexsid.records.model_structure import StructureVersion
 from flexsid.workflow.baselines import Baseline
@@ -49,9 +49,9 @@ class DecisionDetail(Decision):
 class StaleProposal(Problem):
     """Why a vote or revision was refused: ``current`` stands in the place of ``base`` by now."""
 
-    base: Proposal
-    current: Proposal
-    sent: Proposal | None
+    base: StructureProposal
+    current: StructureProposal
+    sent: StructureProposal | None
     revision: int
 
 

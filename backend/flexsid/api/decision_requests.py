@@ -10,9 +10,9 @@ from pydantic import ConfigDict, Field, StringConstraints
 from flexsid.api.requests import Id, Number, Title, Version
 from flexsid.records.decision import (
     LinkedComparison,
-    Proposal,
     Quantity,
     ReviewRules,
+    StructureProposal,
     StructureReference,
     Vote,
 )
@@ -68,9 +68,9 @@ class ProposalRequest:
 
     __pydantic_config__ = _STRICT
 
-    def record(self) -> Proposal:
+    def record(self) -> StructureProposal:
         """Return what is kept."""
-        return Proposal(
+        return StructureProposal(
             title=self.title,
             structure=self.structure.record(),
             changes=None if self.changes is None else self.changes.record(),

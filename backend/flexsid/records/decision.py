@@ -39,7 +39,7 @@ class LinkedComparison:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Proposal:
+class StructureProposal:
     """What a decision is about, and the evidence for it.
 
     ``changes`` is the version that ``structure`` changes, where it is not new.
@@ -121,7 +121,7 @@ class DecisionEvent:
     revision: int
     derivative: str | None = None
     vote: Vote | None = None
-    proposal: Proposal | None = None
+    proposal: StructureProposal | None = None
     rules: ReviewRules | None = None
     by_decision_id: int | None = None
     data: dict[str, str]
@@ -144,7 +144,7 @@ class Decision:
 
     aircraft_id: int
     axis: str
-    proposal: Proposal
+    proposal: StructureProposal
     state: DecisionState
     revision: int
     authors: tuple[str, ...]

@@ -9,8 +9,8 @@ from flexsid.records.decision import (
     DecisionEvent,
     EventKind,
     Limits,
-    Proposal,
     ReviewRules,
+    StructureProposal,
     StructureReference,
 )
 from flexsid.records.model_structure import Structure, StructureVersion
@@ -96,7 +96,7 @@ def _decision(audited: AuditedDecision, surfaces: Sequence[str]) -> Iterator[str
     yield f"The {len(audited.events)} events {said}."
     if audited.changed_since:
         yield f"Not any more as at the last event: {', '.join(audited.changed_since)}."
-    previous: Proposal | None = None
+    previous: StructureProposal | None = None
     for event in audited.events:
         yield ""
         yield from _event(event, previous, audited.structures, surfaces)
@@ -126,7 +126,7 @@ def _decision(audited: AuditedDecision, surfaces: Sequence[str]) -> Iterator[str
 
 def _event(
     event: DecisionEvent,
-    previous: Proposal | None,
+    previous: StructureProposal | None,
     structures: Sequence[StructureVersion],
     surfaces: Sequence[str],
 ) -> Iterator[str]:
@@ -152,8 +152,8 @@ def _event(
 
 
 def _proposal(
-    proposal: Proposal,
-    previous: Proposal | None,
+    proposal: StructureProposal,
+    previous: StructureProposal | None,
     structures: Sequence[StructureVersion],
     surfaces: Sequence[str],
 ) -> Iterator[str]:

@@ -14,7 +14,7 @@ import orjson
 
 import flexsid
 from flexsid.errors import UnknownRecord
-from flexsid.records.decision import DecisionEvent, Proposal
+from flexsid.records.decision import DecisionEvent, StructureProposal
 from flexsid.storage.store import Store
 from flexsid.workflow.computation import versions
 from flexsid.workflow.structures import get_version
@@ -23,7 +23,7 @@ GONE = "gone"
 """Stands where the hash would, for what has been deleted since."""
 
 
-def data_of(store: Store, proposal: Proposal) -> dict[str, str]:
+def data_of(store: Store, proposal: StructureProposal) -> dict[str, str]:
     """Hash everything that a proposal rests on: structures, runs, maneuvers, figures."""
     runs = dict.fromkeys(proposal.run_ids)
     predictions: dict[int, None] = {}

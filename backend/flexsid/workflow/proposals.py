@@ -5,12 +5,12 @@ from __future__ import annotations
 from itertools import chain
 
 from flexsid.errors import BadInput
-from flexsid.records.decision import LinkedComparison, Proposal
+from flexsid.records.decision import LinkedComparison, StructureProposal
 from flexsid.storage.store import Store
 from flexsid.workflow.structures import get_version
 
 
-def check_proposal(store: Store, proposal: Proposal) -> tuple[int, str]:
+def check_proposal(store: Store, proposal: StructureProposal) -> tuple[int, str]:
     """Return aircraft and axis of a proposal.
 
     Raises

@@ -15,8 +15,8 @@ from flexsid.records.decision import (
     DecisionEvent,
     DecisionState,
     EventKind,
-    Proposal,
     ReviewRules,
+    StructureProposal,
     Vote,
 )
 from flexsid.storage.store import Store
@@ -62,7 +62,7 @@ def change_rules(store: Store, wanted: ReviewRules) -> ReviewRules:
         return store.review_rules.add(replace(wanted, version=wanted.version + 1))
 
 
-def propose(store: Store, proposal: Proposal, author: str) -> Decision:
+def propose(store: Store, proposal: StructureProposal, author: str) -> Decision:
     """Open a decision.
 
     Raises
@@ -89,7 +89,7 @@ def propose(store: Store, proposal: Proposal, author: str) -> Decision:
 
 
 def revise(
-    store: Store, decision_id: int, revision: int, proposal: Proposal, author: str
+    store: Store, decision_id: int, revision: int, proposal: StructureProposal, author: str
 ) -> Decision:
     """Put another proposal in the place of one; votes begin anew.
 
@@ -189,7 +189,7 @@ def append(
     *,
     derivative: str | None = None,
     vote: Vote | None = None,
-    proposal: Proposal | None = None,
+    proposal: StructureProposal | None = None,
     rules: ReviewRules | None = None,
     by_decision_id: int | None = None,
 ) -> Decision:
@@ -295,7 +295,9 @@ def adoption(decision: Decision) -> tuple[datetime, int]:
     return decision.adopted_at, decision.id
 
 
-def _open(store: Store, decision_id: int, revision: int, sent: Proposal | None = None) -> Decision:
+def _open(
+    store: Store, decision_id: int, revision: int, sent: StructureProposal | None = None
+) -> Decision:
     decision = store.decisions.get(decision_id)
     if decision.state not in OPEN:
         raise Conflict(

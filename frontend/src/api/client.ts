@@ -1,10 +1,14 @@
 /** The one place that talks to the server. */
 import createClient from "openapi-fetch";
+import { analystName, named } from "./analyst";
 import { problemFrom, unreachable } from "./problem";
 import type { paths } from "./schema.gen";
 import type { Full } from "./types";
 
 async function send(request: Request): Promise<Response> {
+  if (analystName() !== "") {
+    for (const [header, name] of Object.entries(named())) request.headers.set(header, name);
+  }
   try {
     return await fetch(request);
   } catch (error) {

@@ -38,6 +38,20 @@ export type Prediction = Received<"Prediction">;
 export type ModelStructure = Received<"ModelStructure">;
 export type StructureRequest = Schemas["ModelStructureRequest"];
 export type StructureEditRequest = Schemas["StructureEditRequest"];
+export type DecisionItem = Received<"DecisionItem">;
+export type Decision = Received<"DecisionDetail">;
+export type DecisionEvent = Received<"DecisionEvent">;
+export type Proposal = Received<"StructureProposal">;
+export type ProposalRequest = Schemas["ProposalRequest"];
+export type StaleProposal = Received<"StaleProposal">;
+export type Baseline = Received<"Baseline">;
+export type RulesHistory = Received<"RulesHistory">;
+export type RulesRequest = Schemas["RulesRequest"];
+export type Notifications = Received<"Notifications">;
+export type DecisionState = Schemas["DecisionState"];
+export type Vote = Schemas["Vote"];
+export type Quantity = Schemas["Quantity"];
+export type FreezeRequest = Schemas["FreezeRequest"];
 export type StaleStructure = Received<"StaleStructure">;
 export type StructureVersion = Received<"StructureVersion">;
 export type Run = Received<"Run">;
@@ -150,3 +164,16 @@ export interface RunFilters {
   search?: string;
   deleted?: boolean;
 }
+
+export const DECISION_STATES: readonly DecisionState[] = [
+  "open",
+  "changes-requested",
+  "approved",
+  "rejected",
+  "withdrawn",
+  "superseded",
+];
+
+/** A decision that can still be voted on. */
+export const isOpen = (state: DecisionState): boolean =>
+  state === "open" || state === "changes-requested";

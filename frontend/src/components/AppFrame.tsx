@@ -2,10 +2,12 @@ import { AppShell, Group, Menu, Text, UnstyledButton } from "@mantine/core";
 import { Link, Outlet } from "@tanstack/react-router";
 import { useLive } from "../api/live";
 import { VIEWS } from "../views";
+import { AnalystMenu } from "./AnalystMenu";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { Health, LostConnection } from "./Health";
 import { Keyboard } from "./Keyboard";
 import { NoticeBar } from "./NoticeBar";
+import { Notifications } from "./Notifications";
 
 const often = VIEWS.filter((view) => !("rare" in view));
 const rare = VIEWS.filter((view) => "rare" in view);
@@ -48,6 +50,8 @@ export function AppFrame() {
           </nav>
           <Group ml="auto" gap="md" wrap="nowrap">
             <Keyboard />
+            <Notifications />
+            <AnalystMenu />
             <Health />
             <ColorSchemeToggle />
           </Group>

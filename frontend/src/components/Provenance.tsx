@@ -1,8 +1,11 @@
 import { Stack } from "@mantine/core";
+import type { ReactNode } from "react";
 import type { Run } from "../api/types";
 import { dateTime, elapsed } from "../lib/format";
+import { heldAt, heldText } from "../lib/structure";
 import { Facts } from "./ConditionFacts";
 import { Section } from "./Section";
+import { StructureLink } from "./StructureLink";
 
 /** How this result came about: enough to get it again. */
 export function Provenance({ run }: { run: Run }) {
@@ -14,10 +17,25 @@ export function Provenance({ run }: { run: Run }) {
       <Section title="Model structure">
         <Facts
           facts={[
+            ...(run.structure_id === null
+              ? []
+              : [
+                  [
+                    "Kept structure",
+                    <StructureLink
+                      key="structure"
+                      name={`Structure ${run.structure_id}`}
+                      id={run.structure_id}
+                      version={run.structure_version ?? 1}
+                    />,
+                  ] as [string, ReactNode],
+                ]),
             ["Modes", listed(structure.modes, "rigid body only")],
             ["Inputs", listed(structure.inputs, "all of the maneuver")],
             ["Outputs", listed(structure.outputs, "all suitable")],
-            ["Free derivatives", structure.free == null ? "all" : structure.free.length],
+            ["Free derivatives", structure.free == null ? "all others" : structure.free.length],
+            ["Absent", listed(structure.absent, "none")],
+            ["Fixed", listed(fixedIn(structure), "none")],
             ["Time delays", structure.free_delays ? "estimated" : "held"],
           ]}
         />
@@ -50,5 +68,11 @@ export function Provenance({ run }: { run: Run }) {
         />
       </Section>
     </Stack>
+  );
+}
+
+function fixedIn({ fixed, fixed_to }: Run["structure"]): string[] {
+  return [...Object.keys(fixed), ...Object.keys(fixed_to)].map(
+    (name) => `${name} to ${heldText(heldAt({ free: null, absent: [], fixed, fixed_to }, name))}`,
   );
 }

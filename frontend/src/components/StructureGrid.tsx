@@ -24,6 +24,8 @@ interface Props {
   onCurrent: (name: string) => void;
   /** Numbers under the state of each derivative. */
   numbers?: (name: string) => ReactNode;
+  /** Something small beside the state of a derivative. */
+  marks?: (name: string) => ReactNode;
   /** What a derivative was in the structure that is compared with, where it differs. */
   before?: (name: string) => string | undefined;
   /** Nothing can be changed. */
@@ -160,7 +162,10 @@ export function StructureGrid(props: Props) {
                           toggle([name]);
                         }}
                       >
-                        <span className="state">{MARKS[state]}</span>
+                        <span className="state">
+                          {MARKS[state]}
+                          {props.marks?.(name)}
+                        </span>
                         {numbers?.(name)}
                       </button>
                     </td>

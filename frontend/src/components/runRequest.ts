@@ -22,7 +22,7 @@ import { stateOf, type Structure } from "../lib/structure";
 
 interface Circumstances {
   like?: Run;
-  /** Kept structure that the draft began with; named by the run where nothing was changed. */
+  /** Kept structure that the run names instead of one of its own. */
   origin?: Origin;
   together?: number[];
   carried?: number[];
@@ -39,15 +39,15 @@ export function runRequest(
   const band = bandOf(draft);
   const inputs = draft.inputs.length > 0 ? draft.inputs : excited;
   const structure = structureOf(draft, excited);
-  const named = isUnchanged(draft, excited, origin) && carried.length === 0;
+  const kept = carried.length === 0 ? origin : undefined;
   const { free } = structure;
   return {
     author: "",
     priority: 0,
     maneuver_id: maneuver,
     method,
-    ...(named
-      ? { structure_id: origin?.structure_id, structure_version: origin?.version }
+    ...(kept !== undefined
+      ? { structure_id: kept.structure_id, structure_version: kept.version }
       : {
           structure: {
             ...structure,

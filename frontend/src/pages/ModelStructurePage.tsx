@@ -1,7 +1,10 @@
 import { Badge, Button, Group, Select, Text, TextInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
+import { useEffect } from "react";
+import { useAnalyst } from "../api/analyst";
 import { useEditStructure } from "../api/commands";
+import { useMarkSeen } from "../api/reviewCommands";
 import { ApiProblem } from "../api/problem";
 import {
   aircraftQuery,
@@ -16,6 +19,7 @@ import type {
   StaleStructure,
   StructureVersion,
 } from "../api/types";
+import { ButtonLink } from "../components/ButtonLink";
 import { Loaded } from "../components/Loaded";
 import { ManeuverSelect } from "../components/ManeuverSelect";
 import { PageHead } from "../components/PageHead";
@@ -38,6 +42,11 @@ export function ModelStructurePage() {
 }
 
 function WithParts({ record }: { record: ModelStructure }) {
+  const name = useAnalyst();
+  const { mutate: markSeen } = useMarkSeen();
+  useEffect(() => {
+    if (name !== "") markSeen({ subject: "structure", id: record.id });
+  }, [name, record.id, record.version, markSeen]);
   const { version } = route.useSearch();
   const versions = useQuery(structureVersionsQuery(record.id));
   const aircraft = useQuery(aircraftQuery);
@@ -242,6 +251,7 @@ function Head({ record, versions, shown, unsaved }: HeadProps) {
         <>
           <Select
             aria-label="Version"
+            data-testid="structure-version"
             w={250}
             allowDeselect={false}
             data={versions.toReversed().map((one) => ({
@@ -267,18 +277,34 @@ function Head({ record, versions, shown, unsaved }: HeadProps) {
         </>
       }
       actions={
-        <ManeuverSelect
-          label="New run with this structure"
-          placeholder={unsaved ? "Save before running" : "New run of maneuver…"}
-          disabled={unsaved}
-          onChoose={(id) =>
-            void navigate({
-              to: "/maneuvers/$id/new-run",
-              params: { id },
-              search: { structure: record.id, version: shown?.version },
-            })
-          }
-        />
+        <>
+          <ButtonLink
+            to="/decisions/new"
+            search={{
+              structure: record.id,
+              version: shown?.version,
+              ...(shown !== undefined && shown.version > 1
+                ? { changes: record.id, changes_version: shown.version - 1 }
+                : {}),
+            }}
+            variant="default"
+            data-testid="propose-structure"
+          >
+            Propose
+          </ButtonLink>
+          <ManeuverSelect
+            label="New run with this structure"
+            placeholder={unsaved ? "Save before running" : "New run of maneuver…"}
+            disabled={unsaved}
+            onChoose={(id) =>
+              void navigate({
+                to: "/maneuvers/$id/new-run",
+                params: { id },
+                search: { structure: record.id, version: shown?.version },
+              })
+            }
+          />
+        </>
       }
     />
   );

@@ -8,21 +8,16 @@ import {
   modalTablesQuery,
   predictionsQuery,
   runQuery,
-  structureVersionsQuery,
 } from "../api/queries";
-import type {
-  Aircraft,
-  Maneuver,
-  ModalTable,
-  Prediction,
-  Run,
-  StructureVersion,
-} from "../api/types";
+import type { Aircraft, Maneuver, ModalTable, Prediction, Run } from "../api/types";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { RunForm } from "../components/RunForm";
 import { batchRequest, firstDraft, isUnchanged, runRequest } from "../components/runRequest";
+import { StructureLink } from "../components/StructureLink";
+import { useRunOrigin, type RunOrigin } from "../components/useRunOrigin";
+import { limitsText } from "../lib/limits";
 import { excitedInputs, named } from "../lib/channels";
 import type { RunDraft } from "../lib/runDraft";
 import { carriedModes } from "../lib/runDraft";
@@ -49,31 +44,28 @@ function WithTables({ maneuver, like }: { maneuver: Maneuver; like?: number }) {
   const tables = useQuery(modalTablesQuery(maneuver.aircraft_id));
   const predictions = useQuery(predictionsQuery(maneuver.aircraft_id));
   const before = useQuery({ ...runQuery(like ?? 0), enabled: like !== undefined });
-  const origin = useOrigin(like);
+  const begun = useRunOrigin(maneuver.id, route.useSearch(), like);
   return (
     <Loaded query={tables}>
       {(modal) => (
         <Loaded query={predictions}>
           {(sources) => (
             <Loaded query={aircraft}>
-              {(all) => (
-                <Loaded query={origin}>
-                  {(kept) => {
-                    const own = all.find((one) => one.id === maneuver.aircraft_id);
-                    const form = (run?: Run) => (
-                      <Form
-                        maneuver={maneuver}
-                        aircraft={own}
-                        tables={modal}
-                        predictions={sources}
-                        like={run}
-                        origin={kept ?? undefined}
-                      />
-                    );
-                    return like === undefined ? form() : <Loaded query={before}>{form}</Loaded>;
-                  }}
-                </Loaded>
-              )}
+              {(all) => {
+                const own = all.find((one) => one.id === maneuver.aircraft_id);
+                const form = (run?: Run) => (
+                  <Form
+                    maneuver={maneuver}
+                    aircraft={own}
+                    tables={modal}
+                    predictions={sources}
+                    like={run}
+                    origin={begun.origin}
+                  />
+                );
+                if (begun.loading) return null;
+                return like === undefined ? form() : <Loaded query={before}>{form}</Loaded>;
+              }}
             </Loaded>
           )}
         </Loaded>
@@ -82,27 +74,13 @@ function WithTables({ maneuver, like }: { maneuver: Maneuver; like?: number }) {
   );
 }
 
-/** The kept structure that the address names; null where it names none. */
-function useOrigin(like: number | undefined) {
-  const { structure, version } = route.useSearch();
-  const named = like === undefined && structure !== undefined;
-  return useQuery({
-    ...structureVersionsQuery(structure ?? 0),
-    enabled: named,
-    ...(named ? {} : { initialData: [] }),
-    select: (versions) =>
-      (version === undefined ? versions.at(-1) : versions.find((one) => one.version === version)) ??
-      null,
-  });
-}
-
 interface FormProps {
   maneuver: Maneuver;
   aircraft: Aircraft | undefined;
   tables: ModalTable[];
   predictions: Prediction[];
   like?: Run;
-  origin?: StructureVersion;
+  origin?: RunOrigin;
 }
 
 function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormProps) {
@@ -111,8 +89,15 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
   const submit = useSubmitRuns();
   const all = useSubmitBatch();
   const { draft, setDraft, forget } = useDraft<RunDraft>(
-    `flexsid.new-run.${maneuver.id}.${like?.id ?? ""}.${origin?.id ?? ""}`,
-    firstDraft({ maneuver, tables, predictions, like, origin, methods: view.methods }),
+    `flexsid.new-run.${maneuver.id}.${like?.id ?? ""}.${origin?.structure.id ?? ""}`,
+    firstDraft({
+      maneuver,
+      tables,
+      predictions,
+      like,
+      origin: origin?.structure,
+      methods: view.methods,
+    }),
   );
   const outputs = [
     ...(aircraft?.combinations.map((one) => one.name) ?? []),
@@ -124,6 +109,9 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
   const symmetric = modal?.numbers.filter((_, place) => modal.symmetric[place]) ?? [];
   const predicted = predictions.find((one) => one.id === draft.prediction)?.names ?? [];
 
+  const excited = excitedInputs(maneuver);
+  const unchanged = isUnchanged(draft, excited, origin?.structure);
+
   const send = () => {
     const [first, ...others] = maneuvers;
     const separate = view.together === true && first !== undefined ? [first] : maneuvers;
@@ -131,7 +119,8 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
       draft.methods.map((method) =>
         runRequest(draft, method, id, excitedInputs(maneuver), {
           like,
-          origin,
+          // Unchanged, each takes what was approved for its own condition.
+          origin: unchanged ? (origin?.ofOthers.get(id) ?? origin?.structure) : undefined,
           carried: carriedModes(draft, symmetric, predicted),
           together: view.together === true ? others : undefined,
         }),
@@ -203,19 +192,7 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
           )
         }
       />
-      {origin !== undefined && (
-        <Text size="sm" mb="md" data-testid="run-origin">
-          {isUnchanged(draft, excitedInputs(maneuver), origin) ? "With" : "Changed from"}{" "}
-          <Link
-            to="/model-structures/$id"
-            params={{ id: origin.structure_id }}
-            search={{ version: origin.version }}
-            className="link"
-          >
-            {origin.name}, version {origin.version}
-          </Link>
-        </Text>
-      )}
+      {origin !== undefined && <OriginNote origin={origin} unchanged={unchanged} />}
       <RunForm
         maneuver={maneuver}
         outputs={[...new Set(outputs)]}
@@ -231,5 +208,31 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
         }
       />
     </>
+  );
+}
+
+function OriginNote({ origin, unchanged }: { origin: RunOrigin; unchanged: boolean }) {
+  const { structure, baseline, ofOthers } = origin;
+  return (
+    <Text size="sm" mb="md" data-testid="run-origin">
+      {unchanged ? "With" : "Changed from"}{" "}
+      <StructureLink
+        name={structure.name}
+        id={structure.structure_id}
+        version={structure.version}
+      />
+      {baseline !== undefined && (
+        <>
+          , the baseline for {limitsText(baseline.limits)} by{" "}
+          <Link to="/decisions/$id" params={{ id: baseline.decision_id }} className="link">
+            {baseline.title}
+          </Link>
+        </>
+      )}
+      {ofOthers.size > 0 &&
+        (unchanged
+          ? `. ${ofOthers.size} of the further maneuvers take the baseline of their own condition.`
+          : `. ${ofOthers.size} of the further maneuvers have another baseline.`)}
+    </Text>
   );
 }

@@ -1,0 +1,81 @@
+/** What pages read of the review of model structures. */
+import { queryOptions } from "@tanstack/react-query";
+import { named } from "./analyst";
+import { api, body } from "./client";
+import type { DecisionState } from "./types";
+
+const TEAM_POLL_MS = 5000;
+
+export interface DecisionFilters {
+  aircraft_id?: number;
+  state?: DecisionState;
+}
+
+export const decisionsQuery = (filters: DecisionFilters) =>
+  queryOptions({
+    queryKey: ["decisions", "list", filters],
+    queryFn: async ({ signal }) =>
+      (await body(api.GET("/api/v1/decisions", { params: { query: filters }, signal }))).items,
+    refetchInterval: TEAM_POLL_MS,
+  });
+
+export const decisionQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["decisions", id],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/decisions/{decision_id}", {
+          params: { path: { decision_id: id } },
+          signal,
+        }),
+      ),
+    refetchInterval: TEAM_POLL_MS,
+  });
+
+export const reviewRulesQuery = (aircraftId: number) =>
+  queryOptions({
+    queryKey: ["review-rules", aircraftId],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/review-rules/{aircraft_id}", {
+          params: { path: { aircraft_id: aircraftId } },
+          signal,
+        }),
+      ),
+  });
+
+export const baselinesQuery = (aircraftId: number) =>
+  queryOptions({
+    queryKey: ["decisions", "baselines", aircraftId],
+    queryFn: async ({ signal }) =>
+      (
+        await body(
+          api.GET("/api/v1/baselines", { params: { query: { aircraft_id: aircraftId } }, signal }),
+        )
+      ).items,
+  });
+
+/** The approved structure of each maneuver's condition. */
+export const maneuverBaselinesQuery = (ids: readonly number[]) =>
+  queryOptions({
+    queryKey: ["decisions", "maneuver-baselines", ids],
+    queryFn: async ({ signal }) =>
+      (
+        await body(
+          api.GET("/api/v1/maneuver-baselines", {
+            params: { query: { maneuver_ids: ids.join(",") } },
+            signal,
+          }),
+        )
+      ).items,
+  });
+
+export const notificationsQuery = (name: string) =>
+  queryOptions({
+    queryKey: ["notifications", name],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/notifications", { params: { header: named() }, signal })),
+    enabled: name !== "",
+    refetchInterval: TEAM_POLL_MS,
+    retry: false,
+  });

@@ -1,0 +1,66 @@
+import { Button, Popover, Stack, Text, TextInput, UnstyledButton } from "@mantine/core";
+import { useState } from "react";
+import { setAnalystName, useAnalyst } from "../api/analyst";
+
+/** Who works here: a name that others see with what is said and decided. */
+export function AnalystMenu() {
+  const name = useAnalyst();
+  const [open, setOpen] = useState(false);
+  return (
+    <Popover opened={open} onChange={setOpen} position="bottom-end" trapFocus returnFocus>
+      <Popover.Target>
+        <UnstyledButton
+          className="frame-find"
+          data-testid="analyst"
+          aria-label={name === "" ? "Set your name" : `Working as ${name}`}
+          onClick={() => {
+            setOpen(!open);
+          }}
+        >
+          {name === "" ? "Your name" : name}
+        </UnstyledButton>
+      </Popover.Target>
+      <Popover.Dropdown>
+        <NameForm
+          onDone={() => {
+            setOpen(false);
+          }}
+        />
+      </Popover.Dropdown>
+    </Popover>
+  );
+}
+
+export function NameForm({ onDone }: { onDone?: () => void }) {
+  const name = useAnalyst();
+  const [typed, setTyped] = useState(name);
+  return (
+    <form
+      onSubmit={(event) => {
+        event.preventDefault();
+        setAnalystName(typed);
+        onDone?.();
+      }}
+    >
+      <Stack gap="xs" w={260}>
+        <TextInput
+          label="Your name"
+          data-autofocus
+          data-testid="analyst-name"
+          maxLength={100}
+          value={typed}
+          onChange={(event) => {
+            setTyped(event.currentTarget.value);
+          }}
+        />
+        <Text size="xs" className="quiet">
+          It stands with your proposals, comments and votes, marked as unverified: there are no
+          accounts. It is kept in this browser.
+        </Text>
+        <Button type="submit" data-testid="analyst-save">
+          Keep
+        </Button>
+      </Stack>
+    </form>
+  );
+}

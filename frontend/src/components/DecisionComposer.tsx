@@ -1,0 +1,127 @@
+import { Button, Group, Stack, Text, Textarea } from "@mantine/core";
+import { useState } from "react";
+import { sameName, useAnalyst } from "../api/analyst";
+import { useCommentDecision, useVote, useWithdrawDecision } from "../api/reviewCommands";
+import { asProblem } from "../api/problem";
+import { isOpen, type Decision, type Vote } from "../api/types";
+import { NameForm } from "./AnalystMenu";
+import { DerivativeName } from "./DerivativeName";
+import { ProblemAlert } from "./ProblemAlert";
+
+const VOTES: [Vote, string][] = [
+  ["approve", "Approve"],
+  ["request-changes", "Ask for changes"],
+  ["reject", "Reject"],
+];
+
+interface Props {
+  decision: Decision;
+  /** Revision that was read; a vote on any other is refused. */
+  revision: number;
+  derivative?: string;
+}
+
+/** Comment, vote or withdraw, always with words. */
+export function DecisionComposer({ decision, revision, derivative }: Props) {
+  const name = useAnalyst();
+  const [text, setText] = useState("");
+  const comment = useCommentDecision(decision.id);
+  const vote = useVote(decision.id);
+  const withdraw = useWithdrawDecision(decision.id);
+  if (name === "") {
+    return (
+      <Stack gap="xs">
+        <Text size="sm">To comment or vote, say who you are.</Text>
+        <NameForm />
+      </Stack>
+    );
+  }
+  const own = decision.authors.some((author) => sameName(author, name));
+  const open = isOpen(decision.state);
+  const mayVote = open && (!own || decision.rules.own_allowed);
+  const empty = text.trim() === "";
+  const busy = comment.isPending || vote.isPending || withdraw.isPending;
+  const done = {
+    onSuccess: () => {
+      setText("");
+    },
+  };
+  // A vote on an old revision is explained above the proposal.
+  const failed = [comment.error, vote.error, withdraw.error].find(
+    (error) => error !== null && asProblem(error).code !== "stale-edit",
+  );
+  const stale = [vote.error, withdraw.error].some(
+    (error) => error !== null && asProblem(error).code === "stale-edit",
+  );
+  return (
+    <Stack gap="xs">
+      <Textarea
+        label={
+          derivative === undefined ? (
+            "What do you say?"
+          ) : (
+            <>
+              What do you say of <DerivativeName name={derivative} />?
+            </>
+          )
+        }
+        autosize
+        minRows={3}
+        maxLength={10_000}
+        data-testid="say"
+        value={text}
+        onChange={(event) => {
+          setText(event.currentTarget.value);
+        }}
+      />
+      <Group gap="xs">
+        <Button
+          variant="default"
+          disabled={empty || busy}
+          data-testid="comment"
+          onClick={() => {
+            comment.mutate({ text, ...(derivative === undefined ? {} : { derivative }) }, done);
+          }}
+        >
+          Comment
+        </Button>
+        {mayVote &&
+          VOTES.map(([value, label]) => (
+            <Button
+              key={value}
+              variant={value === "approve" ? "filled" : "default"}
+              disabled={empty || busy}
+              data-testid={`vote-${value}`}
+              onClick={() => {
+                vote.mutate({ revision, vote: value, text }, done);
+              }}
+            >
+              {label}
+            </Button>
+          ))}
+        {open && own && (
+          <Button
+            variant="default"
+            disabled={empty || busy}
+            data-testid="withdraw"
+            onClick={() => {
+              withdraw.mutate({ revision, text }, done);
+            }}
+          >
+            Withdraw
+          </Button>
+        )}
+      </Group>
+      <Text size="xs" className="quiet">
+        As {name}, unverified.
+        {open && own && !decision.rules.own_allowed && " Nobody judges their own proposal."}
+      </Text>
+      {stale && (
+        <Text size="sm" c="var(--page-warn)" role="alert">
+          The proposal was revised before your vote arrived; read what changed first.
+        </Text>
+      )}
+      {failed !== undefined && <ProblemAlert error={failed} />}
+    </Stack>
+  );
+}

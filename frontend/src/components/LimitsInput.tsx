@@ -1,0 +1,78 @@
+import { Button, Group, Select, Text, TextInput } from "@mantine/core";
+import { QUANTITIES, type TypedLimits } from "../lib/limits";
+
+interface Props {
+  value: TypedLimits;
+  onChange: (value: TypedLimits) => void;
+}
+
+/** The range of conditions: a row of limits for each quantity that is limited. */
+export function LimitsInput({ value, onChange }: Props) {
+  const chosen = QUANTITIES.filter(({ key }) => value[key] !== undefined);
+  const others = QUANTITIES.filter(({ key }) => value[key] === undefined);
+  return (
+    <div className="stack" role="group" aria-label="Range of conditions">
+      <Text size="xs" fw={500}>
+        For which conditions
+      </Text>
+      {chosen.length === 0 && (
+        <Text size="sm" className="quiet">
+          All conditions of the campaign
+        </Text>
+      )}
+      {chosen.map(({ key, label, unit }) => {
+        const [low, high] = value[key] ?? ["", ""];
+        const said = unit === "" ? label : `${label} [${unit}]`;
+        return (
+          <Group key={key} gap="xs">
+            <Text size="sm" w={150}>
+              {said}
+            </Text>
+            <TextInput
+              aria-label={`${label} from`}
+              w={90}
+              inputMode="decimal"
+              value={low}
+              onChange={(event) => {
+                onChange({ ...value, [key]: [event.currentTarget.value, high] });
+              }}
+            />
+            <Text size="sm">to</Text>
+            <TextInput
+              aria-label={`${label} to`}
+              w={90}
+              inputMode="decimal"
+              value={high}
+              onChange={(event) => {
+                onChange({ ...value, [key]: [low, event.currentTarget.value] });
+              }}
+            />
+            <Button
+              variant="subtle"
+              size="compact-xs"
+              onClick={() => {
+                onChange(
+                  Object.fromEntries(Object.entries(value).filter(([other]) => other !== key)),
+                );
+              }}
+            >
+              Remove
+            </Button>
+          </Group>
+        );
+      })}
+      {others.length > 0 && (
+        <Select
+          aria-label="Limit another quantity"
+          placeholder="Limit a quantity"
+          w={260}
+          data={others.map(({ key, label }) => ({ value: key, label }))}
+          value={null}
+          onChange={(key) => {
+            if (key !== null) onChange({ ...value, [key]: ["", ""] });
+          }}
+        />
+      )}
+    </div>
+  );
+}

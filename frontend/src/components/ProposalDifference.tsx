@@ -1,0 +1,24 @@
+import { proposalDifferences, type KeptProposal } from "../lib/proposal";
+import { DataTable } from "./DataTable";
+
+interface Props {
+  before: KeptProposal;
+  after: KeptProposal;
+  names: [string, string];
+}
+
+/** What differs between two proposals, part by part. */
+export function ProposalDifference({ before, after, names }: Props) {
+  return (
+    <DataTable
+      label={`${names[0]} and ${names[1]}`}
+      columns={[
+        { key: "what", header: "What", render: (one) => one.what },
+        { key: "before", header: names[0], render: (one) => one.before },
+        { key: "after", header: names[1], render: (one) => one.after },
+      ]}
+      rows={proposalDifferences(before, after)}
+      rowKey={(one) => one.part}
+    />
+  );
+}

@@ -1,0 +1,287 @@
+import {
+  Button,
+  Group,
+  MultiSelect,
+  Select,
+  Stack,
+  Text,
+  Textarea,
+  TextInput,
+} from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { useState, type ReactNode } from "react";
+import { useAnalyst } from "../api/analyst";
+import { freezeFigure } from "../api/reviewCommands";
+import { predictionsQuery, runsQuery, structureVersionsQuery } from "../api/queries";
+import type { ModelStructure, ProposalRequest } from "../api/types";
+import { figuresOf, proposalOf, type ProposalDraft, type Reference } from "../lib/proposal";
+import { integer } from "../lib/urlState";
+import { NameForm } from "./AnalystMenu";
+import { LimitsInput } from "./LimitsInput";
+import { ProblemAlert } from "./ProblemAlert";
+import { Section } from "./Section";
+
+interface Props {
+  structures: ModelStructure[];
+  draft: ProposalDraft;
+  onChange: (draft: ProposalDraft) => void;
+  onSend: (proposal: ProposalRequest) => void;
+  sending: boolean;
+  label: string;
+  footer?: ReactNode;
+}
+
+/** All that a proposal says, and the evidence it points to. */
+export function ProposalForm({ structures, draft, onChange, onSend, ...props }: Props) {
+  const name = useAnalyst();
+  const [freezing, setFreezing] = useState(false);
+  const [failed, setFailed] = useState<unknown>(null);
+  const set = (part: Partial<ProposalDraft>) => {
+    onChange({ ...draft, ...part });
+  };
+  const own = structures.find((one) => one.id === draft.structure?.id);
+  const read = proposalOf(draft, []);
+  const fault = "fault" in read ? read.fault : null;
+
+  const send = async () => {
+    setFreezing(true);
+    setFailed(null);
+    try {
+      const frozen = await Promise.all(draft.wishes.map(freezeFigure));
+      const ids = frozen.map((one) => one.id);
+      // Frozen once: should sending fail, they are not frozen again.
+      onChange({ ...draft, wishes: [], figures: [...draft.figures, ...ids] });
+      const ready = proposalOf(draft, ids);
+      if ("proposal" in ready) onSend(ready.proposal);
+    } catch (error) {
+      setFailed(error);
+    } finally {
+      setFreezing(false);
+    }
+  };
+  if (name === "") {
+    return (
+      <Section title="Who proposes?" note="Colleagues see this name with what you say.">
+        <NameForm />
+      </Section>
+    );
+  }
+  return (
+    <form
+      onSubmit={(event) => {
+        event.preventDefault();
+        if (fault === null) void send();
+      }}
+    >
+      <div className="stack">
+        <div className="halves">
+          <Section title="What is proposed">
+            <Stack gap="sm">
+              <TextInput
+                label="Title"
+                maxLength={200}
+                data-testid="proposal-title"
+                value={draft.title}
+                onChange={(event) => {
+                  set({ title: event.currentTarget.value });
+                }}
+              />
+              <VersionSelect
+                label="Structure"
+                structures={structures}
+                value={draft.structure}
+                onChange={(structure) => {
+                  set({ structure });
+                }}
+              />
+              <VersionSelect
+                label="Changes"
+                description="The structure or version that it changes, where it is not new"
+                structures={structures.filter(
+                  (one) => own === undefined || one.aircraft_id === own.aircraft_id,
+                )}
+                clearable
+                value={draft.changes}
+                onChange={(changes) => {
+                  set({ changes });
+                }}
+              />
+              <LimitsInput
+                value={draft.limits}
+                onChange={(limits) => {
+                  set({ limits });
+                }}
+              />
+            </Stack>
+          </Section>
+          <Section title="Why">
+            <Stack gap="sm">
+              <Textarea
+                label="Reasoning"
+                minRows={5}
+                autosize
+                maxLength={10_000}
+                data-testid="proposal-reasoning"
+                value={draft.reasoning}
+                onChange={(event) => {
+                  set({ reasoning: event.currentTarget.value });
+                }}
+              />
+              <Evidence aircraftId={own?.aircraft_id} draft={draft} onChange={set} />
+            </Stack>
+          </Section>
+        </div>
+        {props.footer}
+        {failed !== null && <ProblemAlert error={failed} />}
+        <Group gap="md">
+          <Button
+            type="submit"
+            disabled={fault !== null}
+            loading={freezing || props.sending}
+            data-testid="send-proposal"
+          >
+            {props.label}
+          </Button>
+          <Text size="sm" className="quiet">
+            {fault ?? `As ${name}, unverified`}
+          </Text>
+        </Group>
+      </div>
+    </form>
+  );
+}
+
+interface VersionProps {
+  label: string;
+  description?: string;
+  structures: ModelStructure[];
+  clearable?: boolean;
+  value: Reference | null;
+  onChange: (value: Reference | null) => void;
+}
+
+function VersionSelect({
+  label,
+  description,
+  structures,
+  clearable,
+  value,
+  onChange,
+}: VersionProps) {
+  const versions = useQuery({
+    ...structureVersionsQuery(value?.id ?? 0),
+    enabled: value !== null,
+  });
+  return (
+    <Group gap="xs" align="end" grow preventGrowOverflow={false}>
+      <Select
+        label={label}
+        description={description}
+        searchable
+        clearable={clearable}
+        allowDeselect={false}
+        data={structures.map((one) => ({ value: String(one.id), label: one.name }))}
+        value={value === null ? null : String(value.id)}
+        onChange={(chosen) => {
+          const found = structures.find((one) => one.id === integer(chosen));
+          onChange(found === undefined ? null : { id: found.id, version: found.version });
+        }}
+      />
+      {value !== null && (
+        <Select
+          aria-label={`Version of ${label.toLowerCase()}`}
+          maw={190}
+          allowDeselect={false}
+          data={(versions.data ?? []).toReversed().map((one) => ({
+            value: String(one.version),
+            label: `version ${one.version}${one.author === "" ? "" : `, ${one.author}`}`,
+          }))}
+          value={String(value.version)}
+          onChange={(chosen) => {
+            onChange({ id: value.id, version: integer(chosen) ?? value.version });
+          }}
+        />
+      )}
+    </Group>
+  );
+}
+
+interface EvidenceProps {
+  aircraftId: number | undefined;
+  draft: ProposalDraft;
+  onChange: (part: Partial<ProposalDraft>) => void;
+}
+
+function Evidence({ aircraftId, draft, onChange }: EvidenceProps) {
+  const found = useQuery(runsQuery({ state: "succeeded", aircraft_id: aircraftId }));
+  const predictions = useQuery(predictionsQuery(aircraftId));
+  const runs = found.data ?? [];
+  const linked = draft.runs.map(
+    (id) => runs.find((one) => one.id === id) ?? { id, method: "", maneuver_label: "" },
+  );
+  const options = [...linked, ...runs.filter((one) => !draft.runs.includes(one.id))].map((one) => ({
+    value: String(one.id),
+    label: `${one.method} run ${one.id} ${one.maneuver_label}`.trim(),
+  }));
+  const [comparison] = draft.comparisons;
+  const figures = figuresOf(linked);
+  return (
+    <>
+      <MultiSelect
+        label="Runs"
+        description="That speak for it"
+        searchable
+        limit={100}
+        data={options}
+        value={draft.runs.map(String)}
+        onChange={(ids) => {
+          const chosen = ids.map(Number);
+          onChange({
+            runs: chosen,
+            comparisons:
+              comparison === undefined || chosen.length === 0
+                ? []
+                : [{ ...comparison, run_ids: chosen }],
+            wishes: draft.wishes.filter((wish) =>
+              figuresOf(linked.filter((one) => chosen.includes(one.id))).some(
+                (one) => one.query === wish.query,
+              ),
+            ),
+          });
+        }}
+      />
+      {draft.runs.length > 0 && (
+        <MultiSelect
+          label="Compared with predictions"
+          description="Links the comparison of these runs"
+          data={(predictions.data ?? []).map((one) => ({
+            value: String(one.id),
+            label: one.source,
+          }))}
+          value={(comparison?.prediction_ids ?? []).map(String)}
+          onChange={(ids) => {
+            onChange({
+              comparisons: [
+                { run_ids: draft.runs, prediction_ids: ids.map(Number), coefficient: null },
+              ],
+            });
+          }}
+        />
+      )}
+      <MultiSelect
+        label="Figures to freeze"
+        description={
+          draft.figures.length > 0
+            ? `Kept as they are now; ${draft.figures.length} frozen before stay`
+            : "Kept as they are now, whatever becomes of the data"
+        }
+        disabled={draft.runs.length === 0}
+        data={figures.map((one) => one.title)}
+        value={draft.wishes.map((one) => one.title)}
+        onChange={(titles) => {
+          onChange({ wishes: figures.filter((one) => titles.includes(one.title)) });
+        }}
+      />
+    </>
+  );
+}

@@ -1,0 +1,171 @@
+import { Badge, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { Link } from "@tanstack/react-router";
+import { aircraftQuery, runQuery } from "../api/queries";
+import type { Decision } from "../api/types";
+import { derivativeNames } from "../lib/derivatives";
+import { limitsText } from "../lib/limits";
+import { differences } from "../lib/structure";
+import { Facts } from "./ConditionFacts";
+import { Figure } from "./Figure";
+import { Section } from "./Section";
+import { StructureDifference } from "./StructureDifference";
+import { StructureGrid } from "./StructureGrid";
+import { StructureLink } from "./StructureLink";
+
+interface Props {
+  decision: Decision;
+  derivative?: string;
+  onDerivative: (name: string | undefined) => void;
+}
+
+/** What is proposed, for where, why, and what speaks for it. */
+export function ProposalView({ decision, derivative, onDerivative }: Props) {
+  const aircraft = useQuery(aircraftQuery);
+  const craft = aircraft.data?.find((one) => one.id === decision.aircraft_id);
+  const surfaces = craft?.surfaces.map((one) => one.name) ?? [];
+  const { proposal, structure, changes, rules } = decision;
+  const { modes, inputs: named } = structure.structure;
+  const inputs = named.length > 0 ? named : surfaces;
+  const all = derivativeNames(modes, inputs);
+  const found =
+    changes === null ? [] : differences(changes.structure, structure.structure, surfaces);
+  const before = new Map(found.map((one) => [one.what, one.before]));
+  const comments = new Map<string, number>();
+  for (const { derivative: name } of decision.events) {
+    if (name !== null) comments.set(name, (comments.get(name) ?? 0) + 1);
+  }
+  return (
+    <>
+      <Section title="Proposal">
+        <Facts
+          facts={[
+            [
+              "Structure",
+              <StructureLink
+                key="structure"
+                name={structure.name}
+                id={structure.structure_id}
+                version={structure.version}
+              />,
+            ],
+            [
+              "Changes",
+              changes === null ? (
+                "nothing earlier"
+              ) : (
+                <StructureLink
+                  key="changes"
+                  name={changes.name}
+                  id={changes.structure_id}
+                  version={changes.version}
+                />
+              ),
+            ],
+            ["For", limitsText(proposal.limits)],
+            ["Axis", decision.axis],
+            ["By", decision.authors.join(", ")],
+            ["Revision", decision.revision],
+            [
+              "Rules",
+              `quorum ${rules.quorum}, ${rules.own_allowed ? "own allowed" : "not one's own"}`,
+            ],
+            [
+              "Votes",
+              Object.entries(decision.votes)
+                .map(([name, vote]) => `${name}: ${vote.replace("-", " ")}`)
+                .join(", ") || "none yet",
+            ],
+          ]}
+        />
+        <Text mt="sm" style={{ whiteSpace: "pre-wrap", overflowWrap: "anywhere" }}>
+          {proposal.reasoning}
+        </Text>
+      </Section>
+      <Section
+        title="Derivatives"
+        note={
+          changes === null
+            ? "Choose one to comment on it."
+            : "Outlined ones change. Choose one to comment on it."
+        }
+      >
+        <StructureGrid
+          modes={modes}
+          inputs={inputs}
+          states={structure.structure}
+          onChange={() => undefined}
+          current={derivative !== undefined && all.includes(derivative) ? derivative : undefined}
+          onCurrent={onDerivative}
+          before={(name) => before.get(name)}
+          readOnly
+          marks={(name) => {
+            const count = comments.get(name);
+            return (
+              count !== undefined && (
+                <Badge size="xs" circle aria-label={`${count} comments`}>
+                  {count}
+                </Badge>
+              )
+            );
+          }}
+        />
+        {changes !== null && (
+          <StructureDifference
+            found={found}
+            before={`${changes.name}, version ${changes.version}`}
+            after={`${structure.name}, version ${structure.version}`}
+          />
+        )}
+      </Section>
+      <Evidence decision={decision} />
+    </>
+  );
+}
+
+function Evidence({ decision }: { decision: Decision }) {
+  const { proposal, figures } = decision;
+  if (proposal.run_ids.length + proposal.comparisons.length + figures.length === 0) return null;
+  return (
+    <Section title="Evidence">
+      <ul className="links">
+        {proposal.run_ids.map((id) => (
+          <li key={id}>
+            <RunLink id={id} />
+          </li>
+        ))}
+        {proposal.comparisons.map((one, place) => (
+          <li key={`comparison ${place}`}>
+            <Link
+              to="/compare"
+              search={{
+                runs: one.run_ids,
+                predictions: one.prediction_ids,
+                coefficient: one.coefficient ?? undefined,
+              }}
+              className="link"
+            >
+              Comparison of runs {one.run_ids.join(", ")}
+              {one.prediction_ids.length > 0 && ` and predictions ${one.prediction_ids.join(", ")}`}
+            </Link>
+          </li>
+        ))}
+      </ul>
+      {figures.map((one) => (
+        <div key={one.id}>
+          <Figure kind="frozen" title={`${one.title} (frozen)`} params={{ figure_id: one.id }} />
+        </div>
+      ))}
+    </Section>
+  );
+}
+
+function RunLink({ id }: { id: number }) {
+  const run = useQuery(runQuery(id));
+  return (
+    <Link to="/runs/$id" params={{ id }} className="link">
+      {run.data?.method} run {id}
+      {run.data?.fit !== undefined && run.data.fit !== null && `, ${run.data.fit.outcome}`}
+    </Link>
+  );
+}

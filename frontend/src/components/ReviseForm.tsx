@@ -1,0 +1,145 @@
+import { Alert, Button, Group, Text } from "@mantine/core";
+import { useReviseDecision } from "../api/reviewCommands";
+import { ApiProblem } from "../api/problem";
+import type { Decision, ModelStructure, StaleProposal } from "../api/types";
+import { draftOf, mergedProposal, type KeptProposal, type ProposalDraft } from "../lib/proposal";
+import { useDraft } from "../lib/useDraft";
+import { ProblemAlert } from "./ProblemAlert";
+import { ProposalDifference } from "./ProposalDifference";
+import { ProposalForm } from "./ProposalForm";
+
+interface Kept {
+  draft: ProposalDraft;
+  /** Revision that was edited. */
+  revision: number;
+}
+
+interface Props {
+  decision: Decision;
+  structures: ModelStructure[];
+  /** With the revision that was made, where one was. */
+  onDone: (revision?: number) => void;
+}
+
+/** Another proposal in the place of this one; who was faster is shown. */
+export function ReviseForm({ decision, structures, onDone }: Props) {
+  const revise = useReviseDecision(decision.id);
+  const {
+    draft: kept,
+    setDraft,
+    forget,
+  } = useDraft<Kept>(`flexsid.revision.${decision.id}`, {
+    draft: draftOf(decision.proposal),
+    revision: decision.revision,
+  });
+  const stale = staleOf(revise.error);
+  const goOn = (proposal: KeptProposal, revision: number) => {
+    setDraft({ draft: draftOf(proposal), revision });
+    revise.reset();
+  };
+  return (
+    <div className="stack">
+      {stale !== null && <Conflict stale={stale} onResolve={goOn} />}
+      <ProposalForm
+        structures={structures}
+        draft={kept.draft}
+        onChange={(draft) => {
+          setDraft({ ...kept, draft });
+        }}
+        sending={revise.isPending}
+        label={`Revise revision ${kept.revision}`}
+        footer={
+          <Group>
+            <Button
+              variant="default"
+              onClick={() => {
+                forget();
+                onDone();
+              }}
+            >
+              Discard the revision
+            </Button>
+            {revise.isError && stale === null && <ProblemAlert error={revise.error} />}
+          </Group>
+        }
+        onSend={(proposal) => {
+          revise.mutate(
+            { revision: kept.revision, proposal },
+            {
+              onSuccess: (made) => {
+                forget();
+                onDone(made.revision);
+              },
+            },
+          );
+        }}
+      />
+    </div>
+  );
+}
+
+interface ConflictProps {
+  stale: StaleProposal;
+  onResolve: (proposal: KeptProposal, revision: number) => void;
+}
+
+function Conflict({ stale, onResolve }: ConflictProps) {
+  const { base, current, sent, revision } = stale;
+  const mine = sent ?? base;
+  const both = mergedProposal(base, current, mine);
+  return (
+    <Alert color="yellow" variant="light" title="Revised by somebody else" data-testid="conflict">
+      <Text size="sm" mb="sm">
+        {stale.detail}. Nothing of yours is lost: choose how to go on, look at the result, and send
+        it again.
+      </Text>
+      <div className="halves">
+        <ProposalDifference
+          before={base}
+          after={current}
+          names={["You read", `Revision ${revision}`]}
+        />
+        <ProposalDifference before={base} after={mine} names={["You read", "Yours"]} />
+      </div>
+      {both.clashes.length > 0 && (
+        <Text size="sm" mt="sm" c="var(--page-warn)">
+          Both changed {both.clashes.join(", ")}; together, yours stands there.
+        </Text>
+      )}
+      <Group mt="sm" gap="sm">
+        <Button
+          data-testid="conflict-merge"
+          onClick={() => {
+            onResolve(both.proposal, revision);
+          }}
+        >
+          Both together
+        </Button>
+        <Button
+          variant="default"
+          data-testid="conflict-mine"
+          onClick={() => {
+            onResolve(mine, revision);
+          }}
+        >
+          Only mine
+        </Button>
+        <Button
+          variant="default"
+          data-testid="conflict-theirs"
+          onClick={() => {
+            onResolve(current, revision);
+          }}
+        >
+          Only theirs
+        </Button>
+      </Group>
+    </Alert>
+  );
+}
+
+function staleOf(error: unknown): StaleProposal | null {
+  return error instanceof ApiProblem && error.code === "stale-edit"
+    ? (error.body as StaleProposal)
+    : null;
+}

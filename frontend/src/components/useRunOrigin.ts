@@ -1,0 +1,57 @@
+import { useQuery } from "@tanstack/react-query";
+import { structureVersionsQuery } from "../api/queries";
+import { maneuverBaselinesQuery } from "../api/reviewQueries";
+import type { Baseline, StructureVersion } from "../api/types";
+
+const MOST_ASKED = 200;
+
+/** The kept structure that a new run begins with. */
+export interface RunOrigin {
+  structure: StructureVersion;
+  /** Where it is what was approved for the condition. */
+  baseline?: Baseline;
+  /** What was approved for the condition of a further maneuver, where it is another one. */
+  ofOthers: Map<number, StructureVersion>;
+}
+
+interface Asked {
+  structure?: number;
+  version?: number;
+  also?: number[];
+}
+
+/**
+ * The structure that the address names, else the baseline of the maneuver; an origin
+ * of undefined where there is none.
+ */
+export function useRunOrigin(maneuver: number, asked: Asked, like: number | undefined) {
+  const named = like === undefined && asked.structure !== undefined;
+  const versions = useQuery({
+    ...structureVersionsQuery(asked.structure ?? 0),
+    enabled: named,
+  });
+  const baselines = useQuery({
+    ...maneuverBaselinesQuery([maneuver, ...(asked.also ?? [])].slice(0, MOST_ASKED)),
+    enabled: like === undefined && !named,
+  });
+  const origin = (): RunOrigin | undefined => {
+    if (named) {
+      const found = versions.data?.find((one) => one.version === asked.version);
+      const structure = asked.version === undefined ? versions.data?.at(-1) : found;
+      return structure && { structure, ofOthers: new Map() };
+    }
+    const [own, ...rest] = baselines.data ?? [];
+    if (!own?.baseline) return undefined;
+    const { baseline } = own;
+    const ofOthers = new Map(
+      rest.flatMap((one) =>
+        one.baseline !== null && one.baseline.structure.id !== baseline.structure.id
+          ? [[one.maneuver_id, one.baseline.structure] as const]
+          : [],
+      ),
+    );
+    return { structure: baseline.structure, baseline, ofOthers };
+  };
+  const query = named ? versions : baselines;
+  return { loading: like === undefined && query.isPending, error: query.error, origin: origin() };
+}

@@ -1,0 +1,24 @@
+import { describe, expect, it } from "vitest";
+import { limitsText, readLimits, typed } from "./limits";
+
+describe("limits of conditions", () => {
+  it("come back as they were typed", () => {
+    const kept = readLimits({ fuel_fraction: ["0", "62,5"], dynamic_pressure_pa: ["100", "400"] });
+    expect(kept).toEqual({
+      limits: { fuel_fraction: [0, 0.625], dynamic_pressure_pa: [100, 400] },
+    });
+    expect(typed({ fuel_fraction: [0, 0.625] })).toEqual({ fuel_fraction: ["0", "62.5"] });
+  });
+
+  it("say what is wrong with them", () => {
+    expect(readLimits({ airspeed_m_s: ["", "3"] })).toHaveProperty("fault");
+    expect(readLimits({ airspeed_m_s: ["3", "3"] })).toHaveProperty("fault");
+  });
+
+  it("read as a sentence with units", () => {
+    expect(limitsText({ fuel_fraction: [0, 0.5], dynamic_pressure_pa: [0, 400] })).toBe(
+      "Dynamic pressure 0 to 400.0 Pa, Fuel 0 to 50.00 %",
+    );
+    expect(limitsText({})).toBe("All conditions");
+  });
+});

@@ -1,0 +1,213 @@
+import { Alert, Button, Menu, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { getRouteApi, Link } from "@tanstack/react-router";
+import { useEffect, useState } from "react";
+import { useAnalyst } from "../api/analyst";
+import { address } from "../api/client";
+import { useMarkSeen } from "../api/reviewCommands";
+import { structuresQuery } from "../api/queries";
+import { decisionQuery } from "../api/reviewQueries";
+import { isOpen, type Decision } from "../api/types";
+import { DecisionBadge } from "../components/DecisionBadge";
+import { DecisionComposer } from "../components/DecisionComposer";
+import { DecisionThread } from "../components/DecisionThread";
+import { Loaded } from "../components/Loaded";
+import { PageHead } from "../components/PageHead";
+import { ProposalDifference } from "../components/ProposalDifference";
+import { ProposalView } from "../components/ProposalView";
+import { ReviseForm } from "../components/ReviseForm";
+import { Section } from "../components/Section";
+import type { DecisionView } from "../views";
+
+const route = getRouteApi("/decisions/$id");
+
+/** One decision: what is proposed, what is said of it, and what was decided. */
+export function DecisionPage() {
+  const { id } = route.useParams();
+  const decision = useQuery(decisionQuery(id));
+  return <Loaded query={decision}>{(data) => <OneDecision key={id} decision={data} />}</Loaded>;
+}
+
+function OneDecision({ decision }: { decision: Decision }) {
+  const view = route.useSearch();
+  const navigate = route.useNavigate();
+  const structures = useQuery(structuresQuery(decision.aircraft_id));
+  const change = (part: Partial<DecisionView>) =>
+    void navigate({ search: (before) => ({ ...before, ...part }), replace: true });
+  // What was read, not what has arrived since: a vote counts for this only.
+  const [read, setRead] = useState(decision.revision);
+  useSeen(decision);
+  const open = isOpen(decision.state);
+  const revising = view.revise === true && open;
+  return (
+    <>
+      <PageHead
+        title={decision.proposal.title}
+        trail={[
+          <Link to="/decisions" className="link" key="decisions">
+            Decisions
+          </Link>,
+        ]}
+        aside={<DecisionBadge state={decision.state} />}
+        actions={
+          <>
+            <TrailMenu id={decision.id} />
+            {open && !revising && (
+              <Button
+                variant="default"
+                data-testid="revise"
+                onClick={() => {
+                  change({ revise: true });
+                }}
+              >
+                Revise
+              </Button>
+            )}
+          </>
+        }
+      />
+      <div className="decision">
+        <div className="stack">
+          <Notes decision={decision} read={read} onRead={setRead} />
+          {revising ? (
+            <Loaded query={structures}>
+              {(all) => (
+                <ReviseForm
+                  decision={decision}
+                  structures={all}
+                  onDone={(revision) => {
+                    if (revision !== undefined) setRead(revision);
+                    change({ revise: undefined });
+                  }}
+                />
+              )}
+            </Loaded>
+          ) : (
+            <ProposalView
+              decision={decision}
+              derivative={view.derivative}
+              onDerivative={(derivative) => {
+                change({ derivative });
+              }}
+            />
+          )}
+        </div>
+        <aside>
+          <Section
+            title="Discussion"
+            note="Nothing that was said is ever changed or taken away."
+            actions={
+              view.derivative !== undefined && (
+                <Button
+                  variant="subtle"
+                  size="compact-xs"
+                  onClick={() => {
+                    change({ derivative: undefined });
+                  }}
+                >
+                  On the whole
+                </Button>
+              )
+            }
+          >
+            <DecisionThread events={decision.events} derivative={view.derivative} />
+            <DecisionComposer decision={decision} revision={read} derivative={view.derivative} />
+          </Section>
+        </aside>
+      </div>
+    </>
+  );
+}
+
+/** Notes that this was looked at, as it stands and each time that something is added. */
+function useSeen({ id, version }: Decision) {
+  const name = useAnalyst();
+  const { mutate } = useMarkSeen();
+  useEffect(() => {
+    if (name !== "") mutate({ subject: "decision", id });
+  }, [name, id, version, mutate]);
+}
+
+interface NotesProps {
+  decision: Decision;
+  read: number;
+  onRead: (revision: number) => void;
+}
+
+/** What has changed around the proposal since it was made or read. */
+function Notes({ decision, read, onRead }: NotesProps) {
+  const { proposal, structure, newest_version, superseded_by, events } = decision;
+  const before = events.findLast((one) => one.proposal !== null && one.revision <= read)?.proposal;
+  return (
+    <>
+      {read < decision.revision && before && (
+        <Alert
+          color="yellow"
+          variant="light"
+          title="Revised since you read it"
+          data-testid="revised"
+        >
+          <ProposalDifference
+            before={before}
+            after={proposal}
+            names={[`Revision ${read}`, `Revision ${decision.revision}`]}
+          />
+          <Button
+            mt="sm"
+            data-testid="read-revision"
+            onClick={() => {
+              onRead(decision.revision);
+            }}
+          >
+            I have read revision {decision.revision}
+          </Button>
+        </Alert>
+      )}
+      {superseded_by !== null && (
+        <Alert color="gray" variant="light" title="Superseded">
+          A{" "}
+          <Link to="/decisions/$id" params={{ id: superseded_by }} className="link">
+            later decision
+          </Link>{" "}
+          holds for the whole of its range. What was decided here stays readable.
+        </Alert>
+      )}
+      {newest_version > structure.version && isOpen(decision.state) && (
+        <Text size="sm" data-testid="newer-structure">
+          The structure has version {newest_version} by now.{" "}
+          <Link
+            to="/model-structures/$id"
+            params={{ id: structure.structure_id }}
+            search={{ against: structure.structure_id, against_version: structure.version }}
+            className="link"
+          >
+            What differs
+          </Link>
+          ; a revision can propose it.
+        </Text>
+      )}
+    </>
+  );
+}
+
+function TrailMenu({ id }: { id: number }) {
+  return (
+    <Menu position="bottom-end">
+      <Menu.Target>
+        <Button variant="default">Audit trail</Button>
+      </Menu.Target>
+      <Menu.Dropdown>
+        {(["json", "markdown"] as const).map((format) => (
+          <Menu.Item
+            key={format}
+            component="a"
+            href={address(`decisions/${id}/audit`, { format })}
+            download
+          >
+            {format === "json" ? "JSON" : "Markdown"}
+          </Menu.Item>
+        ))}
+      </Menu.Dropdown>
+    </Menu>
+  );
+}

@@ -1,0 +1,226 @@
+import { Button, Group, Menu, Select } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { getRouteApi, Link } from "@tanstack/react-router";
+import { address } from "../api/client";
+import { aircraftQuery } from "../api/queries";
+import { baselinesQuery, decisionsQuery } from "../api/reviewQueries";
+import { DECISION_STATES, type Baseline, type DecisionItem } from "../api/types";
+import { ButtonLink } from "../components/ButtonLink";
+import { DataTable, type Column } from "../components/DataTable";
+import { DecisionBadge } from "../components/DecisionBadge";
+import { Empty } from "../components/Empty";
+import { Loaded } from "../components/Loaded";
+import { PageHead } from "../components/PageHead";
+import { ReviewRules } from "../components/ReviewRules";
+import { Section } from "../components/Section";
+import { StructureLink } from "../components/StructureLink";
+import { dateTime } from "../lib/format";
+import { limitsText } from "../lib/limits";
+import { integer } from "../lib/urlState";
+
+const route = getRouteApi("/decisions");
+
+/** What the team has decided, what is open, and what holds where. */
+export function DecisionsPage() {
+  const view = route.useSearch();
+  const navigate = route.useNavigate();
+  const aircraft = useQuery(aircraftQuery);
+  const craft = view.aircraft ?? aircraft.data?.[0]?.id;
+  const decisions = useQuery({
+    ...decisionsQuery({ aircraft_id: craft, state: view.state }),
+    enabled: craft !== undefined,
+  });
+  return (
+    <>
+      <PageHead
+        title="Decisions"
+        trail={[
+          <Link to="/campaign" className="link" key="campaign">
+            Campaign
+          </Link>,
+        ]}
+        actions={
+          <>
+            {craft !== undefined && <TrailMenu aircraftId={craft} />}
+            <ButtonLink to="/decisions/new" search={{}} data-testid="propose">
+              Propose a structure
+            </ButtonLink>
+          </>
+        }
+      />
+      <Group mb="sm" gap="sm">
+        {(aircraft.data?.length ?? 0) > 1 && (
+          <Select
+            aria-label="Aircraft"
+            allowDeselect={false}
+            data={aircraft.data?.map((one) => ({ value: String(one.id), label: one.name }))}
+            value={craft === undefined ? null : String(craft)}
+            onChange={(id) =>
+              void navigate({ search: (before) => ({ ...before, aircraft: integer(id) }) })
+            }
+          />
+        )}
+        <Select
+          aria-label="State"
+          placeholder="Any state"
+          clearable
+          data={DECISION_STATES.map((one) => ({ value: one, label: one.replace("-", " ") }))}
+          value={view.state ?? null}
+          onChange={(state) =>
+            void navigate({
+              search: (before) => ({
+                ...before,
+                state: DECISION_STATES.find((one) => one === state),
+              }),
+            })
+          }
+        />
+      </Group>
+      <div className="stack">
+        <div className="panel">
+          <Loaded query={decisions} rows={6}>
+            {(items) => <Listed items={items} />}
+          </Loaded>
+        </div>
+        {craft !== undefined && (
+          <div className="halves">
+            <Section
+              title="Baselines"
+              note="What new runs take; where ranges overlap, the one approved last."
+            >
+              <Baselines aircraftId={craft} />
+            </Section>
+            <Section title="Rules" note="They are asked at every vote.">
+              <ReviewRules aircraftId={craft} />
+            </Section>
+          </div>
+        )}
+      </div>
+    </>
+  );
+}
+
+function Listed({ items }: { items: DecisionItem[] }) {
+  if (items.length === 0) {
+    return (
+      <Empty title="Nothing to decide">
+        A decision proposes a model structure for a range of conditions. Once colleagues approve it,
+        new runs there take it.
+      </Empty>
+    );
+  }
+  const columns: Column<DecisionItem>[] = [
+    {
+      key: "title",
+      header: "Decision",
+      render: (one) => (
+        <Link to="/decisions/$id" params={{ id: one.id }} className="link">
+          {one.proposal.title}
+        </Link>
+      ),
+    },
+    { key: "state", header: "State", render: (one) => <DecisionBadge state={one.state} /> },
+    {
+      key: "structure",
+      header: "Structure",
+      render: (one) => (
+        <StructureLink
+          name={one.structure_name}
+          id={one.proposal.structure.id}
+          version={one.proposal.structure.version}
+        />
+      ),
+    },
+    { key: "range", header: "For", render: (one) => limitsText(one.proposal.limits) },
+    { key: "by", header: "By", render: (one) => one.authors.join(", ") },
+    {
+      key: "votes",
+      header: "Votes",
+      render: (one) =>
+        Object.entries(one.votes)
+          .map(([name, vote]) => `${name}: ${vote.replace("-", " ")}`)
+          .join(", ") || "–",
+    },
+    {
+      key: "at",
+      header: "Last event",
+      numeric: true,
+      render: (one) => dateTime(one.changed_at ?? one.created_at),
+    },
+  ];
+  return (
+    <DataTable
+      label="Decisions"
+      testId="decisions-table"
+      columns={columns}
+      rows={items}
+      rowKey={(one) => one.id}
+    />
+  );
+}
+
+function Baselines({ aircraftId }: { aircraftId: number }) {
+  const baselines = useQuery(baselinesQuery(aircraftId));
+  const columns: Column<Baseline>[] = [
+    { key: "range", header: "For", render: (one) => limitsText(one.limits) },
+    {
+      key: "structure",
+      header: "Structure",
+      render: ({ structure }) => (
+        <StructureLink
+          name={structure.name}
+          id={structure.structure_id}
+          version={structure.version}
+        />
+      ),
+    },
+    {
+      key: "decision",
+      header: "Decided in",
+      render: (one) => (
+        <Link to="/decisions/$id" params={{ id: one.decision_id }} className="link">
+          {one.title}
+        </Link>
+      ),
+    },
+  ];
+  return (
+    <Loaded query={baselines} rows={2}>
+      {(items) =>
+        items.length === 0 ? (
+          <Empty title="No structure was approved yet" />
+        ) : (
+          <DataTable
+            label="Baselines"
+            testId="baselines-table"
+            columns={columns}
+            rows={items}
+            rowKey={(one) => one.decision_id}
+          />
+        )
+      }
+    </Loaded>
+  );
+}
+
+function TrailMenu({ aircraftId }: { aircraftId: number }) {
+  return (
+    <Menu position="bottom-end">
+      <Menu.Target>
+        <Button variant="default">Audit trail</Button>
+      </Menu.Target>
+      <Menu.Dropdown>
+        {(["json", "markdown"] as const).map((format) => (
+          <Menu.Item
+            key={format}
+            component="a"
+            href={address("decisions/audit", { aircraft_id: aircraftId, format })}
+            download
+          >
+            {format === "json" ? "JSON" : "Markdown"}
+          </Menu.Item>
+        ))}
+      </Menu.Dropdown>
+    </Menu>
+  );
+}

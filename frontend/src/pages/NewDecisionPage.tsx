@@ -1,0 +1,71 @@
+import { useQuery } from "@tanstack/react-query";
+import { getRouteApi, Link } from "@tanstack/react-router";
+import { usePropose } from "../api/reviewCommands";
+import { structuresQuery } from "../api/queries";
+import type { ModelStructure } from "../api/types";
+import { Loaded } from "../components/Loaded";
+import { PageHead } from "../components/PageHead";
+import { ProblemAlert } from "../components/ProblemAlert";
+import { ProposalForm } from "../components/ProposalForm";
+import { EMPTY_PROPOSAL, type ProposalDraft } from "../lib/proposal";
+import { useDraft } from "../lib/useDraft";
+
+const route = getRouteApi("/decisions/new");
+
+/** Propose a model structure for a range of conditions. */
+export function NewDecisionPage() {
+  const structures = useQuery(structuresQuery());
+  const view = route.useSearch();
+  return (
+    <>
+      <PageHead
+        title="Propose a structure"
+        trail={[
+          <Link to="/decisions" className="link" key="decisions">
+            Decisions
+          </Link>,
+        ]}
+      />
+      <Loaded query={structures}>
+        {(all) => <Form key={JSON.stringify(view)} structures={all} />}
+      </Loaded>
+    </>
+  );
+}
+
+function Form({ structures }: { structures: ModelStructure[] }) {
+  const view = route.useSearch();
+  const navigate = route.useNavigate();
+  const propose = usePropose();
+  const reference = (id: number | undefined, version: number | undefined) => {
+    const found = structures.find((one) => one.id === id);
+    return found === undefined ? null : { id: found.id, version: version ?? found.version };
+  };
+  const { draft, setDraft, forget } = useDraft<ProposalDraft>(
+    `flexsid.proposal.${JSON.stringify(view)}`,
+    {
+      ...EMPTY_PROPOSAL,
+      structure: reference(view.structure, view.version),
+      changes: reference(view.changes, view.changes_version),
+      runs: view.runs ?? [],
+    },
+  );
+  return (
+    <ProposalForm
+      structures={structures}
+      draft={draft}
+      onChange={setDraft}
+      sending={propose.isPending}
+      label="Propose"
+      footer={propose.isError && <ProblemAlert error={propose.error} />}
+      onSend={(proposal) => {
+        propose.mutate(proposal, {
+          onSuccess: ({ id }) => {
+            forget();
+            void navigate({ to: "/decisions/$id", params: { id }, search: {} });
+          },
+        });
+      }}
+    />
+  );
+}
