@@ -4039,7 +4039,7 @@ export interface components {
             aircraft_id: number;
             /** Axis */
             axis: string;
-            proposal: components["schemas"]["flexsid__records__decision__Proposal"];
+            proposal: components["schemas"]["StructureProposal"];
             state: components["schemas"]["DecisionState"];
             /** Revision */
             revision: number;
@@ -4073,7 +4073,7 @@ export interface components {
             aircraft_id: number;
             /** Axis */
             axis: string;
-            proposal: components["schemas"]["flexsid__records__decision__Proposal"];
+            proposal: components["schemas"]["StructureProposal"];
             state: components["schemas"]["DecisionState"];
             /** Revision */
             revision: number;
@@ -4134,7 +4134,7 @@ export interface components {
             /** Derivative */
             derivative?: string | null;
             vote?: components["schemas"]["Vote"] | null;
-            proposal?: components["schemas"]["flexsid__records__decision__Proposal"] | null;
+            proposal?: components["schemas"]["StructureProposal"] | null;
             rules?: components["schemas"]["ReviewRules"] | null;
             /** By Decision Id */
             by_decision_id?: number | null;
@@ -4174,7 +4174,7 @@ export interface components {
             aircraft_id: number;
             /** Axis */
             axis: string;
-            proposal: components["schemas"]["flexsid__records__decision__Proposal"];
+            proposal: components["schemas"]["StructureProposal"];
             state: components["schemas"]["DecisionState"];
             /** Revision */
             revision: number;
@@ -6336,6 +6336,18 @@ export interface components {
             message: string;
         };
         /**
+         * Proposal
+         * @description A mapping to begin with; ``origin`` says where it comes from.
+         */
+        Proposal: {
+            /** Text */
+            text: string;
+            /** Origin */
+            origin: string;
+            /** Fitting */
+            fitting: string[];
+        };
+        /**
          * ProposalRequest
          * @description A model structure for a range of conditions, and what speaks for it.
          *
@@ -7628,9 +7640,9 @@ export interface components {
             code: string;
             /** Errors */
             errors?: components["schemas"]["FieldError"][] | null;
-            base: components["schemas"]["flexsid__records__decision__Proposal"];
-            current: components["schemas"]["flexsid__records__decision__Proposal"];
-            sent: components["schemas"]["flexsid__records__decision__Proposal"] | null;
+            base: components["schemas"]["StructureProposal"];
+            current: components["schemas"]["StructureProposal"];
+            sent: components["schemas"]["StructureProposal"] | null;
             /** Revision */
             revision: number;
         };
@@ -7901,6 +7913,42 @@ export interface components {
             n_nodes: number;
             /** Questions */
             questions: components["schemas"]["Question"][];
+        };
+        /**
+         * StructureProposal
+         * @description What a decision is about, and the evidence for it.
+         *
+         *     ``changes`` is the version that ``structure`` changes, where it is not new.
+         */
+        StructureProposal: {
+            /** Title */
+            title: string;
+            structure: components["schemas"]["StructureReference"];
+            changes?: components["schemas"]["StructureReference"] | null;
+            /** Limits */
+            limits: {
+                [key: string]: [
+                    number,
+                    number
+                ];
+            };
+            /** Reasoning */
+            reasoning: string;
+            /**
+             * Run Ids
+             * @default []
+             */
+            run_ids: number[];
+            /**
+             * Comparisons
+             * @default []
+             */
+            comparisons: components["schemas"]["LinkedComparison"][];
+            /**
+             * Figure Ids
+             * @default []
+             */
+            figure_ids: number[];
         };
         /**
          * StructureReference
@@ -8226,7 +8274,7 @@ export interface components {
             files: components["schemas"]["flexsid__workflow__describing__FoundFile"][];
             /** Fields */
             fields: components["schemas"]["FoundField"][];
-            proposal: components["schemas"]["flexsid__workflow__describing__Proposal"];
+            proposal: components["schemas"]["Proposal"];
         };
         /**
          * UploadMappingRequest
@@ -8351,42 +8399,6 @@ export interface components {
             has_modes: boolean;
         };
         /**
-         * Proposal
-         * @description What a decision is about, and the evidence for it.
-         *
-         *     ``changes`` is the version that ``structure`` changes, where it is not new.
-         */
-        flexsid__records__decision__Proposal: {
-            /** Title */
-            title: string;
-            structure: components["schemas"]["StructureReference"];
-            changes?: components["schemas"]["StructureReference"] | null;
-            /** Limits */
-            limits: {
-                [key: string]: [
-                    number,
-                    number
-                ];
-            };
-            /** Reasoning */
-            reasoning: string;
-            /**
-             * Run Ids
-             * @default []
-             */
-            run_ids: number[];
-            /**
-             * Comparisons
-             * @default []
-             */
-            comparisons: components["schemas"]["LinkedComparison"][];
-            /**
-             * Figure Ids
-             * @default []
-             */
-            figure_ids: number[];
-        };
-        /**
          * Verdict
          * @description What a pair of ground records says of the structure.
          * @enum {string}
@@ -8421,18 +8433,6 @@ export interface components {
             message: string;
             /** Key */
             key: string | null;
-        };
-        /**
-         * Proposal
-         * @description A mapping to begin with; ``origin`` says where it comes from.
-         */
-        flexsid__workflow__describing__Proposal: {
-            /** Text */
-            text: string;
-            /** Origin */
-            origin: string;
-            /** Fitting */
-            fitting: string[];
         };
     };
     responses: never;
