@@ -7,10 +7,12 @@ import pytest
 from tests.sysid.conftest import OMEGA, add_noise
 
 from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.model.instruments import Butterworth, Instrument
 from flexsid.sysid.preparation.artefacts import Artefact, find_artefacts, repair
 from flexsid.sysid.preparation.biases import climb_angle, gyro_bias, vane_bias
-from flexsid.sysid.preparation.redundancy import find_faults
+from flexsid.sysid.preparation.input_skews import find_input_skews
+from flexsid.sysid.preparation.redundancy import agreement, find_faults
 from flexsid.sysid.preparation.resampling import resample
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.simulation.recording import pass_instruments
@@ -164,3 +166,35 @@ def test_skews_need_more_sensors_than_motions(make_case):
         find_faults(
             case.model, FrequencyData(OMEGA, y, case.model.outputs), np.ones(y.shape, dtype=complex)
         )
+
+
+def test_surfaces_are_timed_by_the_motion_that_they_cause(make_case):
+    case = make_case(2, n_outputs=20)
+    rng = np.random.default_rng(9)
+    omega = 2.0 * np.pi * np.linspace(0.25, 13.75, 160)
+    scores = []
+    for seed in range(6):
+        u, y = case.spectra(seed, omega)
+        delay = rng.uniform(0.0, 0.02, 5)
+        z = add_noise(y, 0.02, rng)
+        data = FrequencyData(omega, z, case.model.outputs)
+        motion = reconstruct_motion(case.model, data, np.ones(z.shape, dtype=complex))
+        late = FrequencyData(omega, u * np.exp(-1j * omega[:, None] * delay), case.model.inputs)
+        found = find_input_skews(case.model, motion, late)
+        assert np.all(np.abs(found.delay_s - delay) < np.maximum(1e-3, 4.0 * found.delay_std))
+        scores += list((found.delay_s - delay) / found.delay_std)
+    assert np.std(scores) < 2.0
+
+
+def test_sensors_that_agree_are_coherent_and_one_that_does_not_is_not(make_case):
+    case = make_case(2, n_outputs=20)
+    _, y = case.spectra(3)
+    rng = np.random.default_rng(4)
+    z = add_noise(y, 0.02, rng)
+    z[:, 5] = np.sqrt(np.mean(np.abs(z[:, 5]) ** 2)) * rng.normal(size=65)
+    data = FrequencyData(OMEGA, z, case.model.outputs)
+    through = np.ones(z.shape, dtype=complex)
+    noise = reconstruct_motion(case.model, data, through).noise
+    found = agreement(case.model, data, through, noise)
+    assert found[5] < 0.3
+    assert np.median(np.delete(found, 5)) > 0.98

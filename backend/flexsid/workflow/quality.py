@@ -34,7 +34,7 @@ from flexsid.workflow.flown_condition import flown_condition
 from flexsid.workflow.sensing import sense
 from flexsid.workflow.skews import SensorFaults, biases, sensor_faults
 
-_VERSION = 1  # of what is looked at: a higher one looks again at every maneuver
+_VERSION = 2  # of what is looked at: a higher one looks again at every maneuver
 _MOST_LISTED = 50
 
 
@@ -208,7 +208,13 @@ def _channel(
     if channel.name in offsets:
         bias = offsets[channel.name]
         quality = replace(quality, bias=bias.value, bias_std=bias.std, bias_basis=bias.basis)
-    if faults is None or channel.name not in faults.faults.names:
+    if faults is None:
+        return quality
+    if faults.inputs is not None and channel.name in faults.inputs.names:
+        k = faults.inputs.names.index(channel.name)
+        delay, std = faults.inputs.delay_s[k], faults.inputs.delay_std[k]
+        return replace(quality, delay_s=_finite(delay), delay_std=_finite(std))
+    if channel.name not in faults.faults.names:
         return quality
     k = faults.faults.names.index(channel.name)
     told = faults.told(channel.name)
@@ -280,7 +286,7 @@ def _figures(report: QualityReport) -> Figures:
     ratios = [c.signal_to_noise_db for c in outputs if c.signal_to_noise_db is not None]
     skewed = [
         c
-        for c in outputs
+        for c in report.channels
         if c.delay_s is not None and c.delay_std is not None and abs(c.delay_s) > 2 * c.delay_std
     ]
     worst = max(skewed, key=lambda c: abs(c.delay_s or 0.0), default=None)

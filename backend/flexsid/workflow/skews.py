@@ -10,7 +10,9 @@ from flexsid.errors import NotIdentifiable
 from flexsid.records.aircraft import Sensor, SensorKind
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.store import Store
+from flexsid.sysid.estimation.reconstruction import Motion
 from flexsid.sysid.preparation.biases import Bias, climb_angle, gyro_bias, vane_bias
+from flexsid.sysid.preparation.input_skews import InputSkews, find_input_skews
 from flexsid.sysid.preparation.redundancy import Faults, agreement, find_faults, widened
 from flexsid.sysid.preparation.resampling import resample
 from flexsid.sysid.signals import FrequencyData
@@ -25,11 +27,12 @@ _TELLING = 0.05  # [s]: a standard error above says that nothing is known
 
 @dataclass(frozen=True, slots=True)
 class SensorFaults:
-    """What redundancy tells: faults, coherence and excess noise by sensor."""
+    """What redundancy tells: faults, coherence and excess noise by sensor; skews of inputs."""
 
     faults: Faults
     coherence: np.ndarray
     noise_excess: np.ndarray
+    inputs: InputSkews | None = None
 
     def told(self, name: str) -> bool:
         """Whether the delay of a sensor is known at all."""
@@ -76,7 +79,31 @@ def sensor_faults(sensing: Sensing) -> SensorFaults:
         except NotIdentifiable:
             break
     coherence = agreement(model, undone.measured.outputs, lines.instruments, motion.noise)
-    return SensorFaults(widened(best, others), coherence, motion.noise / sensing.noise)
+    excess = motion.noise / sensing.noise
+    faults = widened(best, others)
+    # The motion is timed by the sensors, and no better than they are.
+    timed_s = float(np.median(faults.delay_std))
+    return SensorFaults(faults, coherence, excess, _input_skews(undone, motion, timed_s))
+
+
+def _input_skews(sensing: Sensing, motion: Motion, timed_s: float) -> InputSkews | None:
+    """Skews of the surfaces; a mode less or more widens their errors."""
+    count = motion.values.shape[1] - 2
+    found: list[InputSkews] = []
+    for number in (count, count - 1, count + 1):
+        if not 0 <= number <= len(sensing.modes):
+            continue
+        model = sensing.with_modes(sensing.modes[:number])
+        try:
+            moved = motion if number == count else motion_of(sensing, sensing.modes[:number])[1]
+            found.append(find_input_skews(model, moved, sensing.measured.inputs))
+        except (NotIdentifiable, np.linalg.LinAlgError):
+            if number == count:
+                return None
+    spread = [(one.delay_s - found[0].delay_s) ** 2 for one in found]
+    return replace(
+        found[0], delay_std=np.sqrt(found[0].delay_std ** 2 + np.max(spread, axis=0) + timed_s**2)
+    )
 
 
 def biases(store: Store, sensing: Sensing, faults: Faults | None) -> dict[str, Bias]:

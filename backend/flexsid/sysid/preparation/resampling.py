@@ -14,6 +14,7 @@ from flexsid.errors import BadInput
 _MOST_AMPLIFIED = 3.0  # beyond, undoing a filter would bring up its noise
 _TAPER = 0.2  # of the band: the edge of the pass band is no step
 _ENDS_S = 0.1
+_EXTENSION_S = 2.0  # longer than any filter on board rings
 _FINEST = 10_000  # largest denominator of a ratio of rates
 
 Response = Callable[[Float[np.ndarray, " n_omega"]], Complex[np.ndarray, " n_omega"]]
@@ -54,8 +55,9 @@ def resample(
     Notes
     -----
     A delay becomes a phase, exp(j omega tau) at every frequency: no sample is shifted.
-    The straight line between the ends of the record is set aside before the transform,
-    so that a record that does not end where it began does not ring, and is delayed apart.
+    The straight line between the ends of the record is set aside before the transform and
+    delayed apart, and the record goes on beyond its ends mirrored and fading, so that it does
+    not ring there.
     """
     x = np.asarray(samples, dtype=float)
     if x.size < 4:
@@ -74,14 +76,15 @@ def resample(
     slope = (high - low) / span if span > 0 else 0.0
     middle = 0.5 * time[n_end - 1]
     x = x - (low + slope * (time - middle))
-    length = fft.next_fast_len(-(-2 * x.size // ratio.denominator)) * ratio.denominator
+    x, ahead = _extended(x, round(_EXTENSION_S * rate_hz))
+    length = fft.next_fast_len(-(-x.size // ratio.denominator)) * ratio.denominator
     spectrum = fft.rfft(x, length)
     omega = 2.0 * np.pi * rate_hz * np.arange(spectrum.size) / length
     bottom, top = (0.0, 0.5 * min(rate_hz, wanted_hz)) if band_hz is None else band_hz
     gain, delay_s = _undo(omega, response)
     gain *= _pass_band(omega / (2.0 * np.pi), bottom, top)
     later = wanted_start_s - start_s
-    spectrum *= gain * np.exp(1j * omega * later)
+    spectrum *= gain * np.exp(1j * omega * (later + ahead / rate_hz))
     out_length = length * ratio.numerator // ratio.denominator
     out = np.zeros(out_length // 2 + 1, dtype=complex)
     keep = min(out.size, spectrum.size)
@@ -94,6 +97,17 @@ def resample(
     if bottom > 0.0:
         return inside
     return inside + low + slope * (wanted + delay_s - middle)
+
+
+def _extended(
+    x: Float[np.ndarray, " n_samples"], most: int
+) -> tuple[Float[np.ndarray, " n_longer"], int]:
+    """Go on beyond both ends, mirrored about them and fading; and how many samples in front."""
+    count = max(1, min(most, x.size - 1))
+    fade = 0.5 * (1.0 + np.cos(np.pi * np.arange(1, count + 1) / count))
+    front = (2.0 * x[0] - x[1 : count + 1]) * fade
+    back = (2.0 * x[-1] - x[-2 : -count - 2 : -1]) * fade
+    return np.concatenate([front[::-1], x, back]), count
 
 
 def _undo(
