@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -44,9 +45,12 @@ from flexsid.sysid.stability.trackers import (
 )
 from flexsid.workflow.condition import complete_condition, standard_density
 from flexsid.workflow.identified import identified
+from flexsid.workflow.memory import contents_of_runs, remembered
 from flexsid.workflow.models import flight_condition
 from flexsid.workflow.modes import AircraftModes, find_modal_tables, load_modes
 from flexsid.workflow.predictions import best_prediction, prediction_at
+
+_T = TypeVar("_T")
 
 _BAND = (0.35, 2.0)  # of the fastest point flown: where flutter is looked for
 _NEXT = 1.03  # of the fastest point flown: the next one if nobody says another
@@ -106,6 +110,10 @@ def flutter(store: Store, question: Question) -> Flutter:
     BadInput
         If there is no run, runs are of several aircraft, or the loading is impossible.
     """
+    return _remembered(store, "flutter", question, lambda: _tell(store, question))
+
+
+def _tell(store: Store, question: Question) -> Flutter:
     answer = _answer(store, question)
     _, _, best = answer.best
     tested = answer.tested
@@ -148,6 +156,10 @@ def flutter(store: Store, question: Question) -> Flutter:
 
 def flutter_roots(store: Store, question: Question) -> FlutterRoots:
     """Follow the roots of the preferred model over airspeed, with standard errors."""
+    return _remembered(store, "roots", question, lambda: _follow(store, question))
+
+
+def _follow(store: Store, question: Question) -> FlutterRoots:
     answer = _answer(store, question)
     _, found, best = answer.best
     bands = root_bands(found.aircraft, best.locus, found.uncertain, answer.density)
@@ -190,6 +202,10 @@ def flutter_roots(store: Store, question: Question) -> FlutterRoots:
 
 def flutter_map(store: Store, question: Question) -> FlutterMap:
     """Flutter speed over fuel and altitude from the preferred model's derivatives."""
+    return _remembered(store, "map", question, lambda: _map(store, question))
+
+
+def _map(store: Store, question: Question) -> FlutterMap:
     answer = _answer(store, question)
     parts, found, _ = answer.best
     fuel, altitude = np.linspace(0.0, 1.0, 9), np.linspace(0.0, 6000.0, 7)
@@ -205,7 +221,33 @@ def flutter_map(store: Store, question: Question) -> FlutterMap:
     return FlutterMap(fuel=fuel, altitude_m=altitude, airspeed_m_s=speeds)
 
 
+def _remembered(store: Store, what: str, question: Question, find: Callable[[], _T]) -> _T:
+    return remembered((what, question, contents_of_runs(store, question.run_ids)), find)
+
+
+@dataclass(frozen=True, slots=True)
+class FusedModel:
+    """The preferred model of several runs at one loading, to be flown at any speed."""
+
+    aircraft: Aircraft
+    found: Identified
+    fuel: float
+    density: float
+    tested_m_s: float
+
+
+def fused_model(store: Store, question: Question) -> FusedModel:
+    """Fuse the runs of a question as their flutter forecast does."""
+    answer = _answer(store, question)
+    return FusedModel(answer.aircraft, answer.best[1], answer.fuel, answer.density, answer.tested)
+
+
 def _answer(store: Store, question: Question) -> _Answered:
+    anywhere = replace(question, next_m_s=None)
+    return _remembered(store, "models", anywhere, lambda: _models(store, anywhere))
+
+
+def _models(store: Store, question: Question) -> _Answered:
     if not question.run_ids:
         raise BadInput("choose at least one run that succeeded", code="no-run")
     flown = [_flown(store, number) for number in dict.fromkeys(question.run_ids)]
