@@ -23,6 +23,8 @@ from flexsid.errors import FlexsidError
 from flexsid.jobs.news import Begun, Computed, Failed, News, Progressed, unexpected
 from flexsid.records.run import Progress
 
+_NICE = 5  # whoever looks at a page comes before what is computed in the background
+
 Compute = Callable[[Any, Callable[[Progress], None]], Any]
 
 
@@ -30,6 +32,8 @@ def main(arguments: list[str]) -> None:
     """Serve the connection and die with the lifeline whose file numbers are given."""
     # Ctrl-C reaches the whole group of processes; the server decides what it means.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(os, "nice"):
+        os.nice(_NICE)
     connection, lifeline = (int(number) for number in arguments)
     threading.Thread(target=_die_with, args=(lifeline,), daemon=True).start()
     work(Connection(connection))

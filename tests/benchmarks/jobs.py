@@ -1,0 +1,304 @@
+"""What the queue costs: a server, its workers, and browsers that read meanwhile.
+
+``python tests/benchmarks/jobs.py [--full] [--database URL] [--dask ADDRESS]`` prints JSON
+lines. By default a tenth of the size: 100 maneuvers instead of 1000.
+"""
+
+from __future__ import annotations
+
+import os
+
+for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+    os.environ[name] = "1"
+
+import argparse
+import json
+import multiprocessing
+import socket
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import replace
+from http.client import HTTPConnection
+from pathlib import Path
+from typing import Any
+
+import sqlalchemy as sa
+
+from flexsid.demo import campaign
+from flexsid.jobs.local import default_count
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage.migrate import upgrade
+from flexsid.storage.store import Store
+from flexsid.storage.tables import channels
+from flexsid.workflow import estimation
+
+STRUCTURE = {"modes": [7, 9]}
+BROWSERS = 50
+
+
+def main() -> None:
+    """Run the benchmarks."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--full", action="store_true", help="1000 maneuvers instead of 100")
+    parser.add_argument("--database", help="an empty database; by default a file")
+    parser.add_argument("--dask", help="address of a scheduler; by default local processes")
+    chosen = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        url = chosen.database or f"sqlite:///{folder}/flexsid.db"
+        count = 1000 if chosen.full else 100
+        ids = fill(url, count)
+        workers = default_count()
+        with server(url, chosen.dask, workers) as port:
+            trivial(port, ids)
+            batch_against_direct(port, url, ids, workers)
+            whole_campaign(port, ids, workers)
+
+
+def fill(url: str, count: int) -> list[int]:
+    """Keep copies of the demonstration maneuvers, each a little different from the others."""
+    upgrade(url)
+    store = Store.open(url)
+    campaign.fill(store, lambda fraction, message: None)
+    flown = [m for m in store.maneuvers.find() if m.excitation is not None and m.axis != "ground"]
+    ids: list[int] = []
+    with store.database.transaction() as connection:
+        for k in range(count):
+            first = flown[k % len(flown)]
+            speed = first.condition.airspeed_m_s * (1.0 + 1e-7 * (k + 1))
+            condition = replace(first.condition, airspeed_m_s=speed)
+            copy = store.maneuvers.add(
+                replace(first, id=None, label=f"copy {k}", condition=condition)
+            )
+            columns = [c.name for c in channels.c if c.name not in ("id", "maneuver_id")]
+            rows = sa.select(sa.literal(copy.id), *(channels.c[n] for n in columns)).where(
+                channels.c.maneuver_id == first.id
+            )
+            connection.execute(sa.insert(channels).from_select(["maneuver_id", *columns], rows))
+            assert copy.id is not None
+            ids.append(copy.id)
+    store.close()
+    return ids
+
+
+def trivial(port: int, ids: list[int]) -> None:
+    """Submit to done of small equation-error runs, one after the other, over REST."""
+    times = []
+    client = Client(port)
+    for k in range(40):
+        body = {
+            "maneuver_id": ids[k % len(ids)],
+            "method": "EE",
+            "structure": {"modes": []},
+            "settings": {"max_iterations": 500 + k},  # or it would be the run asked for before
+        }
+        start = time.perf_counter()
+        job = client.post("/api/v1/runs", body)["id"]
+        while client.get(f"/api/v1/jobs/{job}")["state"] in ("queued", "running"):
+            time.sleep(0.001)
+        times.append(1e3 * (time.perf_counter() - start))
+    _say("submit_to_done_ms", statistics.median(times[5:]), bar=60.0, p90=_at(times[5:], 0.9))
+
+
+def batch_against_direct(port: int, url: str, ids: list[int], workers: int) -> None:
+    """A batch of EE jobs against the same work in a pool of as many processes."""
+    direct = _direct(url, ids, workers)
+    client = Client(port)
+    start = time.perf_counter()
+    batch = client.post("/api/v1/batches", _batch(ids, ["EE"]))
+    _wait(client, batch["id"])
+    seconds = time.perf_counter() - start
+    _say(
+        "ee_batch_vs_direct",
+        seconds / direct,
+        bar=2.0,
+        baseline="prepare, multiprocessing.Pool.imap, nothing kept",
+        seconds=seconds,
+        jobs=len(ids),
+        jobs_per_s=len(ids) / seconds,
+    )
+
+
+def _direct(url: str, ids: list[int], workers: int) -> float:
+    store = Store.open(url)
+    run = EstimationRun(
+        maneuver_id=0,
+        method=Method.EE,
+        structure=Structure(modes=(7, 9), fixed={}),
+        settings=RunSettings(),
+    )
+    with multiprocessing.get_context("spawn").Pool(workers) as pool:
+        pool.map(_compute, [estimation.prepare(store, replace(run, maneuver_id=ids[0]))] * workers)
+        start = time.perf_counter()
+        tasks = (estimation.prepare(store, replace(run, maneuver_id=n)) for n in ids)
+        for _ in pool.imap_unordered(_compute, tasks):
+            pass
+        seconds = time.perf_counter() - start
+    store.close()
+    return seconds
+
+
+def _compute(task: Any) -> Any:
+    return estimation.compute(task, lambda progress: None)
+
+
+def whole_campaign(port: int, ids: list[int], workers: int) -> None:
+    """EE, OE and FRE of every maneuver while 50 browsers read; lists against idle ones."""
+    client = Client(port)
+    paths = ("/api/v1/maneuvers?limit=50", "/api/v1/runs?limit=50", "/api/v1/jobs?limit=100")
+    idle = statistics.median(_timed(client, paths[k % 3]) for k in range(60))
+    stop = threading.Event()
+    body = _batch(ids, ["EE", "OE", "FRE"], fixed={"Cm_q": -3.0})
+    start = time.perf_counter()
+    batch = client.post("/api/v1/batches", body)
+    with ThreadPoolExecutor(BROWSERS) as browsers:
+        readings = [browsers.submit(_browse, port, paths, stop) for _ in range(BROWSERS)]
+        done = _wait(client, batch["id"])
+        seconds = time.perf_counter() - start
+        stop.set()
+        found = [reading.result() for reading in readings]
+    computed = _compute_seconds(client, batch["id"])
+    _say(
+        "campaign_vs_compute",
+        seconds / (computed / workers),
+        bar=2.0,
+        baseline="sum of compute over workers",
+        seconds=seconds,
+        compute_s=computed,
+        states=done["states"],
+    )
+    times = [1e3 * t for times, _ in found for t in times]
+    _say(
+        "p99_of_lists_vs_idle",
+        _at(times, 0.99) / (1e3 * idle),
+        bar=10.0,
+        baseline="median of the same lists on an idle server",
+        p99_ms=_at(times, 0.99),
+        idle_ms=1e3 * idle,
+        requests=len(times),
+        errors=sum(errors for _, errors in found),
+    )
+
+
+def _browse(port: int, paths: tuple[str, ...], stop: threading.Event) -> tuple[list[float], int]:
+    """Read as a browser does: a list, then a while of looking at it."""
+    client, times, errors = Client(port), [], 0
+    while not stop.is_set():
+        for path in paths:
+            try:
+                times.append(_timed(client, path))
+            except ValueError:
+                errors += 1
+            stop.wait(1.0)
+    return times, errors
+
+
+def _compute_seconds(client: Client, batch_id: int) -> float:
+    total, after = 0.0, ""
+    while True:
+        page = client.get(f"/api/v1/jobs?batch_id={batch_id}&limit=500{after}")
+        for job in page["items"]:
+            total += client.get(f"/api/v1/runs/{job['id']}")["fit"]["seconds"]
+        if page["next"] is None:
+            return total
+        after = f"&after={page['next']}"
+
+
+class Client:
+    """One connection that is kept, as a browser's."""
+
+    def __init__(self, port: int) -> None:
+        self._connection = HTTPConnection("127.0.0.1", port, timeout=600)
+
+    def get(self, path: str) -> Any:
+        """Read JSON."""
+        return self._ask("GET", path)
+
+    def post(self, path: str, body: Any) -> Any:
+        """Send JSON and read the answer."""
+        return self._ask("POST", path, json.dumps(body), {"Content-Type": "application/json"})
+
+    def _ask(self, method: str, path: str, *more: Any) -> Any:
+        self._connection.request(method, path, *more)
+        answer = self._connection.getresponse()
+        content = answer.read()
+        if answer.status >= 400:
+            raise ValueError(f"{answer.status}: {content[:300]!r}")
+        return json.loads(content)
+
+
+@contextmanager
+def server(url: str, dask: str | None, workers: int) -> Iterator[int]:
+    """Serve a database; the workers are warm when the port is told."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    environment = {
+        **os.environ,
+        "FLEXSID_PORT": str(port),
+        "FLEXSID_WORKERS": str(workers),
+        "FLEXSID_DASK": dask or "",
+        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+    }
+    command = [sys.executable, "-m", "flexsid.cli.main", "serve", "--database", url]
+    process = subprocess.Popen(command, env=environment, cwd=Path.home())
+    try:
+        for _ in range(300):
+            time.sleep(0.2)
+            try:
+                client = Client(port)
+                client.get("/api/v1/health")
+                break
+            except OSError:
+                assert process.poll() is None
+        ids = [m["id"] for m in client.get("/api/v1/maneuvers?limit=20&search=copy")["items"]]
+        warm = client.post("/api/v1/batches", _batch(ids[: 4 * workers], ["EE"], modes=[7]))
+        _wait(client, warm["id"])
+        yield port
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def _batch(ids: list[int], methods: list[str], **structure: Any) -> dict[str, Any]:
+    return {
+        "name": "benchmark",
+        "maneuver_ids": ids,
+        "methods": methods,
+        "structures": [{"structure": STRUCTURE | structure}],
+    }
+
+
+def _wait(client: Client, batch_id: int) -> Any:
+    while True:
+        answer = client.get(f"/api/v1/batches/{batch_id}")
+        if answer["states"]["queued"] + answer["states"]["running"] == 0:
+            assert answer["states"]["failed"] == 0, answer
+            return answer
+        time.sleep(0.05)
+
+
+def _timed(client: Client, path: str) -> float:
+    start = time.perf_counter()
+    client.get(path)
+    return time.perf_counter() - start
+
+
+def _at(values: list[float], share: float) -> float:
+    return sorted(values)[min(len(values) - 1, int(share * len(values)))]
+
+
+def _say(name: str, ratio: float, **more: Any) -> None:
+    load = {"cores": os.cpu_count(), "load": round(os.getloadavg()[0], 1)}
+    print(json.dumps({"name": name, "ratio": ratio, **more, **load}), flush=True)
+
+
+if __name__ == "__main__":
+    main()
