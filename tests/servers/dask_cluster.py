@@ -20,8 +20,8 @@ class Cluster:
         self._folder = folder
         with closing(socket.socket()) as probe:
             probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
-        self.address = f"tcp://127.0.0.1:{port}"
+            self._port = probe.getsockname()[1]
+        self.address = f"tcp://127.0.0.1:{self._port}"
         self._environment = {
             **os.environ,
             "PYTHONPATH": os.pathsep.join(
@@ -30,13 +30,21 @@ class Cluster:
             "PYTHONWARNINGS": "ignore",
             "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0",
         }
-        self._scheduler = self._start(
-            "scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"
-        )
+        self._scheduler = self._start_scheduler()
         self.workers: list[subprocess.Popen[bytes]] = []
         for _ in range(workers):
             self.add_worker()
         self.wait_for(workers)
+
+    def restart(self) -> None:
+        """Kill everything, and start as many again."""
+        count = len(self.workers)
+        self.close()
+        self.workers.clear()
+        self._scheduler = self._start_scheduler()
+        for _ in range(count):
+            self.add_worker()
+        self.wait_for(count)
 
     def add_worker(self) -> subprocess.Popen[bytes]:
         """Start a worker with one thread."""
@@ -60,6 +68,11 @@ class Cluster:
         for process in (*self.workers, self._scheduler):
             process.kill()
             process.wait()
+
+    def _start_scheduler(self) -> subprocess.Popen[bytes]:
+        return self._start(
+            "scheduler", "--host", "127.0.0.1", "--port", str(self._port), "--no-dashboard"
+        )
 
     def _start(self, *arguments: str) -> subprocess.Popen[bytes]:
         with (self._folder / f"{arguments[0]}.log").open("ab") as log:

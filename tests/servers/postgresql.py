@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import socket
 import subprocess
 import tempfile
@@ -69,9 +70,9 @@ class Cluster:
                 return
 
     def stop(self) -> None:
-        """Stop the server at once, as when its computer is switched off."""
+        """Stop the server, whoever is connected to it."""
         assert self._server is not None
-        self._server.send_signal(3)  # SIGQUIT: it recovers when it starts again
+        self._server.send_signal(signal.SIGINT)
         self._server.wait()
 
     def remove(self) -> None:

@@ -81,6 +81,31 @@ def test_up_and_down_with_data_in_it(
     assert migrate.upgrade(database_url) == "9999"
 
 
+def test_to_the_first_schema_and_back_with_every_run_intact(flown_url: str) -> None:
+    store = Store.open(flown_url)
+    before = store.runs.find(), store.maneuvers.find(), store.channels.find()
+    samples = store.arrays.get_many(channel.array for channel in before[2])
+    store.close()
+    assert migrate.move(flown_url, "0001") == "0001"
+    assert migrate.upgrade(flown_url) == NEWEST
+    store = Store.open(flown_url)
+    runs, maneuvers, channels = store.runs.find(), store.maneuvers.find(), store.channels.find()
+    for run, old in zip(runs, before[0], strict=True):
+        assert (run.id, run.state, run.structure.modes) == (old.id, old.state, old.structure.modes)
+        assert run.result == old.result
+        assert run.result is not None
+        store.arrays.get(run.result.covariance)
+    assert [(m.id, m.label, m.condition) for m in maneuvers] == [
+        (m.id, m.label, m.condition) for m in before[1]
+    ]
+    assert [(c.name, c.unit, c.array) for c in channels] == [
+        (c.name, c.unit, c.array) for c in before[2]
+    ]
+    again = store.arrays.get_many(samples)
+    assert all((again[name] == values).all() for name, values in samples.items())
+    store.close()
+
+
 @pytest.mark.parametrize("backend", ["sqlite"])
 def test_the_database_is_copied_before_it_changes(
     database_url: str, store: Store, aircraft: Aircraft, monkeypatch, tmp_path: Path

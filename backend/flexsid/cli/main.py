@@ -64,6 +64,12 @@ def _parser() -> argparse.ArgumentParser:
 
     add("migrate", _migrate, "bring the database to the current schema, after a backup copy")
 
+    copy = add("backup", _backup, "copy the database into a new file, while servers use it")
+    copy.add_argument("file", metavar="FILE")
+
+    back = add("restore", _restore, "put a backup in place of the database, copying that first")
+    back.add_argument("file", metavar="FILE")
+
     bring = add("import", _import, "read files through a mapping")
     bring.add_argument("files", nargs="+", metavar="FILE", help="recorder file or table")
     bring.add_argument(
@@ -217,6 +223,18 @@ def _demo(settings: Settings, chosen: argparse.Namespace) -> int:
 
     fill(settings)
     return 0 if chosen.no_serve else serve(settings)
+
+
+def _backup(settings: Settings, chosen: argparse.Namespace) -> int:
+    from flexsid.cli.keeping import backup
+
+    return backup(settings, chosen.file)
+
+
+def _restore(settings: Settings, chosen: argparse.Namespace) -> int:
+    from flexsid.cli.keeping import restore
+
+    return restore(settings, chosen.file)
 
 
 def _migrate(settings: Settings, _chosen: argparse.Namespace) -> int:

@@ -1,0 +1,159 @@
+"""Backup and restore of an SQLite database, while servers work with it."""
+
+from __future__ import annotations
+
+import sqlite3
+import tempfile
+from contextlib import closing
+from datetime import UTC, datetime
+from pathlib import Path
+
+from flexsid.errors import BadInput, Conflict
+from flexsid.storage.database import DatabaseUnavailable, parse_url, sqlite_file
+from flexsid.storage.migrate import upgrade
+
+
+def backup(url: str, target: Path) -> int:
+    """Copy a database as it is at one moment into a new file, and check the copy.
+
+    Parameters
+    ----------
+    url
+        Address of an SQLite database; others may read and write it meanwhile.
+    target
+        A file that does not exist yet.
+
+    Returns
+    -------
+    int
+        Size of the copy. [bytes]
+
+    Raises
+    ------
+    BadInput
+        If the database is none of SQLite, or there is none.
+    Conflict
+        If the file exists.
+    DatabaseUnavailable
+        If the copy is not sound; it is not kept then.
+    """
+    source = _file_of(url, "pg_dump --format=custom --file=flexsid.dump")
+    if not source.is_file():
+        raise BadInput(f"there is no database {source}")
+    if target.exists():
+        raise Conflict(f"{target} exists; name a new file", code="file-exists")
+    partial = target.with_name(f"{target.name}.partial")
+    try:
+        _copy(source, partial)
+        check(partial)
+        partial.rename(target)
+    except OSError as error:
+        raise BadInput(f"{target} cannot be written: {error.strerror}") from error
+    finally:
+        partial.unlink(missing_ok=True)
+    return target.stat().st_size
+
+
+def restore(url: str, source: Path) -> Path | None:
+    """Put a backup in place of what a database holds now, which is copied beside it first.
+
+    Servers on the database go on with what was restored; the runs that they carry out
+    are dropped, and those that were under way in the backup start again.
+
+    Returns
+    -------
+    pathlib.Path or None
+        Copy of what the database held; None where there was none.
+
+    Raises
+    ------
+    BadInput
+        If the backup is no sound database of flexsid, or the database is none of SQLite.
+    DatabaseTooNew
+        If a newer release made the backup.
+    """
+    target = _file_of(url, "pg_restore --clean --dbname=...")
+    if not source.is_file():
+        raise BadInput(f"there is no backup {source}")
+    try:
+        check(source)
+    except DatabaseUnavailable as error:
+        raise BadInput(f"{source} is no sound backup: {error.message}") from error
+    kept = None
+    if target.exists():
+        moment = datetime.now(UTC).strftime("%Y%m%d-%H%M%S-%f")
+        kept = target.with_name(f"{target.name}.before-restore-{moment}")
+        _copy(target, kept)
+    else:
+        upgrade(url)
+    with tempfile.TemporaryDirectory(dir=target.parent) as folder:
+        ready = Path(folder) / "ready.db"
+        _copy(source, ready)
+        upgrade(f"sqlite:///{ready}")
+        _make_ready(ready, target)
+        _copy(ready, target)
+    return kept
+
+
+def check(file: Path) -> None:
+    """Check a database of flexsid page by page, and that no record refers to a missing one.
+
+    Raises
+    ------
+    DatabaseUnavailable
+        If something is wrong with it.
+    """
+    try:
+        with closing(sqlite3.connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as opened:
+            found = [row[0] for row in opened.execute("PRAGMA integrity_check(5)")]
+            if found != ["ok"]:
+                raise DatabaseUnavailable(f"{file} is damaged: {'; '.join(found)}")
+            missing = opened.execute("PRAGMA foreign_key_check").fetchone()
+            if missing is not None:
+                raise DatabaseUnavailable(
+                    f"{file} is damaged: a record of {missing[0]} refers to one of {missing[2]}"
+                    " that is not there"
+                )
+            opened.execute("SELECT version_num FROM alembic_version").fetchone()
+    except sqlite3.Error as error:
+        raise DatabaseUnavailable(f"{file} is no database of flexsid: {error}") from error
+
+
+def _file_of(url: str, instead: str) -> Path:
+    file = sqlite_file(parse_url(url))
+    if file is None:
+        raise BadInput(
+            f"this copies databases of SQLite; PostgreSQL has its own way, while serving: {instead}"
+        )
+    return file
+
+
+def _copy(source: Path, target: Path) -> None:
+    """Copy all pages in one step, and wait for whoever writes meanwhile."""
+    try:
+        with (
+            closing(sqlite3.connect(source, timeout=30.0)) as reading,
+            closing(sqlite3.connect(target, timeout=30.0)) as writing,
+        ):
+            reading.backup(writing, pages=-1, sleep=0.05)
+    except sqlite3.Error as error:
+        raise DatabaseUnavailable(f"{source} cannot be copied to {target}: {error}") from error
+
+
+def _make_ready(ready: Path, target: Path) -> None:
+    """Let whoever leads the queue find out, and pages be as large as where they go."""
+    with (
+        closing(sqlite3.connect(target)) as present,
+        closing(sqlite3.connect(ready, isolation_level=None)) as restored,
+    ):
+        size = present.execute("PRAGMA page_size").fetchone()[0]
+        epoch = 0
+        if present.execute("SELECT 1 FROM sqlite_master WHERE name = 'leases'").fetchone():
+            epoch = present.execute("SELECT max(epoch) FROM leases").fetchone()[0]
+        restored.execute(
+            "UPDATE leases SET holder = NULL, status = NULL, beats = 0, epoch = max(epoch, ?) + 1",
+            (epoch,),
+        )
+        restored.execute("PRAGMA journal_mode = DELETE")
+        restored.execute(f"PRAGMA page_size = {size}")
+        restored.execute("VACUUM")
