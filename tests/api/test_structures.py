@@ -220,3 +220,27 @@ def test_modes_are_drawn_over_fuel_and_against_each_other(client: TestClient, ta
     mac = client.get("/api/v1/figures/mac?modal_table_id=1&fuel=0&other_fuel=1").json()
     assert mac["data"][0]["type"] == "heatmap"
     assert client.get("/api/v1/figures/mac?modal_table_id=2").json()["code"] == "no-shapes"
+
+
+@pytest.mark.parametrize("form", ["uff", "csv"])
+def test_what_was_imported_is_written_and_comes_back_the_same(
+    client: TestClient, table: Any, form: str
+) -> None:
+    written = client.get(f"/api/v1/modal-tables/{table['id']}/file?form={form}&fuel=0.5")
+    assert f".{form}" in written.headers["content-disposition"]
+    identity = upload(client, (f"back.{form}", written.content))
+    found = client.get(f"/api/v1/uploads/{identity}/structure").json()
+    assert found["questions"] == []  # the file says its units and masses
+    again = client.post(
+        f"/api/v1/uploads/{identity}/structure", json={"aircraft_id": 1, "name": "back"}
+    ).json()
+    for what in ("modes?fuel=0.5", "shape?number=1&fuel=0.5", "shape?number=2&fuel=0.5"):
+        first = client.get(f"/api/v1/modal-tables/{table['id']}/{what}").json()
+        second = client.get(f"/api/v1/modal-tables/{again['id']}/{what}").json()
+        if "items" in first:
+            for mode, back in zip(first["items"], second["items"], strict=True):
+                assert back["frequency_hz"] == pytest.approx(mode["frequency_hz"], rel=1e-15)
+                assert back["mass_kg_m2"] == pytest.approx(mode["mass_kg_m2"], rel=1e-15)
+        else:
+            assert second["displacement_m"] == first["displacement_m"]
+            assert second["nodes_m"] == first["nodes_m"]

@@ -38,6 +38,7 @@ from flexsid.api.routes import (
     jobs,
     maneuvers,
     mappings,
+    modal_figures,
     modal_tables,
     model_structures,
     nomenclature,
@@ -49,6 +50,7 @@ from flexsid.api.routes import (
     saved_views,
     structure_files,
     uploads,
+    vibration_tests,
 )
 from flexsid.api.routes import searches as search_routes
 from flexsid.api.routes import tasks as task_routes
@@ -154,6 +156,7 @@ def create_app(
         uploads,
         modal_tables,
         structure_files,
+        vibration_tests,
         predictions,
         model_structures,
         decisions,
@@ -171,6 +174,7 @@ def create_app(
         flutter,
         task_routes,
         figures,
+        modal_figures,
         nomenclature,
     ):
         api.include_router(module.router)

@@ -27,6 +27,7 @@ from flexsid.figures.structure import (
     model_order,
     modes_against_fuel,
     reduced_responses,
+    stabilisation,
 )
 from flexsid.figures.time_check import time_check
 from flexsid.figures.time_history import time_history
@@ -61,6 +62,7 @@ __all__ = [
     "root_locus",
     "signal_to_noise",
     "spectrum",
+    "stabilisation",
     "time_check",
     "time_history",
     "trend",

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.figures import style
-from flexsid.figures.spec import Spec, column, empty, rows, title
+from flexsid.figures.spec import Spec, column, empty, rows, title, vertical_mark
 from flexsid.records.modal_views import (
     AssuranceMatrix,
     ModelOrder,
     ModesAgainstFuel,
     ReducedResponses,
+    Stabilisation,
 )
 
 _LEFT_OUT = 0.05
@@ -174,4 +175,47 @@ def reduced_responses(value: ReducedResponses) -> Spec:
         "yaxis": {**title(f"|{value.output}/{value.input}| [dB, {value.unit}]"), "domain": top},
         "yaxis2": {**title("phase [deg]"), "domain": bottom},
     }
+    return {"data": data, "layout": layout}
+
+
+def stabilisation(value: Stabilisation) -> Spec:
+    """Stabilisation diagram: poles by order and how far they hold, over the mean response."""
+    size = np.maximum(value.magnitude, 1e-30)
+    data: list[Spec] = [
+        {"type": "scatter", "mode": "lines", "name": "measured", "yaxis": "y2",
+         "x": column(value.frequency_hz, exact=True), "y": column(20.0 * np.log10(size)),
+         "line": {"color": style.MEASURED, "width": 1.5}, "hoverinfo": "skip"},
+    ]  # fmt: skip
+    if np.isfinite(value.fitted).all():
+        data.append(
+            {"type": "scatter", "mode": "lines", "name": "modes found", "yaxis": "y2",
+             "x": column(value.frequency_hz, exact=True),
+             "y": column(20.0 * np.log10(np.maximum(value.fitted, 1e-30))),
+             "line": {"color": style.BLUE, "width": 1.2}, "hoverinfo": "skip"}
+        )  # fmt: skip
+    half = value.stable_frequency & ~value.stable
+    for name, chosen, colour, symbol, points in (
+        ("new pole", ~value.stable & ~half, style.GREY, "x-thin-open", 5),
+        ("frequency holds", half, style.OCHRE, "triangle-up-open", 6),
+        ("all holds", value.stable, style.GREEN, "circle", 6),
+    ):
+        hover = "%{x:.3f} Hz<br>damping %{customdata:.2f} %<br>order %{y}<extra></extra>"
+        data.append(
+            {"type": "scatter", "mode": "markers", "name": name,
+             "x": column(value.pole_hz[chosen], exact=True),
+             "y": column(value.pole_order[chosen]),
+             "customdata": [100.0 * float(d) for d in value.pole_damping[chosen]],
+             "marker": {"color": colour, "symbol": symbol, "size": points},
+             "hovertemplate": hover}
+        )  # fmt: skip
+    marks = [vertical_mark(float(hertz), f"{hertz:.2f}") for hertz in value.mode_hz]
+    layout: Spec = {
+        "meta": {"rows": 3},
+        "xaxis": title("frequency [Hz]"),
+        "yaxis": title("order of the model"),
+        "yaxis2": {**title(f"mean {value.quantity}/force [dB]"), "overlaying": "y",
+                   "side": "right", "showgrid": False},
+        "shapes": [shape for shape, _ in marks],
+        "annotations": [annotation for _, annotation in marks],
+    }  # fmt: skip
     return {"data": data, "layout": layout}

@@ -14,6 +14,7 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
+from flexsid.importers.modal_files import modes_of_csv
 from flexsid.importers.nastran.frames import Frames
 from flexsid.importers.source import Source, Sources
 from flexsid.records.modal_table import ModalKind
@@ -107,6 +108,7 @@ class RawStructure:
 
 def look_at_structure(sources: Sources) -> StructureFound:
     """Say what files hold and what they leave open."""
+    sources = Sources(tuple(modes_of_csv(source) for source in sources.items))
     files = tuple(_describe(source) for source in sources.items)
     results = [source for source in sources.items if "shape/values" in source.arrays]
     questions: list[Question] = []
@@ -153,6 +155,7 @@ def extract_structure(sources: Sources, answers: StructureAnswers) -> RawStructu
         If there are no shapes or no nodes, an answer is missing, or the files of several fuel
         weights do not have the same nodes.
     """
+    sources = Sources(tuple(modes_of_csv(source) for source in sources.items))
     results = [source for source in sources.items if "shape/values" in source.arrays]
     if not results:
         printed = any("mode/radians" in source.arrays for source in sources.items)
@@ -169,7 +172,7 @@ def extract_structure(sources: Sources, answers: StructureAnswers) -> RawStructu
             code="unknown-file",
         )
     length, mass_factor, notes = _units(sources, answers)
-    turn = _axes(answers.axes)
+    turn = axes_of(answers.axes)
     by_fuel: dict[float, list[Source]] = {}
     for source in results:
         by_fuel.setdefault(answers.fuel.get(source.name, 0.0), []).append(source)
@@ -248,7 +251,7 @@ def _at_fuel(
     ]
     best = max(results, key=lambda source: (source.name.lower().endswith(".op2"), 0))
     found = best.arrays
-    frames = _frames([*results, *(s for s in usable if s not in results)])
+    frames = frames_of([*results, *(s for s in usable if s not in results)])
     numbers = np.asarray(found["shape/number"])
     notes: list[str] = []
     values = np.asarray(found["shape/values"])
@@ -302,7 +305,7 @@ def _at_fuel(
     )
 
 
-def _frames(files: Sequence[Source]) -> tuple[Frames, np.ndarray, np.ndarray]:
+def frames_of(files: Sequence[Source]) -> tuple[Frames, np.ndarray, np.ndarray]:
     """Coordinate systems, ids and places of all nodes of these files."""
     grids: dict[str, list[np.ndarray]] = {name: [] for name in ("id", "cp", "xyz", "cd")}
     frames: dict[str, list[np.ndarray]] = {}
@@ -363,13 +366,7 @@ def _units(sources: Sources, answers: StructureAnswers) -> tuple[float, float, l
         length, force = (float(said[f"unit/{name}"][0]) for name in ("length", "force"))
         notes.append(f"The file says that its length is {length:g} m and its force {force:g} N.")
         return length, force / length, notes
-    if answers.length_unit is None:
-        raise BadInput(
-            f"say in which unit coordinates and displacements are: {', '.join(LENGTHS)}",
-            code="unit-needed",
-            field="length_unit",
-        )
-    length = units.factor(answers.length_unit, "length")
+    length = length_of(sources, answers.length_unit)
     notes.append(f"Lengths are in {answers.length_unit}.")
     has_mass = any(_masses(source) is not None for source in sources.items)
     if answers.generalized_mass is None and not has_mass:
@@ -394,7 +391,27 @@ def _units(sources: Sources, answers: StructureAnswers) -> tuple[float, float, l
     return length, units.factor(answers.mass_unit, "mass"), notes
 
 
-def _axes(text: str) -> np.ndarray:
+def length_of(sources: Sources, unit: str | None) -> float:
+    """Metres per length of the files, as an analyst or else the file says.
+
+    Raises
+    ------
+    BadInput
+        If neither does.
+    """
+    if unit is not None:
+        return units.factor(unit, "length")
+    for source in sources.items:
+        if "unit/length" in source.arrays:
+            return float(source.arrays["unit/length"][0])
+    raise BadInput(
+        f"say in which unit coordinates and displacements are: {', '.join(LENGTHS)}",
+        code="unit-needed",
+        field="length_unit",
+    )
+
+
+def axes_of(text: str) -> np.ndarray:
     """Directions of the file's x, y and z as columns in structural axes (aft, right, up)."""
     words = text.lower().replace(",", " ").split()
     if len(words) != 3 or any(word not in _DIRECTIONS for word in words):

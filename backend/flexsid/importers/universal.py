@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from flexsid.errors import UnreadableFile
+from flexsid.importers.modal_files import EXACT
 from flexsid.importers.source import Content, Field
 from flexsid.importers.universal_blocks import (
     Block,
@@ -169,6 +170,11 @@ def _shape_2414(found: _Found, block: Block) -> None:
     numbers = [frequency, mass, viscous, hysteretic]
     if _MODES.get(analysis) == "complex" and any(eigen[:2]):
         numbers = eigen
+    for line in lines[3:8]:
+        if line.startswith(EXACT):
+            exact = [float(part) for part in line.removeprefix(EXACT).split()]
+            if len(exact) == 3 and np.isclose(exact[0], frequency, rtol=1e-4):
+                numbers = [exact[0], exact[2], exact[1], 0.0]
     _append_shape(found, analysis, data_type, count, mode, numbers, lines[13:])
 
 

@@ -215,3 +215,56 @@ class Correlation:
     pairs: tuple[PairedMode, ...]
     points: tuple[PointAgreement, ...]
     notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Stabilisation:
+    """Poles of models of every order over the mean response: the stabilisation diagram.
+
+    ``magnitude`` and ``fitted`` (M,) are rms over all responses, ``pole_*`` one per pole.
+    """
+
+    title: str
+    quantity: str
+    frequency_hz: np.ndarray
+    magnitude: np.ndarray
+    fitted: np.ndarray
+    pole_hz: np.ndarray
+    pole_order: np.ndarray
+    pole_damping: np.ndarray
+    stable: np.ndarray
+    stable_frequency: np.ndarray
+    mode_hz: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FoundMode:
+    """A mode found in measured responses; the scatter is that over the model orders."""
+
+    frequency_hz: float
+    std_hz: float
+    damping: float
+    std_damping: float
+    n_orders: int
+    collinearity: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FoundModes:
+    """Modes found in measured responses; ``fit_error`` is relative, rms over all of them."""
+
+    responses_id: int
+    fit_error: float
+    scaled: bool
+    items: tuple[FoundMode, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Orthogonality:
+    """Shapes over a mass matrix: one on the diagonal; ``worst`` is the largest beside it."""
+
+    modal_table_id: int
+    fuel: float
+    names: tuple[str, ...]
+    values: list[list[float]]
+    worst: float

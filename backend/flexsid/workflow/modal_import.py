@@ -13,7 +13,7 @@ from flexsid.importers.structure import RawStructure
 from flexsid.records.aircraft import Aircraft, SensorKind
 from flexsid.records.modal_table import FlutterPoint, FlutterSummary, ModalTable
 from flexsid.storage.store import Store
-from flexsid.sysid.modes.naming import name_modes
+from flexsid.sysid.modes.naming import ModeName, name_modes
 from flexsid.sysid.modes.thinning import neighbour_lines, spread_nodes
 from flexsid.sysid.modes.tracking import track
 
@@ -30,8 +30,20 @@ class _Points:
     notes: list[str]
 
 
-def keep_structure(store: Store, aircraft: Aircraft, raw: RawStructure) -> ModalTable:
+def keep_structure(
+    store: Store,
+    aircraft: Aircraft,
+    raw: RawStructure,
+    named: tuple[ModeName, ...] | None = None,
+) -> ModalTable:
     """Follow, name and store the modes of a structure, as a further version of its name.
+
+    Parameters
+    ----------
+    store, aircraft, raw
+        What to keep, and where.
+    named
+        Names that are known from elsewhere; by default the rule finds them.
 
     Raises
     ------
@@ -44,7 +56,8 @@ def keep_structure(store: Store, aircraft: Aircraft, raw: RawStructure) -> Modal
     seen = np.asarray(raw.shape[:, :, shown, :3], dtype=float).reshape(n_fuel, n_modes, -1)
     tracking = track(seen, raw.omega)
     first = np.asarray(raw.shape[0], dtype=float)
-    named = name_modes(raw.nodes, first[..., :3], first[..., 3:])
+    if named is None:
+        named = name_modes(raw.nodes, first[..., :3], first[..., 3:])
     points = _points(aircraft, raw)
     lines = raw.lines
     if lines.size and shown.size < n_nodes:

@@ -15,13 +15,11 @@ from flexsid.api.routes.comparisons import TheTrend
 from flexsid.api.routes.designs import Level
 from flexsid.api.routes.flutter import TheQuestion
 from flexsid.api.routes.maneuvers import Filters
-from flexsid.api.routes.modal_tables import Fuel, TheOrderQuestion
-from flexsid.api.wire import Reference, split_ids, split_names
+from flexsid.api.wire import split_ids, split_names
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow import cutting, excitation, flutter, ground_tests, reconstruction, views
 from flexsid.workflow.audit import figure_spec
 from flexsid.workflow.foresight import expected_response
-from flexsid.workflow.views import model_order, structure
 
 router = APIRouter(prefix="/figures", tags=["figures"], responses=FILES)
 
@@ -349,55 +347,3 @@ def draw_loops(store: TheStore, maneuver_id: _Id, form: Form = "json") -> Respon
 def draw_frozen(store: TheStore, figure_id: _Id, form: Form = "json") -> Response:
     """Draw a figure as it was when it was frozen for a decision."""
     return sent(figure_spec(store, store.frozen_figures.get(figure_id)), form)
-
-
-@router.get("/modes-against-fuel", response_model=Figure)
-def draw_modes_against_fuel(store: TheStore, modal_table_id: _Id, form: Form = "json") -> Response:
-    """Draw frequency and damping of the modes of a table over fuel, crossings marked."""
-    return sent(
-        figures.modes_against_fuel(structure.modes_against_fuel(store, modal_table_id)), form
-    )
-
-
-@router.get("/mac", response_model=Figure)
-def draw_assurance(
-    store: TheStore,
-    modal_table_id: _Id,
-    fuel: Fuel = 0.5,
-    other_id: Reference = None,
-    other_fuel: Annotated[float | None, Query(ge=0.0, le=1.0)] = None,
-    form: Form = "json",
-) -> Response:
-    """Draw the MAC of a table's modes with themselves, another fuel weight, or another table."""
-    at_other = fuel if other_fuel is None else other_fuel
-    value = structure.assurance(store, modal_table_id, fuel, other_id, at_other)
-    return sent(figures.assurance(value), form)
-
-
-@router.get("/model-order", response_model=Figure)
-def draw_model_order(
-    store: TheStore,
-    question: TheOrderQuestion,
-    derivatives: Annotated[
-        str, Query(description="Derivatives to draw, separated by commas.", max_length=2000)
-    ] = "CZ_alpha,Cm_alpha,CZ_q,Cm_q",
-    form: Form = "json",
-) -> Response:
-    """Draw derivatives against the number of modes kept, with the band of ±10 %."""
-    value = model_order.model_order(store, question)
-    return sent(figures.model_order(value, split_names(derivatives) or ()), form)
-
-
-@router.get("/reduced-responses", response_model=Figure)
-def draw_reduced_responses(
-    store: TheStore,
-    question: TheOrderQuestion,
-    output: Annotated[str, Query(max_length=64)],
-    surface: Annotated[str, Query(max_length=64)],
-    counts: Annotated[str, Query(description="Modes kept, separated by commas.")] = "0,1,2,3,4",
-    form: Form = "json",
-) -> Response:
-    """Draw one response of the full and the reduced models, and to sensors of a rigid body."""
-    kept = tuple(int(n) for n in split_names(counts) or () if n.isascii() and n.isdigit())
-    value = model_order.reduced_responses(store, question, output, surface, kept[:10])
-    return sent(figures.reduced_responses(value), form)

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from fastapi import APIRouter, Depends, Query, Response, status
+from fastapi.responses import StreamingResponse
 from pydantic import ConfigDict, Field
 
 from flexsid.api.analyst import TheAnalyst
@@ -21,9 +22,11 @@ from flexsid.api.context import TheStore
 from flexsid.api.requests import Text, Title
 from flexsid.api.wire import Identity, Json, Reference
 from flexsid.errors import BadInput
+from flexsid.importers.modal_files import write_csv, write_universal
 from flexsid.records.modal_table import ModalKind, ModeCorrection
 from flexsid.records.modal_views import Correlation, ModelOrder, Observability
 from flexsid.storage.repository import LARGEST_ID
+from flexsid.workflow.modal_export import modes_to_write
 from flexsid.workflow.modes import corrected
 from flexsid.workflow.views import model_order, structure
 from flexsid.workflow.views.observability import observability
@@ -152,6 +155,28 @@ def get_observability(
     """Say which sensor sees which mode, and where a further accelerometer would help most."""
     wanted = None if symmetry == "all" else symmetry == "symmetric"
     return Json(observability(store, modal_table_id, fuel, wanted, up_to_hz))
+
+
+@router.get(
+    "/{modal_table_id}/file",
+    response_class=StreamingResponse,
+    responses={200: {"content": {"text/csv": {}, "text/plain": {}}}},
+)
+def download_modes(
+    store: TheStore,
+    modal_table_id: Identity,
+    form: Literal["uff", "csv"] = "uff",
+    fuel: Fuel = 0.5,
+) -> StreamingResponse:
+    """Write the modes at one fuel weight as a universal file or as CSV, in SI."""
+    modes = modes_to_write(store, modal_table_id, fuel)
+    text = write_universal(modes) if form == "uff" else write_csv(modes)
+    name = f"modes-{modal_table_id}-fuel-{fuel:g}.{form}"
+    return StreamingResponse(
+        text,
+        media_type="text/csv" if form == "csv" else "text/plain",
+        headers={"Content-Disposition": f'attachment; filename="{name}"'},
+    )
 
 
 @router.post(

@@ -1,0 +1,154 @@
+"""Modes written to files that come back the same: universal file and CSV."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexsid.importers.source import Source
+
+EXACT = "FLEXSID MODE"
+"""Begins a line of text in which a data set repeats its numbers with all their digits."""
+
+CSV_COLUMNS = (
+    *("mode", "frequency_hz", "damping", "mass_kg_m2", "node", "x_m", "y_m", "z_m"),
+    *("phi_x_m", "phi_y_m", "phi_z_m", "nu_x_rad", "nu_y_rad", "nu_z_rad"),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class WrittenModes:
+    """Modes at one fuel weight in SI; shapes (n, K, 6) and nodes in structural axes.
+
+    Damping and mass are NaN where they are not known.
+    """
+
+    title: str
+    fuel: float
+    numbers: tuple[int, ...]
+    names: tuple[str, ...]
+    frequency_hz: np.ndarray
+    damping: np.ndarray
+    mass: np.ndarray
+    node_ids: np.ndarray
+    nodes: np.ndarray
+    shapes: np.ndarray
+    lines: np.ndarray
+
+
+def write_universal(modes: WrittenModes) -> Iterator[str]:
+    """Write data sets 151, 164, 2411, 82 and one 2414 per mode, in double precision."""
+    yield from _block(151, [modes.title[:80], f"fuel fraction {modes.fuel:.17g}", *["NONE"] * 5])
+    yield from _block(
+        164,
+        [
+            "         1SI - mks (Newton)            2",
+            f"{1.0:25.17E}{1.0:25.17E}{1.0:25.17E}",
+            f"{273.15:25.17E}",
+        ],
+    )
+    points: list[str] = []
+    for node, place in zip(modes.node_ids.tolist(), modes.nodes, strict=True):
+        points += [f"{node:10d}{0:10d}{0:10d}{11:10d}", "".join(f"{x:25.16E}" for x in place)]
+    yield from _block(2411, points)
+    if modes.lines.size:
+        trace = [
+            node
+            for a, b in modes.lines
+            for node in (int(modes.node_ids[a]), int(modes.node_ids[b]), 0)
+        ]
+        rows = [
+            "".join(f"{node:10d}" for node in trace[k : k + 8]) for k in range(0, len(trace), 8)
+        ]
+        yield from _block(82, [f"{1:10d}{len(trace):10d}{8:10d}", "lines", *rows])
+    for place, number in enumerate(modes.numbers):
+        yield from _block(2414, _shape(modes, place, number))
+
+
+def _shape(modes: WrittenModes, place: int, number: int) -> list[str]:
+    frequency = float(modes.frequency_hz[place])
+    damping, mass = (float(np.nan_to_num(v[place])) for v in (modes.damping, modes.mass))
+    exact = f"{EXACT} {frequency:.17g} {damping:.17g} {mass:.17g}"
+    six = f"{0.0:13.5E}" * 6
+    rows = [
+        f"{place + 1:10d}",
+        f"{modes.names[place] or number}"[:40],
+        f"{1:10d}",
+        modes.title[:80] or "NONE",
+        exact,
+        *["NONE"] * 3,
+        # structural, normal modes, six degrees of freedom, displacement, real double
+        "".join(f"{n:10d}" for n in (1, 2, 3, 8, 4, 6)),
+        "".join(f"{n:10d}" for n in (0, 0, 1, 0, 0, number, 0, 0)),
+        f"{0:10d}" * 2,
+        f"{0.0:13.5E}{frequency:13.5E}{0.0:13.5E}{mass:13.5E}{damping:13.5E}{0.0:13.5E}",
+        six,
+    ]
+    for node, values in zip(modes.node_ids.tolist(), modes.shapes[place], strict=True):
+        rows += [f"{node:10d}", "".join(f"{x:24.16E}" for x in values)]
+    return rows
+
+
+def _block(kind: int, lines: list[str]) -> Iterator[str]:
+    yield f"    -1\n{kind:6d}\n"
+    yield "".join(f"{line}\n" for line in lines)
+    yield "    -1\n"
+
+
+def write_csv(modes: WrittenModes) -> Iterator[str]:
+    """Write one row per mode and node; columns that are not known are left out."""
+    known = {
+        "damping": np.isfinite(modes.damping).all(),
+        "mass_kg_m2": np.isfinite(modes.mass).all(),
+    }
+    columns = [name for name in CSV_COLUMNS if known.get(name, True)]
+    yield ",".join(columns) + "\n"
+    for place, number in enumerate(modes.numbers):
+        of_mode = {
+            "mode": f"{number}",
+            "frequency_hz": f"{modes.frequency_hz[place]:.17g}",
+            "damping": f"{modes.damping[place]:.17g}",
+            "mass_kg_m2": f"{modes.mass[place]:.17g}",
+        }
+        head = ",".join(of_mode[name] for name in columns if name in of_mode)
+        rows = np.concatenate([modes.nodes, modes.shapes[place]], axis=1)
+        yield "".join(
+            f"{head},{node}," + ",".join(f"{x:.17g}" for x in row) + "\n"
+            for node, row in zip(modes.node_ids.tolist(), rows, strict=True)
+        )
+
+
+def modes_of_csv(source: Source) -> Source:
+    """Give a table with the columns of ``write_csv`` the fields of a structure."""
+    found = source.arrays
+    if not {"mode", "node", "frequency_hz", *CSV_COLUMNS[5:11]} <= set(found):
+        return source
+    columns = {name: np.asarray(found[name]).ravel() for name in CSV_COLUMNS if name in found}
+    numbers, first, place = np.unique(
+        columns["mode"].astype(np.int64), return_index=True, return_inverse=True
+    )
+    ids, row_of, row = np.unique(
+        columns["node"].astype(np.int64), return_index=True, return_inverse=True
+    )
+    shape = np.zeros((numbers.size, ids.size, 6))
+    for axis, name in enumerate(CSV_COLUMNS[8:]):
+        if name in columns:
+            shape[place, row, axis] = columns[name]
+    fields = {
+        "grid/id": ids,
+        "grid/cp": np.zeros(ids.size, dtype=np.int64),
+        "grid/cd": np.zeros(ids.size, dtype=np.int64),
+        "grid/xyz": np.stack([columns[name][row_of] for name in CSV_COLUMNS[5:8]], axis=1),
+        "shape/number": numbers,
+        "shape/radians": 2.0 * np.pi * columns["frequency_hz"][first],
+        "shape/node": ids,
+        "shape/values": shape,
+        "unit/length": np.array([1.0]),
+        "unit/force": np.array([1.0]),
+    }
+    for name, column in (("damping", "damping"), ("mass", "mass_kg_m2")):
+        if column in columns:
+            fields[f"shape/{name}"] = columns[column][first]
+    return Source(name=source.name, sha256=source.sha256, arrays=fields)

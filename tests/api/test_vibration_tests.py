@@ -1,0 +1,131 @@
+"""A ground vibration test of FLEX-28 over REST: responses in, modes out, compared with the FEM."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+
+from flexsid.demo.flex28 import load_nodes, load_truth
+
+NUMBERS = (7, 8, 9, 10, 11, 12, 13)
+NODES = tuple(range(1, 134, 3))
+SHAKER = (61, 127)  # nodes; both pushed in z
+RNG = np.random.default_rng(2)
+
+
+def function(node: int, shaker: int, hertz: np.ndarray, values: np.ndarray) -> str:
+    """A data set 58: acceleration in z at a node per force in z at a shaker."""
+    rows = "".join(
+        "".join(f"{part:20.12E}" for part in (value.real, value.imag)) + "\n" for value in values
+    )
+    return (
+        "    -1\n    58\n"
+        + "NONE\n" * 5
+        + f"    4         0    0         0       NONE{node:10d}   3       NONE{shaker:10d}   3\n"
+        + f"         6{hertz.size:10d}         1{hertz[0]:13.5E}{hertz[1] - hertz[0]:13.5E}"
+        + f"{0.0:13.5E}\n"
+        + "        18    0    0    0            Frequency                  Hz\n"
+        + "        12    0    0    0         Acceleration                m/s2\n"
+        + "        13    0    0    0                Force                   N\n"
+        + "         0    0    0    0                 NONE                NONE\n"
+        + rows
+        + "    -1\n"
+    )
+
+
+@pytest.fixture(scope="module")
+def recorded() -> bytes:
+    """Responses at empty fuel with one percent of noise, and the geometry."""
+    modes = load_truth().modes.at(0.0).select(NUMBERS)
+    places, shapes = load_nodes()
+    at = [load_truth().modes.numbers.index(number) for number in NUMBERS]
+    # In structural axes up is up: the opposite of body axes.
+    phi = -shapes[0, at][:, :, 2].astype(float)
+    hertz = np.arange(2.0, 18.0, 0.04)
+    s = 2j * np.pi * hertz[:, None]
+    gain = s**2 / (modes.mass * (s**2 + 2 * modes.zeta * modes.omega * s + modes.omega**2))
+    text = ["    -1\n  2411\n"]
+    for node in NODES:
+        x, y, z = places[node - 1]
+        text.append(f"{node:10d}{0:10d}{0:10d}{11:10d}\n{x:25.16E}{y:25.16E}{z:25.16E}\n")
+    text.append("    -1\n")
+    for shaker in SHAKER:
+        for node in NODES:
+            values = (gain * phi[:, node - 1] * phi[:, shaker - 1]).sum(axis=1)
+            noise = RNG.normal(size=values.shape) + 1j * RNG.normal(size=values.shape)
+            values = values + 0.007 * np.sqrt(np.mean(np.abs(values) ** 2)) * noise
+            text.append(function(node, shaker, hertz, values))
+    return "".join(text).encode()
+
+
+@pytest.fixture
+def responses(client: TestClient, recorded: bytes) -> Any:
+    answer = client.post("/api/v1/uploads", files=[("files", ("gvt.uff", recorded))])
+    assert answer.status_code == 201, answer.text
+    identity = answer.json()["upload"]["id"]
+    wanted = {
+        "aircraft_id": 1,
+        "name": "GVT, empty",
+        "response_unit": "m/s2",
+        "force_unit": "N",
+        "length_unit": "m",
+    }
+    answer = client.post(f"/api/v1/uploads/{identity}/responses", json=wanted)
+    assert answer.status_code == 201, answer.text
+    return answer.json()
+
+
+def test_modes_are_found_kept_and_correlated(client: TestClient, responses: Any) -> None:
+    assert responses["quantity"] == "acceleration"
+    assert responses["references"] == ["61+z", "127+z"]
+    at = f"/api/v1/measured-responses/{responses['id']}/modes"
+    found = client.get(f"{at}?low_hz=2&high_hz=17&order=24").json()
+    truth = load_truth().modes.at(0.0).select(NUMBERS[:6])
+    hertz = [mode["frequency_hz"] for mode in found["items"]]
+    assert hertz == pytest.approx(truth.omega / (2.0 * np.pi), rel=2e-3)
+    assert [mode["damping"] for mode in found["items"]] == pytest.approx(truth.zeta, rel=0.06)
+    assert found["scaled"]
+    assert found["fit_error"] < 0.03
+    wanted = {"name": "GVT found", "low_hz": 2, "high_hz": 17, "order": 24, "like_id": 1}
+    table = client.post(at, json=wanted).json()
+    assert table["kind"] == "GVT"
+    assert table["numbers"] == list(NUMBERS[:6])
+    assert table["names"] == ["SW1B", "AW1B", "SW1T", "AW1T", "SFA", "SWL"]
+    assert table["reasons"][0].startswith("like SW1B of FEM, MAC ")
+    told = client.get(
+        f"/api/v1/modal-tables/1/correlation?other_id={table['id']}&fuel=0&other_fuel=0"
+    ).json()
+    pairs = {pair["name"]: pair for pair in told["pairs"]}
+    assert all(pairs[name]["mac"] > 0.98 for name in ("SW1B", "SW1T", "SWL"))
+    assert min(point["comac"] for point in told["points"]) > 0.9
+
+
+def test_the_stabilisation_diagram_is_drawn(client: TestClient, responses: Any) -> None:
+    at = f"/api/v1/figures/stabilisation?responses_id={responses['id']}"
+    drawn = client.get(f"{at}&low_hz=2&high_hz=17&order=20").json()
+    names = [trace["name"] for trace in drawn["data"]]
+    assert names == ["measured", "modes found", "new pole", "frequency holds", "all holds"]
+    assert len(drawn["layout"]["shapes"]) == 6
+    refused = client.get(f"{at}&low_hz=100&high_hz=110").json()
+    assert refused["code"] == "too-few-lines"
+
+
+def test_shapes_are_orthogonal_over_the_mass(client: TestClient) -> None:
+    """The mass matrix of FLEX-28 is not known; one is made for which its modes are orthogonal."""
+    shapes = load_nodes()[1][8, :, :, :3].astype(float) * np.array([-1.0, 1.0, -1.0])
+    flat = shapes.reshape(25, -1).T
+    inverse = np.linalg.pinv(flat)
+    mass = 1.3558 * inverse.T @ inverse
+    file = io.BytesIO()
+    np.savez(file, mass=mass, small=np.eye(5))
+    files = [("files", ("mass.npz", file.getvalue()))]
+    identity = client.post("/api/v1/uploads", files=files).json()["upload"]["id"]
+    at = f"/api/v1/uploads/{identity}/orthogonality"
+    told = client.post(at, json={"modal_table_id": 1, "field": "mass", "fuel": 0.5}).json()
+    assert told["worst"] < 1e-4
+    refused = client.post(at, json={"modal_table_id": 1, "field": "small"}).json()
+    assert "399 or 798 rows and columns are expected" in refused["detail"]
