@@ -41,7 +41,7 @@ Mode = Annotated[int, Query(ge=0, le=10**9, description="Number of the mode.")]
 
 def _order_question(
     aircraft_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
-    airspeed_m_s: Annotated[float, Query(gt=0.0, le=1000.0)],
+    airspeed_m_s: Annotated[float, Query(ge=1.0, le=1000.0)],
     fuel: Fuel = 0.5,
     altitude_m: Annotated[float, Query(ge=-1000.0, le=11_000.0)] = 0.0,
     modal_table_id: Reference = None,
