@@ -715,6 +715,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/modal-tables/{modal_table_id}/file": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Download Modes
+         * @description Write the modes at one fuel weight as a universal file or as CSV, in SI.
+         */
+        get: operations["download_modes"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/modal-tables/{modal_table_id}/corrections": {
         parameters: {
             query?: never;
@@ -813,6 +833,110 @@ export interface paths {
         get: operations["get_flutter_summary"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/uploads/{upload_id}/responses": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Import Responses
+         * @description Keep the frequency responses of uploaded files.
+         */
+        post: operations["import_responses"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/measured-responses": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Measured Responses
+         * @description List the measured responses of an aircraft or of all.
+         */
+        get: operations["list_measured_responses"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/measured-responses/{responses_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Measured Responses
+         * @description Return one set of measured responses.
+         */
+        get: operations["get_measured_responses"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/measured-responses/{responses_id}/modes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Find Modes
+         * @description Find the modes in measured responses that are stable over the orders of models.
+         */
+        get: operations["find_modes"];
+        put?: never;
+        /**
+         * Keep Found Modes
+         * @description Keep the modes found as a table of a GVT, named like those of another table.
+         */
+        post: operations["keep_found_modes"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/uploads/{upload_id}/orthogonality": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Check Orthogonality
+         * @description Check the shapes of a table over a mass matrix in an uploaded file.
+         */
+        post: operations["check_orthogonality"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2953,6 +3077,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/figures/stabilisation": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Stabilisation
+         * @description Draw the poles of models of every order over the mean measured response.
+         */
+        get: operations["draw_stabilisation"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/nomenclature": {
         parameters: {
             query?: never;
@@ -5022,6 +5166,59 @@ export interface components {
             items: components["schemas"]["FoundManeuver"][];
         };
         /**
+         * FoundMode
+         * @description A mode found in measured responses; the scatter is that over the model orders.
+         */
+        FoundMode: {
+            /** Frequency Hz */
+            frequency_hz: number;
+            /** Std Hz */
+            std_hz: number;
+            /** Damping */
+            damping: number;
+            /** Std Damping */
+            std_damping: number;
+            /** N Orders */
+            n_orders: number;
+            /** Collinearity */
+            collinearity: number;
+        };
+        /**
+         * FoundModes
+         * @description Modes found in measured responses; ``fit_error`` is relative, rms over all of them.
+         */
+        FoundModes: {
+            /** Responses Id */
+            responses_id: number;
+            /** Fit Error */
+            fit_error: number;
+            /** Scaled */
+            scaled: boolean;
+            /** Items */
+            items: components["schemas"]["FoundMode"][];
+        };
+        /**
+         * FoundModesRequest
+         * @description Which modes found in responses are to be kept, and under which name.
+         */
+        FoundModesRequest: {
+            /** Name */
+            name: string;
+            /** Low Hz */
+            low_hz?: number | null;
+            /** High Hz */
+            high_hz?: number | null;
+            /**
+             * Order
+             * @default 30
+             */
+            order: number;
+            /** Keep */
+            keep?: number[] | null;
+            /** Like Id */
+            like_id?: number | null;
+        };
+        /**
          * FoundStretch
          * @description Samples that are a spike, a dropout or saturated, and when they begin. [s]
          */
@@ -5633,6 +5830,55 @@ export interface components {
             z_cg_m: number[];
         };
         /**
+         * MeasuredResponses
+         * @description Frequency responses of a ground vibration test.
+         *
+         *     ``outputs`` and ``references`` name node and direction (``12+z``). ``arrays`` names
+         *     ``frequency`` (M,) [Hz], ``values`` (M, n_outputs, n_references), and where the geometry
+         *     is known ``nodes`` (n_outputs, 3) [m] and ``directions`` (n_outputs, 3), structural axes.
+         *     ``quantity`` is what the response is: displacement, velocity or acceleration per force.
+         */
+        MeasuredResponses: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Name */
+            name: string;
+            /** Fuel */
+            fuel: number;
+            /** Quantity */
+            quantity: string;
+            /** Outputs */
+            outputs: string[];
+            /** References */
+            references: string[];
+            /** Arrays */
+            arrays: {
+                [key: string]: string;
+            };
+            /**
+             * Notes
+             * @default []
+             */
+            notes: string[];
+            /**
+             * Origin
+             * @default
+             */
+            origin: string;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * MeasuredResponsesList
+         * @description Sets of measured responses.
+         */
+        MeasuredResponsesList: {
+            /** Items */
+            items: components["schemas"]["MeasuredResponses"][];
+            /** Next */
+            next?: string | null;
+        };
+        /**
          * Method
          * @description The three maximum-likelihood methods of the paper.
          * @enum {string}
@@ -6048,6 +6294,37 @@ export interface components {
             };
             /** Sufficient */
             sufficient: boolean;
+        };
+        /**
+         * Orthogonality
+         * @description Shapes over a mass matrix: one on the diagonal; ``worst`` is the largest beside it.
+         */
+        Orthogonality: {
+            /** Modal Table Id */
+            modal_table_id: number;
+            /** Fuel */
+            fuel: number;
+            /** Names */
+            names: string[];
+            /** Values */
+            values: number[][];
+            /** Worst */
+            worst: number;
+        };
+        /**
+         * OrthogonalityRequest
+         * @description Which field of the files is the mass matrix, and whose shapes are taken.
+         */
+        OrthogonalityRequest: {
+            /** Modal Table Id */
+            modal_table_id: number;
+            /** Field */
+            field: string;
+            /**
+             * Fuel
+             * @default 0.5
+             */
+            fuel: number;
         };
         /**
          * OutputQuality
@@ -6612,6 +6889,51 @@ export interface components {
              * @default
              */
             note: string;
+        };
+        /**
+         * ResponsesRequest
+         * @description What an analyst says of measured responses; see ``ResponseAnswers``.
+         */
+        ResponsesRequest: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Name */
+            name: string;
+            /**
+             * Response Unit
+             * @enum {string}
+             */
+            response_unit: "m/s2" | "g" | "in/s2" | "ft/s2" | "m/s" | "in/s" | "m" | "mm" | "in" | "ft";
+            /**
+             * Force Unit
+             * @enum {string}
+             */
+            force_unit: "N" | "lbf";
+            /**
+             * Fuel
+             * @default 0
+             */
+            fuel: number;
+            /** Length Unit */
+            length_unit?: ("m" | "mm" | "in" | "ft") | null;
+            /**
+             * Axes
+             * @default aft right up
+             */
+            axes: string;
+            /**
+             * Origin
+             * @default [
+             *       0,
+             *       0,
+             *       0
+             *     ]
+             */
+            origin: [
+                number,
+                number,
+                number
+            ];
         };
         /**
          * ReviewRules
@@ -10101,6 +10423,49 @@ export interface operations {
             };
         };
     };
+    download_modes: {
+        parameters: {
+            query?: {
+                form?: "uff" | "csv";
+                /**
+                 * @description Fuel fraction.
+                 * @example 0.5
+                 */
+                fuel?: number;
+            };
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                modal_table_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/csv": unknown;
+                    "text/plain": unknown;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     correct_mode: {
         parameters: {
             query?: never;
@@ -10340,6 +10705,253 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["FlutterSummary"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    import_responses: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the upload.
+                 * @example 5b0c2a
+                 */
+                upload_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "aircraft_id": 1,
+                 *       "name": "GVT, empty",
+                 *       "response_unit": "g",
+                 *       "force_unit": "N",
+                 *       "length_unit": "m"
+                 *     }
+                 */
+                "application/json": components["schemas"]["ResponsesRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MeasuredResponses"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_measured_responses: {
+        parameters: {
+            query?: {
+                /** @example 1 */
+                aircraft_id?: number | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MeasuredResponsesList"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_measured_responses: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                responses_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MeasuredResponses"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    find_modes: {
+        parameters: {
+            query?: {
+                low_hz?: number | null;
+                high_hz?: number | null;
+                /** @description Highest order of the models. */
+                order?: number;
+            };
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                responses_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FoundModes"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    keep_found_modes: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the record.
+                 * @example 1
+                 */
+                responses_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "name": "GVT",
+                 *       "low_hz": 2,
+                 *       "high_hz": 18,
+                 *       "like_id": 1
+                 *     }
+                 */
+                "application/json": components["schemas"]["FoundModesRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ModalTable"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    check_orthogonality: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description Id of the upload.
+                 * @example 5b0c2a
+                 */
+                upload_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /**
+                 * @example {
+                 *       "modal_table_id": 1,
+                 *       "field": "mass"
+                 *     }
+                 */
+                "application/json": components["schemas"]["OrthogonalityRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Orthogonality"];
                 };
             };
             /** @description Client Error */
@@ -15363,6 +15975,46 @@ export interface operations {
                 prediction_id?: number | null;
                 low_hz?: number;
                 high_hz?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_stabilisation: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                responses_id: number;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+                low_hz?: number | null;
+                high_hz?: number | null;
+                /** @description Highest order of the models. */
+                order?: number;
             };
             header?: never;
             path?: never;
