@@ -107,6 +107,9 @@ export const maneuverView = view((search) => ({
   /** Window of the time histories [s]. */
   from: number(search.from),
   to: number(search.to),
+  /** Window of everything over frequency [Hz]. */
+  low: number(search.low),
+  high: number(search.high),
   outputs: words(search.outputs),
   inputs: words(search.inputs),
   models: integers(search.models),
@@ -138,6 +141,9 @@ export const newRunView = view((search) => ({
   also: integers(search.also),
   /** One run over all of them instead of one each. */
   together: flag(search.together),
+  /** Band to fit [Hz]. */
+  low: number(search.low),
+  high: number(search.high),
   /** Kept model structure to begin with, and its version where not the newest. */
   structure: integer(search.structure),
   version: integer(search.version),
@@ -159,6 +165,9 @@ export const runView = view((search) => ({
   block: text(search.block),
   output: text(search.output),
   sort: text(search.sort),
+  /** Window of everything over frequency [Hz]. */
+  low: number(search.low),
+  high: number(search.high),
   /** Outputs of the check in time, and the maneuver that it is made with. */
   outputs: words(search.outputs),
   against: integer(search.against),

@@ -30,6 +30,7 @@ _EXAMPLES: dict[str, Any] = {
     "stop_s": 5.0,
     "coefficient": "Cm",
     "name": "Cm_alpha",
+    "names": "Cm_alpha,q",
     "against": "dynamic_pressure",
     "degree": 1,
     "natural_frequency": 60.0,

@@ -246,6 +246,15 @@ export const savedViewsQuery = (page: string) =>
       (await body(api.GET("/api/v1/saved-views", { params: { query: { page } }, signal }))).items,
   });
 
+export const meaningQuery = (name: string) =>
+  queryOptions({
+    queryKey: ["nomenclature", name],
+    queryFn: async ({ signal }) =>
+      (await body(api.GET("/api/v1/nomenclature", { params: { query: { names: name } }, signal })))
+        .items[0] ?? null,
+    staleTime: Infinity,
+  });
+
 export const glossaryQuery = queryOptions({
   queryKey: ["nomenclature"],
   queryFn: async ({ signal }) => (await body(api.GET("/api/v1/nomenclature", { signal }))).items,

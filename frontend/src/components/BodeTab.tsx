@@ -1,8 +1,10 @@
 import { MultiSelect, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { figureQuery, maneuversQuery, runsQuery } from "../api/queries";
+import { bandOf, windowOf } from "../lib/band";
 import { excitedInputs } from "../lib/channels";
 import { integers } from "../lib/urlState";
+import { BandBar } from "./BandBar";
 import { ChannelPicker } from "./ChannelPicker";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
@@ -37,6 +39,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
     windowed: view.windowed,
     view: view.plane === "loops" ? undefined : view.plane,
   };
+  const overFrequency = (view.plane ?? "bode") === "bode";
   const campaign = useInfiniteQuery(maneuversQuery({}, "id", 200));
   const others = (campaign.data?.pages ?? [])
     .flatMap((page) => page.items)
@@ -136,11 +139,28 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
           <Empty title="Nothing to draw">Tick an input and an output on the left.</Empty>
         ) : (
           <>
+            {overFrequency && (
+              <BandBar
+                maneuverId={maneuver.id}
+                window={windowOf(view)}
+                onClear={() => {
+                  onChange(bandOf(null));
+                }}
+              />
+            )}
             <Figure
               kind="bode"
               title="Frequency responses of the bare airframe"
               params={params}
               revision={[outputs, inputs, view.plane].join("|")}
+              window={overFrequency ? windowOf(view) : undefined}
+              onWindow={
+                overFrequency
+                  ? (window) => {
+                      onChange(bandOf(window));
+                    }
+                  : undefined
+              }
             />
             <NotDrawn params={params} />
           </>

@@ -1,3 +1,4 @@
+import { Meaning } from "./Meaning";
 import { parseDerivative, variableParts } from "../lib/derivatives";
 
 /** A variable in the field's notation. */
@@ -25,15 +26,17 @@ export function DerivativeName({ name }: { name: string }) {
   if (parsed === null) return <span>{name}</span>;
   const { symbol, index } = variableParts(parsed.variable);
   return (
-    <span title={name} aria-label={name} style={{ whiteSpace: "nowrap" }}>
-      C
-      <sub>
-        {parsed.coefficient.slice(1)}
-        <span style={{ paddingLeft: "0.15em" }}>
-          {symbol}
-          {index}
-        </span>
-      </sub>
-    </span>
+    <Meaning name={name}>
+      <span role="img" aria-label={name} style={{ whiteSpace: "nowrap" }}>
+        C
+        <sub>
+          {parsed.coefficient.slice(1)}
+          <span style={{ paddingLeft: "0.15em" }}>
+            {symbol}
+            {index}
+          </span>
+        </sub>
+      </span>
+    </Meaning>
   );
 }

@@ -28,10 +28,12 @@ interface Props extends FigureEvents {
   height?: number;
   /** Zoom is kept while this stays the same; by default while the figure is the same. */
   revision?: string;
+  /** Window of the x axis that figures share; they hand it on by `onWindow`. */
+  window?: [number, number];
 }
 
 /** A figure that the server built: fetched, drawn in the page's colors, downloadable. */
-export function Figure({ kind, params, title, height, revision, ...events }: Props) {
+export function Figure({ kind, params, title, height, revision, window, ...events }: Props) {
   const scheme = useComputedColorScheme("light");
   const figure = useQuery(figureQuery(kind, params));
   const [handle, setHandle] = useState<PlotlyHandle | null>(null);
@@ -82,7 +84,7 @@ export function Figure({ kind, params, title, height, revision, ...events }: Pro
                 >
                   SVG
                 </Menu.Item>
-                {(["csv", "mat"] as const).map((format) => (
+                {(["csv", "mat", "json"] as const).map((format) => (
                   <Menu.Item
                     key={format}
                     component="a"
@@ -109,7 +111,8 @@ export function Figure({ kind, params, title, height, revision, ...events }: Pro
             spec={spec}
             scheme={scheme}
             height={tall}
-            revision={revision ?? JSON.stringify(params)}
+            revision={`${revision ?? JSON.stringify(params)} ${window?.join() ?? ""}`}
+            window={window}
             onReady={setHandle}
             {...events}
           />

@@ -1,6 +1,8 @@
 import { SegmentedControl, Stack } from "@mantine/core";
 import type { Run } from "../api/types";
+import { bandOf, windowOf } from "../lib/band";
 import type { RunView } from "../views";
+import { BandBar } from "./BandBar";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
 import { FitTable } from "./FitTable";
@@ -39,10 +41,22 @@ export function FitTab({ run, view, onChange }: RunTabProps) {
         </div>
       </Stack>
       <div className="panel" style={{ padding: 12 }}>
+        <BandBar
+          maneuverId={run.maneuver_id}
+          like={run.id}
+          window={windowOf(view)}
+          onClear={() => {
+            onChange(bandOf(null));
+          }}
+        />
         <Figure
           kind="fit"
           title={`Fit of ${output ?? block.name}`}
           params={{ run_id: run.id, block: block.name, output }}
+          window={windowOf(view)}
+          onWindow={(window) => {
+            onChange(bandOf(window));
+          }}
         />
       </div>
     </div>

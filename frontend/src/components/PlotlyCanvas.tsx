@@ -1,6 +1,6 @@
 import { useEffect, useRef, useState } from "react";
 import type { FigureSpec } from "../api/types";
-import { themedLayout } from "../lib/figureLayout";
+import { inUnits, themedLayout, windowed } from "../lib/figureLayout";
 import type { FigureEvents, PlotlyHandle } from "./figureEvents";
 
 interface Props extends FigureEvents {
@@ -9,6 +9,7 @@ interface Props extends FigureEvents {
   height: number;
   /** Zoom is kept while this stays the same. */
   revision: string;
+  window?: [number, number];
   onReady: (handle: PlotlyHandle) => void;
 }
 
@@ -40,7 +41,7 @@ function firstId(customdata: unknown): number | null {
 }
 
 /** Draws one spec; a spec that cannot be drawn becomes an error of this figure alone. */
-export function PlotlyCanvas({ spec, scheme, height, revision, ...props }: Props) {
+export function PlotlyCanvas({ spec, scheme, height, revision, window, ...props }: Props) {
   const element = useRef<HTMLDivElement>(null);
   const events = useRef(props);
   const [failure, setFailure] = useState<Error | null>(null);
@@ -60,7 +61,7 @@ export function PlotlyCanvas({ spec, scheme, height, revision, ...props }: Props
       const drawn = await Plotly.react(
         target,
         data,
-        themedLayout(layout, scheme, height, revision),
+        windowed(themedLayout(layout, scheme, height, revision), window),
         CONFIG,
       );
       drawn.removeAllListeners("plotly_click");
@@ -74,7 +75,7 @@ export function PlotlyCanvas({ spec, scheme, height, revision, ...props }: Props
         const from = change["xaxis.range[0]"];
         const to = change["xaxis.range[1]"];
         if (typeof from === "number" && typeof to === "number")
-          events.current.onWindow?.([from, to]);
+          events.current.onWindow?.(inUnits(layout, [from, to]));
       });
       drawn.on("plotly_doubleclick", () => events.current.onWindow?.(null));
       events.current.onReady({
@@ -94,6 +95,9 @@ export function PlotlyCanvas({ spec, scheme, height, revision, ...props }: Props
     return () => {
       stale = true;
     };
+    // A window that is written into the address comes back as another array of the same numbers,
+    // and the revision tells of it.
+    // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [spec, scheme, height, revision]);
 
   useEffect(() => {

@@ -1,5 +1,7 @@
 import { Stack, Switch } from "@mantine/core";
 import { excitedInputs } from "../lib/channels";
+import { bandOf, windowOf } from "../lib/band";
+import { BandBar } from "./BandBar";
 import { ChannelPicker } from "./ChannelPicker";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
@@ -39,12 +41,25 @@ export function SpectraTab({ maneuver, view, onChange }: ManeuverTabProps) {
         {channels.length === 0 ? (
           <Empty title="No channel picked">Tick one or more on the left.</Empty>
         ) : (
-          <Figure
-            kind="spectrum"
-            title="Fourier magnitudes by excited input"
-            params={{ maneuver_id: maneuver.id, channels, full: view.full }}
-            revision={`${channels.join()} ${String(view.full)}`}
-          />
+          <>
+            <BandBar
+              maneuverId={maneuver.id}
+              window={windowOf(view)}
+              onClear={() => {
+                onChange(bandOf(null));
+              }}
+            />
+            <Figure
+              kind="spectrum"
+              title="Fourier magnitudes by excited input"
+              params={{ maneuver_id: maneuver.id, channels, full: view.full }}
+              revision={`${channels.join()} ${String(view.full)}`}
+              window={windowOf(view)}
+              onWindow={(window) => {
+                onChange(bandOf(window));
+              }}
+            />
+          </>
         )}
       </div>
     </div>

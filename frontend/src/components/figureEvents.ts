@@ -1,7 +1,7 @@
 export interface FigureEvents {
   /** A point with an id was clicked. */
   onPick?: (id: number) => void;
-  /** The x axis was zoomed to a window, or reset (null). */
+  /** The x axis was zoomed to a window, in its units, or reset (null). */
   onWindow?: (window: [number, number] | null) => void;
 }
 

@@ -106,10 +106,18 @@ interface Beginning {
   like?: Run;
   origin?: Origin;
   methods?: RunDraft["methods"];
+  /** Limits that were brushed [Hz]. */
+  band?: [number, number];
 }
 
 /** The choices of an earlier run, or defaults that suit the maneuver. */
 export function firstDraft(beginning: Beginning): RunDraft {
+  const { band } = beginning;
+  const draft = chosenBefore(beginning);
+  return band === undefined ? draft : { ...draft, band: [String(band[0]), String(band[1])] };
+}
+
+function chosenBefore(beginning: Beginning): RunDraft {
   const { maneuver, tables, predictions, like, origin, methods } = beginning;
   const modal = tables.find((one) => one.kind === "FEM");
   const excited = excitedInputs(maneuver);

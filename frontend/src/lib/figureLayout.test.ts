@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { figureHeight, themedLayout } from "./figureLayout";
+import { figureHeight, inUnits, themedLayout, windowed } from "./figureLayout";
 
 it("adds the theme without overruling the server", () => {
   const layout = themedLayout(
@@ -15,4 +15,14 @@ it("adds the theme without overruling the server", () => {
 
 it("grows with the rows that the server counts", () => {
   expect(figureHeight({})).toBeLessThan(figureHeight({ meta: { rows: 4 } }));
+});
+
+it("shows a window on linear and logarithmic axes, and reads it back", () => {
+  const log = { xaxis: { type: "log" } };
+  expect(windowed(log, [0.1, 10]).xaxis).toMatchObject({ range: [-1, 1], autorange: false });
+  expect(inUnits(log, [-1, 1])).toEqual([0.1, 10]);
+  expect(windowed({ xaxis: {} }, [2, 3]).xaxis).toMatchObject({ range: [2, 3] });
+  expect(inUnits({}, [1.23456789, 2])).toEqual([1.23457, 2]);
+  expect(windowed(log, [0, 10])).toBe(log);
+  expect(windowed(log, undefined)).toBe(log);
 });

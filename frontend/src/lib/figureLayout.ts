@@ -43,6 +43,26 @@ export function figureHeight(layout: Layout): number {
   return 90 + rows * (rows <= 4 ? 200 : 150);
 }
 
+const isLogarithmic = (layout: Layout) => isObject(layout.xaxis) && layout.xaxis.type === "log";
+
+/** Plotly tells the range of a logarithmic axis in powers of ten. */
+export function inUnits(layout: Layout, range: [number, number]): [number, number] {
+  const unit = isLogarithmic(layout) ? (power: number) => 10 ** power : (value: number) => value;
+  return [rounded(unit(range[0])), rounded(unit(range[1]))];
+}
+
+/** Enough digits for any zoom, few enough for an address. */
+const rounded = (value: number) => Number(value.toPrecision(6));
+
+/** Shows a window of the x axis; all panels that stand over it follow. */
+export function windowed(layout: Layout, window: [number, number] | undefined): Layout {
+  if (window === undefined) return layout;
+  const log = isLogarithmic(layout);
+  if (log && window[0] <= 0) return layout;
+  const range = log ? window.map(Math.log10) : window;
+  return { ...layout, xaxis: { ...(layout.xaxis as Layout), range, autorange: false } };
+}
+
 export function themedLayout(
   layout: Layout,
   scheme: "light" | "dark",
@@ -60,6 +80,15 @@ export function themedLayout(
     automargin: true,
     zeroline: false,
   };
+  // One cursor through all panels that stand over the same axis.
+  const cursor = {
+    showspikes: true,
+    spikemode: "across",
+    spikesnap: "cursor",
+    spikethickness: 1,
+    spikedash: "dot",
+    spikecolor: ink.quiet,
+  };
   const merged = under(
     {
       autosize: true,
@@ -75,13 +104,15 @@ export function themedLayout(
       },
       modebar: { bgcolor: "rgba(0,0,0,0)", color: ink.line, activecolor: ink.text },
       hovermode: "closest",
+      hoversubplots: "axis",
       xaxis: {},
       yaxis: {},
     },
     layout,
   );
   for (const key of Object.keys(merged)) {
-    if (/^[xy]axis\d*$/.test(key)) merged[key] = under(axis, merged[key]);
+    if (/^yaxis\d*$/.test(key)) merged[key] = under(axis, merged[key]);
+    if (/^xaxis\d*$/.test(key)) merged[key] = under({ ...axis, ...cursor }, merged[key]);
   }
   return { ...merged, height, width: undefined, uirevision: revision };
 }

@@ -17,6 +17,7 @@ import { RunForm } from "../components/RunForm";
 import { batchRequest, firstDraft, isUnchanged, runRequest } from "../components/runRequest";
 import { StructureLink } from "../components/StructureLink";
 import { useRunOrigin, type RunOrigin } from "../components/useRunOrigin";
+import { windowOf } from "../lib/band";
 import { limitsText } from "../lib/limits";
 import { excitedInputs, named } from "../lib/channels";
 import type { RunDraft } from "../lib/runDraft";
@@ -88,8 +89,9 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
   const navigate = route.useNavigate();
   const submit = useSubmitRuns();
   const all = useSubmitBatch();
+  const band = windowOf(view);
   const { draft, setDraft, forget } = useDraft<RunDraft>(
-    `flexsid.new-run.${maneuver.id}.${like?.id ?? ""}.${origin?.structure.id ?? ""}`,
+    `flexsid.new-run.${maneuver.id}.${like?.id ?? ""}.${origin?.structure.id ?? ""}.${band?.join() ?? ""}`,
     firstDraft({
       maneuver,
       tables,
@@ -97,6 +99,7 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
       like,
       origin: origin?.structure,
       methods: view.methods,
+      band,
     }),
   );
   const outputs = [

@@ -1,0 +1,23 @@
+import { Tooltip } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { useState, type ReactNode } from "react";
+import { meaningQuery } from "../api/queries";
+
+/** What a name stands for, from the glossary, when it is pointed at. */
+export function Meaning({ name, children }: { name: string; children: ReactNode }) {
+  const [pointed, setPointed] = useState(false);
+  const { data } = useQuery({ ...meaningQuery(name), enabled: pointed });
+  const unit = data?.display_unit ?? "";
+  const label = data == null ? name : `${name}: ${data.meaning}${unit === "" ? "" : ` [${unit}]`}`;
+  return (
+    <Tooltip label={label} multiline maw={320}>
+      <span
+        onPointerEnter={() => {
+          setPointed(true);
+        }}
+      >
+        {children}
+      </span>
+    </Tooltip>
+  );
+}

@@ -1,0 +1,57 @@
+"""A band that is brushed in one figure holds in the others, and is fitted."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+pytestmark = pytest.mark.e2e
+
+
+def test_a_brushed_band_is_shared_and_fitted(page: Page):
+    page.goto("/maneuvers/2?tab=spectra&full=true")
+    _brush(page, _drawn(page, "spectrum"), 0.1, 0.3)
+    expect(page).to_have_url(re.compile(r"low=.*high="))
+    band = page.get_by_test_id("band-bar")
+    expect(band).to_contain_text("Hz")
+    told = band.inner_text().split(" Hz")[0]
+    page.get_by_test_id("tab-bode").click()
+    figure = _drawn(page, "bode")
+    expect(band).to_contain_text(told)
+    low, high = figure.locator(".js-plotly-plot").evaluate("plot => plot.layout.xaxis.range")
+    assert 10**low == pytest.approx(float(told.split(" to ")[0]), rel=0.01)
+    assert 10**high == pytest.approx(float(told.split(" to ")[1]), rel=0.01)
+    page.get_by_test_id("run-band").click()
+    expect(page.get_by_label("Band from")).to_have_value(re.compile(r"^\d"))
+
+
+def test_figures_are_kept_as_json(page: Page):
+    page.goto("/maneuvers/2?tab=spectra")
+    figure = _drawn(page, "spectrum")
+    figure.get_by_role("button", name=re.compile("Download")).click()
+    with page.expect_download() as kept:
+        page.get_by_role("menuitem", name="JSON").click()
+    assert kept.value.suggested_filename == "flexsid-spectrum-2.json"
+
+
+def test_a_symbol_tells_its_meaning(page: Page):
+    page.goto("/glossary?search=dynamic_pressure")
+    expect(page.get_by_test_id("glossary-table").locator("tbody tr")).to_have_count(1)
+
+
+def _drawn(page: Page, kind: str) -> Locator:
+    figure = page.get_by_test_id(f"figure-{kind}").first
+    expect(figure).to_have_attribute("data-drawn", "true", timeout=30_000)
+    return figure
+
+
+def _brush(page: Page, figure: Locator, start: float, stop: float) -> None:
+    box = figure.locator(".nsewdrag").first.bounding_box()
+    assert box is not None
+    height = box["y"] + box["height"] / 2
+    page.mouse.move(box["x"] + start * box["width"], height)
+    page.mouse.down()
+    page.mouse.move(box["x"] + stop * box["width"], height, steps=5)
+    page.mouse.up()
