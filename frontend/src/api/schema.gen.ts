@@ -3106,7 +3106,7 @@ export interface paths {
         };
         /**
          * List Nomenclature
-         * @description List every quantity with its unit and meaning.
+         * @description List every quantity with its unit and meaning, or describe names by what they follow.
          */
         get: operations["list_nomenclature"];
         put?: never;
@@ -16046,7 +16046,13 @@ export interface operations {
     };
     list_nomenclature: {
         parameters: {
-            query?: never;
+            query?: {
+                /**
+                 * @description Channels, derivatives or symbols, separated by commas; else the glossary.
+                 * @example Cm_alpha,q
+                 */
+                names?: string | null;
+            };
             header?: never;
             path?: never;
             cookie?: never;
