@@ -31,7 +31,7 @@ LENIENT = [
 ]
 STREAM = "/api/v1/events"  # it has no end
 bounded = settings(
-    max_examples=10,
+    max_examples=6,
     derandomize=True,
     deadline=None,
     database=None,
@@ -83,26 +83,20 @@ def test_every_route_comes_with_an_example() -> None:
             assert "example" in body["application/json"], f"{method} {path}: its body"
 
 
-def test_examples_are_answered(client: TestClient) -> None:
-    unknown = ("/uploads/", "/ground-test", "/design-", "/mappings/{", "/loops", "expected-")
-    unknown += ("/allocation", "/classic-inputs", "/tasks/")
-    unknown += ("/measured-responses/", "/flutter-summaries/", "/stabilisation")
-    for method, path, operation in sorted(_operations(), key=lambda o: o[0] != "post"):
-        content = operation.get("requestBody", {}).get("content", {})
-        if any(part in path for part in unknown) or method not in ("get", "post"):
+def test_examples_are_read(client: TestClient) -> None:
+    """Answered, or refused for want of a record: never as something that cannot be."""
+    for method, path, operation in _operations():
+        if "/uploads" in path or path == STREAM or method not in ("get", "post", "put"):
             continue
-        if method == "post" and path.count("/") > 3:
+        content = operation.get("requestBody", {}).get("content", {})
+        if content and "application/json" not in content:
             continue
         query = {p["name"]: p["example"] for p in _required(operation) if p["in"] == "query"}
         headers = {p["name"]: p["example"] for p in _required(operation) if p["in"] == "header"}
+        body = content.get("application/json", {}).get("example")
         address = path
         for part in _required(operation):
             address = address.replace(f"{{{part['name']}}}", str(part["example"]))
-        if method == "get":
-            answer = client.get(address, params=query, headers=headers)
-        elif "application/json" in content:
-            example = content["application/json"]["example"]
-            answer = client.post(address, json=example, headers=headers)
-        else:
-            continue
-        assert answer.status_code < 300, f"{method} {address} {query}: {answer.text}"
+        answer = client.request(method, address, params=query, headers=headers, json=body)
+        if answer.status_code >= 300:
+            assert answer.json()["code"] != "invalid-request", f"{method} {path}: {answer.text}"

@@ -25,7 +25,7 @@ def _question(
     ] = None,
     next_m_s: Annotated[
         float | None,
-        Query(gt=0.0, le=1000.0, description="Airspeed of the next point; 3 % above the fastest."),
+        Query(ge=0.1, le=1000.0, description="Airspeed of the next point; 3 % above the fastest."),
     ] = None,
 ) -> workflow.Question:
     return workflow.Question(
