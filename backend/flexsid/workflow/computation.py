@@ -26,6 +26,7 @@ from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.estimation.reconstruction import Motion, reconstruct_motion
+from flexsid.sysid.estimation.record_edges import settle_edges
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.stability.poles import NamedPole, named_poles
@@ -147,6 +148,7 @@ def compute(task: Task, report: Report) -> Computed:
     else:
         experiments = experiments_of(task)
         parameters, start, estimate = likeliest(task, experiments, report)
+        experiments, estimate = settle_edges(experiments, parameters, estimate, fit_settings(task))
         if task.method is Method.OE:
             warnings += _input_noise_share(task, experiments, parameters, estimate)
     estimate = estimate.widened(max(m.measured.crowding for m in task.maneuvers))
@@ -186,7 +188,14 @@ def experiments_of(task: Task) -> list[Experiment]:
         lines = data.measured
         if task.method is Method.OE:
             result.append(
-                output_error(data.model, lines.inputs, lines.outputs, lines.instruments, name)
+                output_error(
+                    data.model,
+                    lines.inputs,
+                    lines.outputs,
+                    lines.instruments,
+                    name,
+                    lines.edges_s,
+                )
             )
         else:
             through = np.ones_like(lines.instruments)
@@ -236,6 +245,12 @@ def motion_of(data: ManeuverData) -> tuple[Motion, tuple[int, ...]]:
     return reconstruct_motion(data.model, lines.outputs, lines.instruments), ()
 
 
+def fit_settings(task: Task) -> FitSettings:
+    """How to maximise the likelihood of a task."""
+    asked = task.settings
+    return FitSettings(max_iterations=asked.max_iterations, noise=asked.noise, priors=task.priors)
+
+
 def likeliest(
     task: Task, experiments: list[Experiment], report: Report
 ) -> tuple[Parameters, str, Estimate]:
@@ -244,8 +259,8 @@ def likeliest(
     Where even that did not converge, perturbed starts follow.
     """
     candidates = starting_points(task, report)
-    limit = task.settings.max_iterations
-    settings = FitSettings(max_iterations=limit, noise=task.settings.noise, priors=task.priors)
+    settings = fit_settings(task)
+    limit = settings.max_iterations
 
     def attempt(
         name: str, parameters: Parameters, share: float

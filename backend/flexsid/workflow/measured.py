@@ -25,7 +25,8 @@ class MeasuredLines:
     (n_omega, n_y) lies between. ``owner`` is the input that owns each line, -1 for
     none. ``input_noise`` (n_omega, n_u) is the variance of the inputs' spectra where
     their sensors' noise is known. ``crowding`` is how many lines share the resolution
-    of the record, at least one.
+    of the record, at least one. ``edges_s`` are the times at which the record may begin
+    or end in motion.
     """
 
     owner: np.ndarray
@@ -35,6 +36,7 @@ class MeasuredLines:
     commands: FrequencyData | None
     input_noise: np.ndarray | None
     crowding: float
+    edges_s: tuple[float, ...] = ()
 
     @property
     def omega(self) -> np.ndarray:
@@ -116,7 +118,17 @@ class Measurement:
             commands=commands,
             input_noise=noise,
             crowding=_crowding(lines.omega, duration_s),
+            edges_s=self._edges(),
         )
+
+    def _edges(self) -> tuple[float, ...]:
+        """Begin and end of the record; whole periods have neither, a multisine begins at trim."""
+        excitation = self.recording.maneuver.excitation
+        recorded = [c for c, _ in self.recording.channels if c.name in self.inputs]
+        end_s = max(c.start_s + c.n_samples / c.rate_hz for c in recorded)
+        if excitation is None:
+            return min(c.start_s for c in recorded), end_s
+        return () if excitation.n_periods > 1 else (end_s,)
 
 
 def read_measurement(

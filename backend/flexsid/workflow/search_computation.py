@@ -28,6 +28,7 @@ from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.likelihood import FitSettings
 from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.record_edges import settle_edges
 from flexsid.sysid.spectra.collinearity import near_dependencies
 from flexsid.sysid.stability.bands import Uncertain
 from flexsid.sysid.stability.prediction import Identified, predict_flutter, weighted_mean
@@ -220,6 +221,7 @@ def _by_likelihood(
         report(Progress(fraction=0.3 * number / len(task.maneuvers), message=message))
         own = experiments_of(one)
         parameters, _, estimate = likeliest(one, own, lambda progress: None)
+        _, estimate = settle_edges(own, parameters, estimate, settings)
         experiments.append(replace(own[0], name=one.maneuvers[0].label))
         first.append(replace(parameters, start=estimate.values))
     candidates = first[0]

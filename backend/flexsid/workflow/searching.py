@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from flexsid.errors import BadInput, Cancelled, Conflict, FlexsidError, UnknownRecord
-from flexsid.records.run import EstimationRun, Progress, RunSettings, RunState
+from flexsid.records.run import EstimationRun, Method, Progress, RunSettings, RunState
 from flexsid.records.search import SearchCandidate, SearchResult, StructureSearch
 from flexsid.storage import queue
 from flexsid.storage.store import Store
@@ -226,8 +226,10 @@ def _task(store: Store, wanted: StructureSearch, maneuver_id: int) -> Task:
 def _still_moving(
     store: Store, wanted: StructureSearch, tasks: tuple[Task, ...]
 ) -> tuple[str, ...]:
-    """Warn of records that end before the motion has died away."""
+    """Warn of records that end before the motion has died away; OE takes that into account."""
     said = []
+    if wanted.method is Method.OE:
+        return ()
     for maneuver_id, task in zip(wanted.maneuver_ids, tasks, strict=True):
         maneuver = store.maneuvers.get(maneuver_id)
         excitation = maneuver.excitation

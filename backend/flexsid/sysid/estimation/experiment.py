@@ -18,6 +18,7 @@ class Experiment:
     theirs removed already. Lines of one ``group`` follow each other and share a noise
     covariance: one group for OE, one per input for FRE. Where lines are computed from
     others, ``source`` holds those, and ``gain`` how the noise of each enters each line here.
+    ``edges_s`` are the times at which the record may begin or end in motion. [s]
     """
 
     name: str
@@ -30,3 +31,4 @@ class Experiment:
     group_names: tuple[str, ...]
     source: Experiment | None = None
     gain: Complex[np.ndarray, "n_omega n_source"] | None = None
+    edges_s: tuple[float, ...] = ()

@@ -16,6 +16,7 @@ def output_error(
     outputs: FrequencyData,
     instruments: np.ndarray,
     name: str = "OE",
+    edges_s: tuple[float, ...] = (),
 ) -> Experiment:
     """Set up output error for one maneuver.
 
@@ -31,6 +32,8 @@ def output_error(
         Recorded over true response of every output, (n_omega, n_y). [1]
     name
         What to call the maneuver.
+    edges_s
+        When the record begins or ends, where the aircraft may move then. [s]
 
     Raises
     ------
@@ -54,6 +57,7 @@ def output_error(
         measured=z,
         group=np.zeros(outputs.omega.size, dtype=int),
         group_names=(name,),
+        edges_s=edges_s,
     )
 
 

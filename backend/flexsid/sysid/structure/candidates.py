@@ -13,6 +13,7 @@ from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.record_edges import settle_edges
 from flexsid.sysid.structure.evidence import Evidence, look
 from flexsid.sysid.structure.likelihood import likelihood_evidence, reduced
 from flexsid.sysid.structure.selection import (
@@ -120,7 +121,7 @@ def search_candidates(
     tell = report or (lambda fitted, message: None)
     forced = np.arange(len(candidates.names)) >= candidates.rows.size
     chosen = _mask(candidates, start) | forced
-    theta = [one.copy() for one in values or [candidates.start] * len(maneuvers)]
+    theta = list(values or [candidates.start] * len(maneuvers))
     fitted: list[Candidate] = []
     visited: set[bytes] = set()
     evidences: tuple[Evidence, ...] = ()
@@ -129,7 +130,7 @@ def search_candidates(
     while len(fitted) < _ROUNDS and chosen.tobytes() not in visited:
         visited.add(chosen.tobytes())
         tell(len(fitted), f"Fitting {int(chosen.sum())} parameters")
-        estimates = _fit(maneuvers, candidates, chosen, theta, settings)
+        lines, estimates = _fit(maneuvers, candidates, chosen, theta, settings)
         before = fitted[-1] if fitted else None
         now = _candidate(why, candidates, chosen, path, estimates, before, foretold)
         fitted.append(now)
@@ -143,14 +144,12 @@ def search_candidates(
             path = tuple(step for step in path if step not in back)
             why = f"{', '.join(step.term for step in back)} back: worth more than foretold"
             continue
-        for values, estimate in zip(theta, estimates, strict=True):
-            values[chosen] = estimate.values
-            values[~chosen] = 0.0
+        theta = [_spread(chosen, estimate.values) for estimate in estimates]
         evidences = tuple(
             likelihood_evidence(
                 experiment, candidates, values, int(chosen.sum()), kind=settings.noise, parts=True
             )
-            for experiment, values in zip(maneuvers, theta, strict=True)
+            for experiment, values in zip(lines, theta, strict=True)
         )
         end = walk(evidences, Walk(chosen), thresholds, forced=forced)
         foretold = _foretold(evidences, chosen, end.chosen)
@@ -195,18 +194,32 @@ def _fit(
     chosen: Bool[np.ndarray, " n_theta"],
     theta: Sequence[Float[np.ndarray, " n_theta"]],
     settings: FitSettings,
-) -> list[Estimate]:
+) -> tuple[list[Experiment], list[Estimate]]:
+    """Estimates, and the lines as they are without what the edges of the records did."""
     if not chosen.any():
         raise NotIdentifiable(
             "no term is left: nothing in the data asks for any of the candidates", code="empty"
         )
     priors = settings.priors or {}
-    found = []
+    lines, found = [], []
     for experiment, values in zip(maneuvers, theta, strict=True):
         parameters = reduced(candidates, chosen, values)
         kept = {name: prior for name, prior in priors.items() if name in parameters.names}
-        found.append(maximize([experiment], parameters, replace(settings, priors=kept)))
-    return found
+        own = replace(settings, priors=kept)
+        estimate = maximize([experiment], parameters, own)
+        (settled,), estimate = settle_edges([experiment], parameters, estimate, own)
+        lines.append(settled)
+        found.append(estimate)
+    return lines, found
+
+
+def _spread(
+    chosen: Bool[np.ndarray, " n_theta"], values: Float[np.ndarray, " n_chosen"]
+) -> Float[np.ndarray, " n_theta"]:
+    """Values at their place among all candidates, zero elsewhere."""
+    theta = np.zeros(chosen.size)
+    theta[chosen] = values
+    return theta
 
 
 def _candidate(

@@ -92,11 +92,13 @@ def regression_evidence(
     density = np.real(noise.smoothed_density(nu[:, None], one_group, 1).of_lines()[:, 0, 0])
     density *= n_lines / freedom / level
     noisy = np.real((X.conj() * (density * weight)[:, None]).T @ X)
+    scores = np.real(X.conj() * (weight * (z - X @ weighing.values))[:, None])
+    alone = n_lines / freedom * scores.T @ scores
     return Evidence(
         names=names,
         information=parts.information.sum(axis=0),
         moment=parts.moment.sum(axis=0),
-        scatter=0.5 * (noisy + noisy.T),
+        scatter=np.stack([0.5 * (noisy + noisy.T), alone]),
         total=float(parts.total.sum()),
         n_data=2.0 * n_lines,
         parts=parts,
@@ -122,8 +124,10 @@ def _reference(
     stacked = np.concatenate([np.real(unit), np.imag(unit)])
     _, r, order = linalg.qr(stacked, mode="economic", pivoting=True)
     rank = int(np.count_nonzero(np.abs(np.diag(r)) > _TOLD_APART))
-    kept = np.sort(order[: min(rank, n_lines // 2)])
     target = np.concatenate([np.real(z), np.imag(z)])
+    kept = np.sort(order[:rank])
+    if rank > n_lines // 2:
+        kept = _leading(stacked, target, n_lines // 2)
     first = np.linalg.lstsq(stacked[:, kept], target, rcond=None)[0] / size[kept]
     among = Disturbance(
         disturbance.regressors[:, kept[:, None], kept],
@@ -134,6 +138,21 @@ def _reference(
     values = np.zeros(p)
     values[kept] = found.values
     return Weighing(values, found.variance, found.keep)
+
+
+def _leading(
+    stacked: Float[np.ndarray, "n_rows p"], target: Float[np.ndarray, " n_rows"], count: int
+) -> np.ndarray:
+    """The columns that one after the other explain most, where there are too many for all."""
+    kept: list[int] = []
+    left = target
+    for _ in range(count):
+        pull = np.abs(stacked.T @ left)
+        pull[kept] = -1.0
+        kept.append(int(np.argmax(pull)))
+        fitted = np.linalg.lstsq(stacked[:, kept], target, rcond=None)[0]
+        left = target - stacked[:, kept] @ fitted
+    return np.sort(np.array(kept))
 
 
 def _parts(

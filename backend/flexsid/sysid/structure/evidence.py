@@ -35,14 +35,15 @@ class Evidence:
 
     Terms of a subset are estimated by solving ``information`` for ``moment``; ``total`` is
     the squared sum without any term, over ``n_data`` real numbers. ``scatter`` is the
-    covariance of the moment for the residuals as they are; for white ones it equals the
-    information.
+    covariance of the moment for the residuals as they are, for white ones the same as the
+    information: once from neighbouring lines together, once line by line, which also sees
+    residuals that stand out at a lightly damped mode alone. The larger one counts.
     """
 
     names: tuple[str, ...]
     information: Float[np.ndarray, "p p"]
     moment: Float[np.ndarray, " p"]
-    scatter: Float[np.ndarray, "p p"]
+    scatter: Float[np.ndarray, "2 p p"]
     total: float
     n_data: float
     parts: Parts | None = None
@@ -114,7 +115,8 @@ def look(evidence: Evidence, chosen: Bool[np.ndarray, " p"]) -> Look:
     left[inside] = 1.0 / np.diag(A)[inside]
     free = left > _COLLINEAR
     A[outside] /= np.where(free, left, 1.0)[outside, None]
-    variance = np.where(free, np.maximum(np.sum((A @ S) * A, axis=1), _SUREST), np.inf)
+    spread = np.sum((A @ S) * A, axis=2).max(axis=0)
+    variance = np.where(free, np.maximum(spread, _SUREST), np.inf)
     values = np.where(free, A @ m, 0.0)
     return Look(values / scale, variance / scale**2, values**2 * left, rest)
 

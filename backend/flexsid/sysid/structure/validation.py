@@ -15,6 +15,7 @@ from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.line_model import LineModel
 from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.record_edges import settle_edges, without_edges
 from flexsid.sysid.stability.prediction import weighted_mean
 from flexsid.sysid.structure.equation import comb_of_lines
 from flexsid.sysid.structure.likelihood import reduced
@@ -42,6 +43,8 @@ def predict_lines(
 ) -> Predicted:
     """Judge values of all candidates on the lines of a maneuver."""
     response = LineModel(experiment, candidates).respond(theta)
+    if np.isfinite(response.outputs).all():
+        experiment = without_edges(experiment, candidates, theta)
     residuals = experiment.measured - response.outputs
     n_groups = len(experiment.group_names)
     powers = noise.group_powers(experiment.measured, experiment.group, n_groups)
@@ -108,7 +111,9 @@ def _half_by_half(
     for fitted, name in ((even, "second half of the lines"), (~even, "first half of the lines")):
         parameters = reduced(candidates, kept, theta)
         try:
-            estimate = maximize([lines_of(experiment, fitted)], parameters, settings)
+            half = [lines_of(experiment, fitted)]
+            estimate = maximize(half, parameters, settings)
+            estimate = settle_edges(half, parameters, estimate, settings)[1]
         except NotIdentifiable:
             found.append(Predicted(name, np.inf, -np.inf))
             continue

@@ -1,0 +1,175 @@
+"""Record edges: what a record leaves out that begins or ends while the aircraft moves.
+
+The transform of a record is that of the whole motion only if the motion has died away at
+its end. Otherwise s X = A X + B U + x(t_0) e^{-s t_0} - x(t_T) e^{-s t_T}: the outputs hold
+the free response to the states at the edges, too. These few real numbers follow from the
+lines themselves, together with a step of the parameters, by linear least squares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Complex, Float
+from scipy import linalg
+
+from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.likelihood import FitSettings, maximize
+from flexsid.sysid.estimation.line_model import LineModel, Response
+from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.derivatives import DerivativeTable
+
+_ROUNDS = 6
+_RIDGE = 1e-12
+_WORTH = 6.0  # what each state at an edge must take off the squared residuals, on average
+
+
+def edge_responses(
+    model: AeroelasticModel,
+    derivatives: DerivativeTable,
+    omega: Float[np.ndarray, " n_omega"],
+    edges_s: Sequence[float],
+    delays_s: Float[np.ndarray, " n_y"],
+) -> Complex[np.ndarray, "n_omega n_y n_edge_states"]:
+    """What each state at each edge of the record adds to the transforms of the outputs.
+
+    Parameters
+    ----------
+    model, derivatives
+        The aircraft as it is known.
+    omega
+        Lines. [rad/s]
+    edges_s
+        The times at which the record begins or ends in motion. [s]
+    delays_s
+        How much later each output is recorded than felt: its record ends with what was
+        felt that much before. [s]
+
+    Notes
+    -----
+    Attitude is left out: it need not return to trim, and its record is continued where
+    it ended before it is transformed.
+    """
+    system = model.state_space(derivatives)
+    n = system.A.shape[0]
+    kept = [k for k, name in enumerate(system.states) if name != "theta"]
+    s = 1j * omega
+    identity = np.broadcast_to(np.eye(n, dtype=complex), (s.size, n, n))
+    free = system.C @ np.linalg.solve(s[:, None, None] * np.eye(n) - system.A, identity)
+    reference = float(np.median(delays_s))
+    for output, delay in enumerate(delays_s.tolist()):
+        before = linalg.expm(system.A * (reference - delay))
+        free[:, output] = np.exp(s * delay)[:, None] * (free[:, output] @ before)
+    return np.concatenate(
+        [free[:, :, kept] * np.exp(-s * t)[:, None, None] for t in edges_s], axis=2
+    )
+
+
+def without_edges(
+    experiment: Experiment, parameters: Parameters, theta: Float[np.ndarray, " n_theta"]
+) -> Experiment:
+    """The lines as if the motion had been recorded until it died away.
+
+    Parameters
+    ----------
+    experiment
+        With the edges of its record.
+    parameters, theta
+        The model so far.
+
+    Returns
+    -------
+    Experiment
+        The same one where the edges are not worth their parameters.
+    """
+    if not experiment.edges_s:
+        return experiment
+    model = LineModel(experiment, parameters)
+    response = model.respond(theta)
+    E = edges_of(model, response, theta)
+    residuals = experiment.measured - response.outputs
+    level = np.sqrt(np.mean(np.abs(residuals) ** 2, axis=0) / 2.0)
+    level = np.where(level > 0.0, level, np.inf)
+    J = model.jacobian(model.sensitivity(theta, response))
+    both = _stacked(np.concatenate([E, J], axis=2), level)
+    wanted = _stacked(residuals[:, :, None], level)[:, 0]
+    size = np.linalg.norm(both, axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    normal, right = both.T @ both / np.outer(size, size), both.T @ wanted / size
+    n_edge = E.shape[2]
+    state = _solve(normal, right)[:n_edge]
+    # What the edges take off beyond what other values of the parameters would.
+    gained = right @ _solve(normal, right)
+    gained -= right[n_edge:] @ _solve(normal[n_edge:, n_edge:], right[n_edge:])
+    if not gained > _WORTH * n_edge:
+        return experiment
+    return replace(experiment, measured=experiment.measured - E @ (state / size[:n_edge]))
+
+
+def _solve(normal: Float[np.ndarray, "n n"], right: Float[np.ndarray, " n"]) -> np.ndarray:
+    """Solve normal equations of columns at unit length that may be nearly dependent."""
+    return np.linalg.solve(normal + _RIDGE * np.eye(right.size), right)
+
+
+def _stacked(
+    values: Complex[np.ndarray, "n_omega n_y n"], level: Float[np.ndarray, " n_y"]
+) -> Float[np.ndarray, "n_rows n"]:
+    """Real and imaginary parts below each other, in units of the residuals."""
+    flat = (values / level[:, None]).reshape(-1, values.shape[2])
+    return np.concatenate([np.real(flat), np.imag(flat)])
+
+
+def edges_of(
+    model: LineModel, response: Response, theta: Float[np.ndarray, " n_theta"]
+) -> Complex[np.ndarray, "n_omega n_y n_edge_states"]:
+    """What the states at the edges of an experiment's record add to its lines."""
+    experiment = model.experiment
+    E = edge_responses(
+        experiment.model,
+        model.parameters.table(theta),
+        experiment.omega,
+        experiment.edges_s,
+        _delays(experiment.instruments, experiment.omega),
+    )
+    E *= experiment.instruments[:, :, None]
+    return E if response.delayed is None else E * response.delayed[:, :, None]
+
+
+def settle_edges(
+    experiments: Sequence[Experiment],
+    parameters: Parameters,
+    estimate: Estimate,
+    settings: FitSettings,
+) -> tuple[list[Experiment], Estimate]:
+    """Take the edges off the lines and fit again, in turn, until neither changes much.
+
+    Returns
+    -------
+    tuple
+        The lines without edges, and the estimate from them; both as they were where no
+        record begins or ends in motion.
+    """
+    lines = list(experiments)
+    for _ in range(_ROUNDS):
+        corrected = [without_edges(one, parameters, estimate.values) for one in experiments]
+        if all(new is old for new, old in zip(corrected, experiments, strict=True)):
+            return lines, estimate
+        before, lines = estimate, corrected
+        again = maximize(lines, replace(parameters, start=estimate.values), settings)
+        estimate = replace(again, start=estimate.start)
+        moved = np.abs(estimate.values - before.values)
+        if np.all(moved <= 0.1 * np.maximum(estimate.std_errors, 1e-300)):
+            break
+    return lines, estimate
+
+
+def _delays(
+    instruments: Complex[np.ndarray, "n_omega n_y"], omega: Float[np.ndarray, " n_omega"]
+) -> Float[np.ndarray, " n_y"]:
+    """Delay of every output's instruments, from the slope of their phase. [s]"""
+    phase = np.unwrap(np.angle(instruments), axis=0)
+    return -(omega @ phase) / float(omega @ omega)
