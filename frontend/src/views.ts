@@ -212,7 +212,15 @@ export const flutterView = view((search) => ({
 }));
 export type FlutterView = ReturnType<typeof flutterView>;
 
-export const STRUCTURE_TABS = ["fuel", "shapes", "mac", "sensors", "order", "files"] as const;
+export const STRUCTURE_TABS = [
+  "fuel",
+  "shapes",
+  "mac",
+  "sensors",
+  "order",
+  "gvt",
+  "files",
+] as const;
 export const SYMMETRIES = ["symmetric", "antisymmetric", "all"] as const;
 
 export const structuresView = view((search) => ({
@@ -238,6 +246,11 @@ export const structuresView = view((search) => ({
   output: text(search.output),
   surface: text(search.surface),
   upload: text(search.upload),
+  /** Measured responses, the band in which modes are looked for, the highest order. */
+  responses: integer(search.responses),
+  from_hz: number(search.from_hz),
+  to_hz: number(search.to_hz),
+  order: integer(search.order),
 }));
 export type StructuresView = ReturnType<typeof structuresView>;
 

@@ -77,3 +77,17 @@ def test_predictions_differ_from_truth_and_are_the_same_every_time(which: int):
         assert len(prediction.names) == 12
     else:
         assert len(prediction.names) == 10 * 23
+
+
+def test_the_vibration_test_shakes_out_the_modes_of_the_truth():
+    from flexsid.demo.vibration_test import measured_responses
+    from flexsid.sysid.modes.polyreference import find_columns, fit_shapes, stabilisation
+
+    truth, shelf = load_truth(), Shelf()
+    record = measured_responses(truth, 1, shelf.keep)
+    hertz, values = (shelf[record.arrays[name]] for name in ("frequency", "values"))
+    band = hertz < 16.0
+    omega = 2.0 * np.pi * hertz[band]
+    columns = find_columns(stabilisation(omega, values[band], 30))
+    found = fit_shapes(omega, values[band], columns, record.quantity)
+    assert found.omega == pytest.approx(truth.modes.at(0.0).omega[:6], rel=2e-3)

@@ -15,6 +15,7 @@ from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import FlownManeuver, fly
 from flexsid.demo.ground import shake
 from flexsid.demo.sources import modal_tables, model_structures, predictions
+from flexsid.demo.vibration_test import measured_responses
 from flexsid.demo.whole_flight import add_uncut_flight
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight
@@ -161,6 +162,7 @@ def add_aircraft(store: Store) -> Aircraft:
         assert aircraft.id is not None
         for table in modal_tables(truth, aircraft.id, store.arrays.put):
             store.modal_tables.add(table)
+        store.measured_responses.add(measured_responses(truth, aircraft.id, store.arrays.put))
         for prediction in predictions(truth, aircraft.id, store.arrays.put):
             store.predictions.add(prediction)
         for structure in model_structures(aircraft.id):

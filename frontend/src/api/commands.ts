@@ -9,6 +9,7 @@ import type {
   Design,
   DesignRequest,
   ManyOf,
+  ResponsesRequest,
   RunRequest,
   SavedViewRequest,
   StructureFilesRequest,
@@ -385,5 +386,49 @@ export function useCut(flightId: number) {
           (queryKey) => cache.invalidateQueries({ queryKey }),
         ),
       ),
+  });
+}
+
+export function useImportResponses(upload: string, aircraftId: number) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (
+      wanted: Pick<ResponsesRequest, "name" | "response_unit" | "force_unit"> &
+        Partial<ResponsesRequest>,
+    ) =>
+      body(
+        api.POST("/api/v1/uploads/{upload_id}/responses", {
+          params: { path: { upload_id: upload } },
+          body: {
+            fuel: 0,
+            axes: "aft right up",
+            origin: [0, 0, 0],
+            ...wanted,
+            aircraft_id: aircraftId,
+          },
+        }),
+      ),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["measured-responses"] }),
+  });
+}
+
+export function useKeepFoundModes(responsesId: number) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: {
+      name: string;
+      low_hz?: number;
+      high_hz?: number;
+      order: number;
+      keep: number[];
+      like_id: number | null;
+    }) =>
+      body(
+        api.POST("/api/v1/measured-responses/{responses_id}/modes", {
+          params: { path: { responses_id: responsesId } },
+          body: wanted,
+        }),
+      ),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["modal-tables"] }),
   });
 }

@@ -724,3 +724,34 @@ export const flutterSummariesQuery = (aircraftId: number) =>
         )
       ).items,
   });
+
+export const measuredResponsesQuery = (aircraftId: number) =>
+  queryOptions({
+    queryKey: ["measured-responses", aircraftId],
+    queryFn: async ({ signal }) =>
+      (
+        await body(
+          api.GET("/api/v1/measured-responses", {
+            params: { query: { aircraft_id: aircraftId } },
+            signal,
+          }),
+        )
+      ).items,
+  });
+
+export const foundModesQuery = (
+  id: number,
+  query: { low_hz?: number; high_hz?: number; order: number },
+) =>
+  queryOptions({
+    queryKey: ["measured-responses", "modes", id, query],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/measured-responses/{responses_id}/modes", {
+          params: { path: { responses_id: id }, query },
+          signal,
+        }),
+      ),
+    placeholderData: keepPreviousData,
+    retry: false,
+  });

@@ -12,6 +12,7 @@ import { SensorsTab } from "../components/modes/SensorsTab";
 import { ShapesTab } from "../components/modes/ShapesTab";
 import { StructureFiles } from "../components/modes/StructureFiles";
 import { tableTitle, type TableProps } from "../components/modes/tables";
+import { VibrationTab } from "../components/modes/VibrationTab";
 import { PageHead } from "../components/PageHead";
 import { STRUCTURE_TABS, type StructuresView } from "../views";
 
@@ -23,6 +24,7 @@ const TITLES: Record<(typeof STRUCTURE_TABS)[number], string> = {
   mac: "MAC and correlation",
   sensors: "Sensors",
   order: "Model order",
+  gvt: "Vibration test",
   files: "Import",
 };
 
@@ -95,8 +97,12 @@ function OneAircraft({ all, aircraft, view, onChange }: Props) {
               <Tabs.Panel value="files">
                 <StructureFiles aircraft={aircraft} view={view} onChange={onChange} />
               </Tabs.Panel>
+              <Tabs.Panel value="gvt">
+                <VibrationTab {...{ aircraft, usable, view, onChange }} />
+              </Tabs.Panel>
               {table === undefined ? (
-                tab !== "files" && (
+                tab !== "files" &&
+                tab !== "gvt" && (
                   <Empty title="No modes yet">
                     Import the output of a FEM (.op2, .f06, .pch with its deck) or of a ground
                     vibration test (.uff, .unv).

@@ -15,7 +15,8 @@ _FRAMES = {(2101, 21): 1, (2001, 20): 2, (2201, 22): 3}
 _FRAMES_BY_GRID = {(1801, 18): 1, (1701, 17): 2, (1901, 19): 3}
 _REAL_EIGENVALUES = 2
 _TABLES = (1, 7)  # displacements and eigenvectors
-_ENDS = ("GEOM1", "OUG", "LAMA", "OPHIG", "PHIG")
+_TOLD = ("GEOM1", "OUG", "PHIG", "LAMA")
+"""In the names of tables that are read: OUGV1, BOUGV1, OPHIG, GEOM1S, BLAMA ..."""
 
 
 def recognises(head: bytes) -> bool:
@@ -104,12 +105,12 @@ def _fields(data: bytes) -> Iterator[Field]:
     for block in words.blocks():
         name = block[0][: 2 * words.size].decode("ascii", "replace")
         name = "".join(c for c in name if c.isalnum() or c == "_").strip()
-        if not name.startswith(_ENDS):
+        if not any(part in name for part in _TOLD) or name.startswith("CLAMA"):
             continue
         records = [record[words.size :] for record in block[2:]]  # each begins with its type
-        if name.startswith("GEOM1"):
+        if "GEOM1" in name:
             fields = _geometry(records, words)
-        elif name.startswith("LAMA"):
+        elif "LAMA" in name:
             fields = _eigenvalues(records, words)
         else:
             fields = _shapes(records, words, name)

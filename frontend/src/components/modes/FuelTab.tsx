@@ -1,6 +1,7 @@
 import { Button, Group, Modal, Stack, Switch, Text, TextInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
+import { address } from "../../api/client";
 import { useCorrectMode } from "../../api/commands";
 import { modesAtQuery } from "../../api/queries";
 import type { ModeAtFuel } from "../../api/types";
@@ -10,7 +11,7 @@ import { Figure } from "../Figure";
 import { Loaded } from "../Loaded";
 import { ProblemAlert } from "../ProblemAlert";
 import { Section } from "../Section";
-import type { TableProps } from "./tables";
+import { hasShapes, type TableProps } from "./tables";
 
 /** Frequencies and damping over fuel, and the modes at the chosen fuel with their names. */
 export function FuelTab({ table, view }: TableProps) {
@@ -29,6 +30,23 @@ export function FuelTab({ table, view }: TableProps) {
       <Section
         title={`Modes at ${percent(fuel)} % fuel`}
         note="Named by rule from their shapes; a correction keeps its reason."
+        actions={
+          hasShapes(table) && (
+            <Group gap="xs" className="no-print">
+              {(["uff", "csv"] as const).map((form) => (
+                <Button
+                  key={form}
+                  size="compact-sm"
+                  variant="default"
+                  component="a"
+                  href={address(`modal-tables/${String(table.id)}/file`, { form, fuel })}
+                >
+                  {form.toUpperCase()}
+                </Button>
+              ))}
+            </Group>
+          )
+        }
       >
         <Loaded query={modes} rows={8}>
           {({ items }) => (

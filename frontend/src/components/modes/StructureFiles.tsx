@@ -1,7 +1,12 @@
 import { Button, Group, NumberInput, Select, Stack, Switch, Text, TextInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useRef, useState } from "react";
-import { useImportFlutterSummary, useImportStructure, useUploadFiles } from "../../api/commands";
+import {
+  useImportFlutterSummary,
+  useImportResponses,
+  useImportStructure,
+  useUploadFiles,
+} from "../../api/commands";
 import { flutterSummariesQuery, structureUploadQuery } from "../../api/queries";
 import type { Aircraft, StructureFound } from "../../api/types";
 import { fixed } from "../../lib/format";
@@ -114,6 +119,9 @@ function Found({ id, aircraft, onChange }: FoundProps) {
             {data.files.some((file) => file.has_modes) && (
               <Questions id={id} found={data} aircraft={aircraft} onChange={onChange} />
             )}
+            {data.files.some((file) => file.holds.some((what) => what.endsWith("responses"))) && (
+              <ResponsesForm id={id} found={data} aircraft={aircraft} onChange={onChange} />
+            )}
             {data.files.some((file) => file.holds.includes("a flutter summary")) && (
               <FlutterSummaryForm id={id} aircraft={aircraft} />
             )}
@@ -224,6 +232,95 @@ function Questions({ id, found, aircraft, onChange }: FoundProps & { found: Stru
         </Button>
       </Group>
     </Stack>
+  );
+}
+
+const RESPONSES = ["m/s2", "g", "in/s2", "ft/s2", "m/s", "in/s", "m", "mm", "in"] as const;
+const FORCES = ["N", "lbf"] as const;
+const LENGTHS = ["m", "mm", "in", "ft"] as const;
+
+function ResponsesForm({ id, found, aircraft, onChange }: FoundProps & { found: StructureFound }) {
+  const keep = useImportResponses(id, aircraft.id);
+  const [name, setName] = useState("GVT");
+  const [fuel, setFuel] = useState(0);
+  const [response, setResponse] = useState<(typeof RESPONSES)[number] | null>(null);
+  const [force, setForce] = useState<(typeof FORCES)[number] | null>(null);
+  const [length, setLength] = useState<(typeof LENGTHS)[number] | null>(null);
+  const asked = found.n_nodes > 0 && found.questions.some((q) => q.field === "length_unit");
+  return (
+    <Group align="end">
+      <TextInput
+        label="Name of the test"
+        value={name}
+        onChange={(event) => {
+          setName(event.currentTarget.value);
+        }}
+      />
+      <NumberInput
+        label="Fuel [%]"
+        w={90}
+        min={0}
+        max={100}
+        value={fuel}
+        onChange={(value) => {
+          if (typeof value === "number") setFuel(value);
+        }}
+      />
+      <Select
+        label="Responses are in"
+        w={120}
+        data={[...RESPONSES]}
+        value={response}
+        onChange={(value) => {
+          setResponse(RESPONSES.find((one) => one === value) ?? null);
+        }}
+      />
+      <Select
+        label="per"
+        w={80}
+        data={[...FORCES]}
+        value={force}
+        onChange={(value) => {
+          setForce(FORCES.find((one) => one === value) ?? null);
+        }}
+      />
+      {asked && (
+        <Select
+          label="Geometry in"
+          w={90}
+          data={[...LENGTHS]}
+          value={length}
+          onChange={(value) => {
+            setLength(LENGTHS.find((one) => one === value) ?? null);
+          }}
+        />
+      )}
+      <Button
+        variant="default"
+        loading={keep.isPending}
+        disabled={response === null || force === null || (asked && length === null)}
+        onClick={() => {
+          if (response !== null && force !== null)
+            keep.mutate(
+              {
+                name,
+                response_unit: response,
+                force_unit: force,
+                fuel: fuel / 100,
+                length_unit: length,
+              },
+              {
+                onSuccess: (kept) => {
+                  onChange({ tab: "gvt", responses: kept.id, upload: undefined });
+                },
+              },
+            );
+        }}
+      >
+        Keep the responses
+      </Button>
+      {keep.isError && <ProblemAlert error={keep.error} />}
+    </Group>
   );
 }
 

@@ -1,14 +1,18 @@
 import type { Aircraft, ModalTable } from "../../api/types";
 import type { StructuresView } from "../../views";
 
-/** What every tab of a table is handed. */
-export interface TableProps {
+/** What every tab is handed. */
+export interface TabProps {
   aircraft: Aircraft;
-  table: ModalTable;
   /** Tables with frequencies, of any kind and version. */
   usable: ModalTable[];
   view: StructuresView;
   onChange: (change: Partial<StructuresView>) => void;
+}
+
+/** What every tab of a table is handed. */
+export interface TableProps extends TabProps {
+  table: ModalTable;
 }
 
 /** What a table is called among others of its name. */

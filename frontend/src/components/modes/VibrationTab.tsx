@@ -1,0 +1,226 @@
+import {
+  Button,
+  Checkbox,
+  Group,
+  NumberInput,
+  Select,
+  Stack,
+  Text,
+  TextInput,
+} from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { useState } from "react";
+import { useKeepFoundModes } from "../../api/commands";
+import { foundModesQuery, measuredResponsesQuery } from "../../api/queries";
+import type { FoundModes, MeasuredResponses, ModalTable } from "../../api/types";
+import { fixed, percent } from "../../lib/format";
+import { DataTable } from "../DataTable";
+import { Empty } from "../Empty";
+import { Figure } from "../Figure";
+import { Loaded } from "../Loaded";
+import { ProblemAlert } from "../ProblemAlert";
+import { Section } from "../Section";
+import { hasShapes, tableTitle, type TabProps } from "./tables";
+
+/** Measured responses of a ground vibration test: stabilisation diagram, modes, and keeping them. */
+export function VibrationTab({ aircraft, usable, view, onChange }: TabProps) {
+  const sets = useQuery(measuredResponsesQuery(aircraft.id));
+  return (
+    <Loaded query={sets} rows={6}>
+      {(known) => {
+        const chosen = known.find((one) => one.id === view.responses) ?? known.at(-1);
+        return chosen === undefined ? (
+          <Empty title="No measured responses yet">
+            Import a universal file with frequency responses (data sets 58) and its geometry.
+          </Empty>
+        ) : (
+          <OneSet {...{ known, chosen, usable, view, onChange }} />
+        );
+      }}
+    </Loaded>
+  );
+}
+
+interface OneProps extends Pick<TabProps, "usable" | "view" | "onChange"> {
+  known: MeasuredResponses[];
+  chosen: MeasuredResponses;
+}
+
+function OneSet({ known, chosen, usable, view, onChange }: OneProps) {
+  const question = { low_hz: view.from_hz, high_hz: view.to_hz, order: view.order ?? 30 };
+  const found = useQuery(foundModesQuery(chosen.id, question));
+  const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
+  return (
+    <div className="split split-early">
+      <Stack gap="md">
+        <Select
+          label="Measured responses"
+          allowDeselect={false}
+          data={known.map((one) => ({ value: String(one.id), label: one.name }))}
+          value={String(chosen.id)}
+          onChange={(value) => {
+            onChange({ responses: Number(value), from_hz: undefined, to_hz: undefined });
+          }}
+        />
+        <NumberInput
+          label="From [Hz]"
+          min={0.01}
+          value={view.from_hz ?? ""}
+          onChange={(value) => {
+            onChange({ from_hz: typed(value) });
+          }}
+        />
+        <NumberInput
+          label="To [Hz]"
+          min={0.01}
+          value={view.to_hz ?? ""}
+          onChange={(value) => {
+            onChange({ to_hz: typed(value) });
+          }}
+        />
+        <NumberInput
+          label="Highest order"
+          min={4}
+          max={80}
+          value={view.order ?? 30}
+          onChange={(value) => {
+            onChange({ order: typed(value) });
+          }}
+        />
+        <Text size="xs" className="quiet">
+          {chosen.outputs.length} points, {chosen.references.length} shakers, {chosen.quantity} per
+          force, {percent(chosen.fuel)} % fuel. {chosen.notes.join(" ")}
+        </Text>
+      </Stack>
+      <Stack gap="md">
+        <div className="panel" style={{ padding: 12 }}>
+          <Figure
+            kind="stabilisation"
+            title="Stabilisation diagram over the mean response"
+            params={{ responses_id: chosen.id, ...question }}
+            height={560}
+          />
+        </div>
+        <Loaded query={found} rows={6}>
+          {(data) => (
+            <Found
+              key={`${String(chosen.id)} ${JSON.stringify(question)}`}
+              {...{ found: data, question, usable, onChange }}
+            />
+          )}
+        </Loaded>
+      </Stack>
+    </div>
+  );
+}
+
+interface FoundProps extends Pick<TabProps, "onChange"> {
+  found: FoundModes;
+  question: { low_hz?: number; high_hz?: number; order: number };
+  usable: ModalTable[];
+}
+
+function Found({ found, question, usable, onChange }: FoundProps) {
+  const keep = useKeepFoundModes(found.responses_id);
+  const likes = usable.filter((table) => hasShapes(table) && table.kind === "FEM");
+  const [left, setLeft] = useState<number[]>([]);
+  const [name, setName] = useState("GVT");
+  const [like, setLike] = useState<number | null>(likes.at(-1)?.id ?? null);
+  const rows = found.items.map((mode, place) => ({ ...mode, place }));
+  const kept = rows.map((row) => row.place).filter((place) => !left.includes(place));
+  return (
+    <Section
+      title="Modes found"
+      note={`Stable over the orders; ± is their scatter. The responses of these modes miss the measured ones by ${percent(found.fit_error, 1)} %.`}
+    >
+      <Stack gap="md">
+        <DataTable
+          label="Modes found"
+          testId="found-modes"
+          columns={[
+            {
+              key: "keep",
+              header: "Keep",
+              render: (row) => (
+                <Checkbox
+                  aria-label={`Keep the mode at ${fixed(row.frequency_hz, 2)} Hz`}
+                  checked={!left.includes(row.place)}
+                  onChange={(event) => {
+                    const on = event.currentTarget.checked;
+                    setLeft((before) =>
+                      on ? before.filter((one) => one !== row.place) : [...before, row.place],
+                    );
+                  }}
+                />
+              ),
+            },
+            {
+              key: "hz",
+              header: "Frequency",
+              unit: "Hz",
+              numeric: true,
+              render: (row) => `${fixed(row.frequency_hz, 3)} ± ${fixed(row.std_hz, 3)}`,
+            },
+            {
+              key: "damping",
+              header: "Damping",
+              unit: "%",
+              numeric: true,
+              render: (row) => `${percent(row.damping, 2)} ± ${percent(row.std_damping, 2)}`,
+            },
+            { key: "orders", header: "Orders", numeric: true, render: (row) => row.n_orders },
+            {
+              key: "real",
+              header: "Collinearity",
+              numeric: true,
+              render: (row) => fixed(row.collinearity, 3),
+            },
+          ]}
+          rows={rows}
+          rowKey={(row) => row.place}
+        />
+        <Group align="end">
+          <TextInput
+            label="Keep as"
+            value={name}
+            onChange={(event) => {
+              setName(event.currentTarget.value);
+            }}
+          />
+          <Select
+            label="Names and numbers like those of"
+            clearable
+            data={likes.map((table) => ({ value: String(table.id), label: tableTitle(table) }))}
+            value={like === null ? null : String(like)}
+            onChange={(value) => {
+              setLike(value === null ? null : Number(value));
+            }}
+          />
+          <Button
+            loading={keep.isPending}
+            disabled={kept.length === 0 || name.trim() === ""}
+            onClick={() => {
+              keep.mutate(
+                { name: name.trim(), ...question, keep: kept, like_id: like },
+                {
+                  onSuccess: (table) => {
+                    onChange({
+                      tab: "mac",
+                      table: like ?? table.id,
+                      other: table.id,
+                      fuel: 100 * (table.fuel[0] ?? 0),
+                      other_fuel: undefined,
+                    });
+                  },
+                },
+              );
+            }}
+          >
+            Keep {kept.length} modes
+          </Button>
+        </Group>
+        {keep.isError && <ProblemAlert error={keep.error} />}
+      </Stack>
+    </Section>
+  );
+}
