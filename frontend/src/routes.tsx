@@ -13,6 +13,7 @@ import { NotFoundPage } from "./pages/NotFoundPage";
 import {
   batchView,
   campaignView,
+  closedLoopView,
   compareView,
   designView,
   excitationView,
@@ -142,6 +143,13 @@ const structures = createRoute({
   component: page(() => import("./pages/StructuresPage"), "StructuresPage"),
 });
 
+const closedLoop = createRoute({
+  getParentRoute: () => root,
+  path: "/closed-loop",
+  validateSearch: closedLoopView,
+  component: lazyRouteComponent(() => import("./pages/ClosedLoopPage"), "ClosedLoopPage"),
+});
+
 const jobs = createRoute({
   getParentRoute: () => root,
   path: "/jobs",
@@ -243,6 +251,7 @@ export const router = createRouter({
     run,
     compare,
     flutter,
+    closedLoop,
     structures,
     jobs,
     job,

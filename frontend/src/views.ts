@@ -254,6 +254,15 @@ export const structuresView = view((search) => ({
 }));
 export type StructuresView = ReturnType<typeof structuresView>;
 
+export const closedLoopView = view((search) => ({
+  runs: integers(search.runs),
+  controller: integer(search.controller),
+  /** Fuel in percent and altitude [m], where not the fastest point's. */
+  fuel: number(search.fuel),
+  altitude: number(search.altitude),
+}));
+export type ClosedLoopView = ReturnType<typeof closedLoopView>;
+
 export const DESIGN_SOURCES = ["table", "own", "flown"] as const;
 
 export const excitationView = view((search) => ({ from: oneOf(search.from, DESIGN_SOURCES) }));

@@ -24,6 +24,7 @@ from flexsid.api.page import add_page
 from flexsid.api.routes import (
     aircraft,
     batches,
+    closed_loop,
     comparisons,
     conditioning,
     controllers,
@@ -172,6 +173,7 @@ def create_app(
         designs,
         controllers,
         flutter,
+        closed_loop,
         task_routes,
         figures,
         modal_figures,

@@ -1,6 +1,7 @@
 """Finished values to plotly figures as plain data: nothing is computed, nothing is loaded."""
 
 from flexsid.figures.bode import View, bode
+from flexsid.figures.closed_loop import closed_loop_margins, closed_loop_roots
 from flexsid.figures.derivatives import derivatives
 from flexsid.figures.envelope import envelope
 from flexsid.figures.excitation import (
@@ -37,6 +38,8 @@ __all__ = [
     "View",
     "assurance",
     "bode",
+    "closed_loop_margins",
+    "closed_loop_roots",
     "derivatives",
     "design_history",
     "design_signal",

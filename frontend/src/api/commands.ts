@@ -2,6 +2,7 @@
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "./client";
 import type {
+  Controller,
   Action,
   BatchRequest,
   CutRequest,
@@ -203,6 +204,39 @@ export function useRehearse(designId: number) {
           body: wanted,
         }),
       ),
+  });
+}
+
+interface GivenController {
+  aircraft: number;
+  name: string;
+  text: string;
+  file: File | null;
+  reads: string;
+  drives: string;
+}
+
+export function useKeepController() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: ({ aircraft, name, text, file, reads, drives }: GivenController) => {
+      if (file === null) {
+        return body(
+          api.POST("/api/v1/controllers", { body: { aircraft_id: aircraft, name, text } }),
+        );
+      }
+      const form = new FormData();
+      form.append("file", file);
+      form.append("aircraft_id", String(aircraft));
+      form.append("name", name);
+      form.append("reads", reads);
+      form.append("drives", drives);
+      return json("/api/v1/controllers/files", {
+        method: "POST",
+        body: form,
+      }) as Promise<Controller>;
+    },
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["controllers"] }),
   });
 }
 

@@ -475,6 +475,21 @@ export const controllersQuery = queryOptions({
   queryFn: async ({ signal }) => (await body(api.GET("/api/v1/controllers", { signal }))).items,
 });
 
+export const closedLoopQuery = (question: FlutterQuestion, controllerId: number | undefined) =>
+  queryOptions({
+    queryKey: ["closed-loop", question, controllerId],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/closed-loop", {
+          params: { query: { ...question, controller_id: controllerId ?? 0 } },
+          signal,
+        }),
+      ),
+    enabled: question.run_ids !== "" && controllerId !== undefined,
+    placeholderData: keepPreviousData,
+    staleTime: 60_000,
+  });
+
 export const rehearsalsQuery = (designId: number) =>
   queryOptions({
     queryKey: ["designs", designId, "rehearsals"],

@@ -3,6 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { flutterQuery, runsQuery } from "../api/queries";
 import type { Flutter } from "../api/types";
+import { ButtonLink } from "../components/ButtonLink";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
@@ -44,6 +45,11 @@ export function FlutterPage() {
             Campaign
           </Link>,
         ]}
+        actions={
+          <ButtonLink variant="default" to="/closed-loop" search={{ runs: view.runs }}>
+            With a controller
+          </ButtonLink>
+        }
       />
       <div className="split split-early">
         <Choices view={view} answer={answer.data} onChange={change} />

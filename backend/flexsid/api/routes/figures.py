@@ -17,7 +17,15 @@ from flexsid.api.routes.flutter import TheQuestion
 from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.wire import split_ids, split_names
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow import cutting, excitation, flutter, ground_tests, reconstruction, views
+from flexsid.workflow import (
+    closed_loop,
+    cutting,
+    excitation,
+    flutter,
+    ground_tests,
+    reconstruction,
+    views,
+)
 from flexsid.workflow.audit import figure_spec
 from flexsid.workflow.foresight import expected_response
 
@@ -299,6 +307,24 @@ def draw_flutter_forecast(store: TheStore, question: TheQuestion, form: Form = "
 def draw_flutter_map(store: TheStore, question: TheQuestion, form: Form = "json") -> Response:
     """Draw the flutter speed over fuel and altitude."""
     return sent(figures.flutter_map(flutter.flutter_map(store, question)), form)
+
+
+@router.get("/closed-loop-margins", response_model=Figure)
+def draw_closed_loop_margins(
+    store: TheStore, question: TheQuestion, controller_id: _Id, form: Form = "json"
+) -> Response:
+    """Draw margins of every surface's loop over airspeed."""
+    value = closed_loop.closed_loop(store, question, controller_id)
+    return sent(figures.closed_loop_margins(value), form)
+
+
+@router.get("/closed-loop-roots", response_model=Figure)
+def draw_closed_loop_roots(
+    store: TheStore, question: TheQuestion, controller_id: _Id, form: Form = "json"
+) -> Response:
+    """Draw roots with and without a controller."""
+    value = closed_loop.closed_loop(store, question, controller_id)
+    return sent(figures.closed_loop_roots(value), form)
 
 
 @router.get("/design-history", response_model=Figure)

@@ -92,8 +92,8 @@ def broken_loops(
 ) -> Complex[np.ndarray, "n_omega n_driven"]:
     """Loop gain at every surface, broken there while the others stay closed. [1]"""
     read, driven = _places(plant, controller)
-    G = _response(plant, omega)[:, read][:, :, driven]
-    L = _response(controller, omega) @ G
+    G = frequency_response(plant, omega)[:, read][:, :, driven]
+    L = frequency_response(controller, omega) @ G
     closed = np.linalg.inv(np.eye(L.shape[1]) - L)
     return 1.0 / np.einsum("kii->ki", closed) - 1.0
 
@@ -129,9 +129,10 @@ def _places(plant: StateSpace, controller: StateSpace) -> tuple[list[int], list[
     return read, [plant.inputs.index(name) for name in controller.outputs]
 
 
-def _response(
+def frequency_response(
     system: StateSpace, omega: Float[np.ndarray, " n_omega"]
 ) -> Complex[np.ndarray, "n_omega n_y n_u"]:
+    """Frequency response of a state-space system, also of one without states."""
     n = system.A.shape[0]
     if n == 0:
         return np.broadcast_to(system.D.astype(complex), (omega.size, *system.D.shape))
