@@ -2393,6 +2393,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/closed-loop": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Closed Loop
+         * @description Say how far a controller's loop around the identified aircraft is from instability.
+         */
+        get: operations["get_closed_loop"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/tasks/{task_id}": {
         parameters: {
             query?: never;
@@ -2869,6 +2889,46 @@ export interface paths {
          * @description Draw the flutter speed over fuel and altitude.
          */
         get: operations["draw_flutter_map"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/closed-loop-margins": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Closed Loop Margins
+         * @description Draw margins of every surface's loop over airspeed.
+         */
+        get: operations["draw_closed_loop_margins"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/closed-loop-roots": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Closed Loop Roots
+         * @description Draw roots with and without a controller.
+         */
+        get: operations["draw_closed_loop_roots"];
         put?: never;
         post?: never;
         delete?: never;
@@ -3822,6 +3882,30 @@ export interface components {
             label: string;
             /** Count */
             count: number;
+        };
+        /**
+         * ClosedLoopAnswer
+         * @description Where the closed loop loses stability, and its margins over airspeed.
+         */
+        ClosedLoopAnswer: {
+            /** Sentence */
+            sentence: string;
+            /** Controller */
+            controller: string;
+            /** Fuel Fraction */
+            fuel_fraction: number;
+            /** Density Kg M3 */
+            density_kg_m3: number;
+            /** Tested M S */
+            tested_m_s: number;
+            /** Lost M S */
+            lost_m_s: number | null;
+            /** Low M S */
+            low_m_s: number | null;
+            /** High M S */
+            high_m_s: number | null;
+            /** Margins */
+            margins: components["schemas"]["MarginRow"][];
         };
         /**
          * Combination
@@ -5812,6 +5896,26 @@ export interface components {
              * @default
              */
             note: string;
+        };
+        /**
+         * MarginRow
+         * @description Margins of one surface's loop at one airspeed; None where unstable or not crossed.
+         */
+        MarginRow: {
+            /** Surface */
+            surface: string;
+            /** Airspeed M S */
+            airspeed_m_s: number;
+            /** Gain */
+            gain: number | null;
+            /** Phase Rad */
+            phase_rad: number | null;
+            /** Phase Std Rad */
+            phase_std_rad: number | null;
+            /** Disk */
+            disk: number | null;
+            /** Disk Std */
+            disk_std: number | null;
         };
         /**
          * MassTable
@@ -14466,6 +14570,58 @@ export interface operations {
             };
         };
     };
+    get_closed_loop: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                controller_id: number;
+                /**
+                 * @description Runs that succeeded, separated by commas.
+                 * @example 1
+                 */
+                run_ids: string;
+                /**
+                 * @description Fuel fraction; the fastest point's.
+                 * @example 0.5
+                 */
+                fuel?: number | null;
+                /**
+                 * @description Standard altitude; the fastest point's air.
+                 * @example 1000
+                 */
+                altitude_m?: number | null;
+                /**
+                 * @description Airspeed of the next point; 3 % above the fastest.
+                 * @example 45
+                 */
+                next_m_s?: number | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ClosedLoopAnswer"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     get_task: {
         parameters: {
             query?: never;
@@ -15523,6 +15679,118 @@ export interface operations {
     draw_flutter_map: {
         parameters: {
             query: {
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+                /**
+                 * @description Runs that succeeded, separated by commas.
+                 * @example 1
+                 */
+                run_ids: string;
+                /**
+                 * @description Fuel fraction; the fastest point's.
+                 * @example 0.5
+                 */
+                fuel?: number | null;
+                /**
+                 * @description Standard altitude; the fastest point's air.
+                 * @example 1000
+                 */
+                altitude_m?: number | null;
+                /**
+                 * @description Airspeed of the next point; 3 % above the fastest.
+                 * @example 45
+                 */
+                next_m_s?: number | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_closed_loop_margins: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                controller_id: number;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+                /**
+                 * @description Runs that succeeded, separated by commas.
+                 * @example 1
+                 */
+                run_ids: string;
+                /**
+                 * @description Fuel fraction; the fastest point's.
+                 * @example 0.5
+                 */
+                fuel?: number | null;
+                /**
+                 * @description Standard altitude; the fastest point's air.
+                 * @example 1000
+                 */
+                altitude_m?: number | null;
+                /**
+                 * @description Airspeed of the next point; 3 % above the fastest.
+                 * @example 45
+                 */
+                next_m_s?: number | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_closed_loop_roots: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                controller_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
                 /**
