@@ -174,6 +174,9 @@ def test_spikes_dropouts_and_saturation_are_told_and_repaired(store: Store, keep
     (mended,) = views.read_channels(store, maneuver, ["az_cf"])
     changed = np.flatnonzero(raw.values != mended.values)
     assert changed.tolist() == [2000, 4000]
+    left = {(f.about, f.channel) for f in quality(store, maneuver.id).report.findings}
+    assert ("spikes", "az_cf") not in left
+    assert ("dropouts", "s_bend1r") in left
     with pytest.raises(BadInput, match="leave the channel out"):
         take_steps(
             store,

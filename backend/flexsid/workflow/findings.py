@@ -8,11 +8,12 @@ from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.quality import ChannelQuality, Finding, QualityReport, Verdict
 from flexsid.workflow.flown_condition import MOST_DRIFT, MOST_FUEL
 
-_QUIET_DB = (20.0, 10.0)  # median of all outputs: doubtful below, bad below
-_HEARD_DB = 10.0  # a channel that can be judged by its signal
-_AGREES = (0.8, 0.5)  # coherence with the other sensors
+_QUIET_DB = (12.0, 3.0)  # median of all outputs: doubtful below, bad below
+_HEARD_DB = 6.0  # a channel that can be judged by its signal
+_AGREES = (0.8, 0.2)  # coherence with the other sensors
 _EXCESS = 4.0  # times its known noise
 _SKEW_S = 1e-3
+_SURE_S = 5e-3  # a larger standard error tells nothing that should be undone
 _SCALE = 0.02
 _SIGMAS = 3.0
 _SATURATED = 0.005  # share of samples
@@ -125,7 +126,7 @@ def _of_redundancy(channels: Sequence[ChannelQuality], reference: str | None) ->
                 f"{c.name} departs from the other sensors by {c.noise_excess:.0f} times its noise."
             )
             yield _finding(_DOUBTFUL, "coherence", text, c.name)
-        if _stands_out(c.delay_s, c.delay_std, _SKEW_S):
+        if _stands_out(c.delay_s, c.delay_std, _SKEW_S) and (c.delay_std or 0.0) < _SURE_S:
             text = (
                 f"{c.name} is {1e3 * (c.delay_s or 0.0):+.1f} ± {1e3 * (c.delay_std or 0.0):.1f} ms"
                 f" late on {reference}; a delay takes that out."

@@ -28,13 +28,13 @@ from flexsid.sysid.preparation.artefacts import Artefact, find_artefacts
 from flexsid.sysid.preparation.biases import Bias
 from flexsid.units import si_unit
 from flexsid.workflow import views
-from flexsid.workflow.conditioning import conditioning_of
+from flexsid.workflow.conditioning import Conditioning, conditioning_of
 from flexsid.workflow.findings import findings_of, verdict_of
 from flexsid.workflow.flown_condition import flown_condition
 from flexsid.workflow.sensing import sense
 from flexsid.workflow.skews import SensorFaults, biases, sensor_faults
 
-_VERSION = 2  # of what is looked at: a higher one looks again at every maneuver
+_VERSION = 4  # of what is looked at: a higher one looks again at every maneuver
 _MOST_LISTED = 50
 
 
@@ -84,8 +84,10 @@ def assess(store: Store, maneuver: Maneuver, content: str) -> ManeuverQuality:
     assert maneuver.id is not None
     missing: list[str] = []
     channels = read_channels(store.database, maneuver.id)
+    steps = conditioning_of(store, maneuver.id)
     stretches = {
-        name: _artefacts(channel, samples) for name, (channel, samples) in channels.items()
+        name: _artefacts(channel, samples, steps.get(name, Conditioning()).stretches)
+        for name, (channel, samples) in channels.items()
     }
     signal = _signal_to_noise(store, maneuver, [c for c, _ in channels.values()], missing)
     faults, offsets = _redundancy(store, maneuver, missing)
@@ -122,8 +124,10 @@ def _keep(store: Store, found: ManeuverQuality) -> ManeuverQuality:
         return store.qualities.add(found)
 
 
-def _artefacts(channel: Channel, samples: np.ndarray) -> tuple[FoundStretch, ...]:
-    """Faults of samples; a command is digital and rests, a condition is slow."""
+def _artefacts(
+    channel: Channel, samples: np.ndarray, repaired: Sequence[tuple[int, int]]
+) -> tuple[FoundStretch, ...]:
+    """Faults of samples that nobody repaired; a command is digital and rests, a condition slow."""
     if channel.role in (Role.COMMAND, Role.CONDITION):
         return ()
     return tuple(
@@ -134,6 +138,7 @@ def _artefacts(channel: Channel, samples: np.ndarray) -> tuple[FoundStretch, ...
             start_s=channel.start_s + stretch.first / channel.rate_hz,
         )
         for stretch in find_artefacts(np.asarray(samples, dtype=float))
+        if not any(first <= stretch.first and stretch.stop <= stop for first, stop in repaired)
     )
 
 

@@ -18,7 +18,19 @@ export function CutForm({ flightId, window, label: offered, fta: number, onWindo
   const [fta, setFta] = useState<number | string>(number ?? "");
   const [start, setStart] = useState<number | string>(rounded(window?.[0]));
   const [stop, setStop] = useState<number | string>(rounded(window?.[1]));
+  const [known, setKnown] = useState({ window, offered, number });
   const cut = useCut(flightId);
+  if (known.window?.join() !== window?.join()) {
+    // Brushed, or another address: what was typed beside the window stays.
+    setKnown({ ...known, window });
+    setStart(rounded(window?.[0]));
+    setStop(rounded(window?.[1]));
+  }
+  if (known.offered !== offered || known.number !== number) {
+    setKnown({ window, offered, number });
+    setLabel(offered ?? "");
+    setFta(number ?? "");
+  }
   const ready =
     typeof start === "number" && typeof stop === "number" && stop > start && label.trim() !== "";
   const show = () => {

@@ -222,7 +222,6 @@ function Recording({ flight, channels }: { flight: Flight; channels: FlightChann
         <div className="split">
           <Stack gap="md">
             <CutForm
-              key={`${String(view.from)} ${String(view.to)} ${String(view.label)}`}
               flightId={flight.id}
               window={window}
               label={view.label}

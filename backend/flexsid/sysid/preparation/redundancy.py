@@ -25,6 +25,7 @@ _SMALL = 1e-3  # of a standard error: steps below change nothing
 _LARGEST_STEP_RAD = 0.3  # at the highest line: beyond that a delay may slip by a whole turn
 _NEIGHBOURS = 8  # lines whose residuals a missing mode makes alike
 _ENOUGH_LINES = 160
+_OWN_SAY = 0.5  # of a sensor in what is reconstructed of it: from here on it judges itself
 
 
 @dataclass(frozen=True, slots=True)
@@ -270,7 +271,8 @@ def agreement(
     Returns
     -------
     array
-        From 0 to 1; NaN where the others say nothing of a sensor, which may then be right.
+        From 0 to 1; NaN where the others say less of a sensor than it says itself, for then
+        they cannot judge it.
     """
     z = outputs.pick(model.outputs).values / noise
     rows = instruments[:, :, None] * model.sensors.response(outputs.omega) / noise[:, None]
@@ -279,7 +281,7 @@ def agreement(
     seen = np.matmul(q, np.matmul(q.conj().transpose(0, 2, 1), z[:, :, None]))[:, :, 0]
     own = np.sum(np.abs(q) ** 2, axis=2)
     others = z - (z - seen) / np.maximum(1.0 - own, 1e-9)
-    told = own < 1.0 - 1e-6
+    told = own < _OWN_SAY
     cross = np.abs(np.sum(np.where(told, z.conj() * others, 0.0), axis=0)) ** 2
     power = np.sum(np.where(told, np.abs(z) ** 2, 0.0), axis=0)
     power = power * np.sum(np.where(told, np.abs(others) ** 2, 0.0), axis=0)

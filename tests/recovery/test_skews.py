@@ -1,0 +1,58 @@
+"""Skews, scale factors: put on the records of an independent simulation, and found again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexsid.demo.campaign import add_aircraft
+from flexsid.storage.store import Store
+from flexsid.sysid.signals import FrequencyData
+from flexsid.workflow.ingest import import_maneuver
+from flexsid.workflow.sensing import sense
+from flexsid.workflow.skews import sensor_faults
+
+PROJECT = Path(__file__).parents[2]
+RECORDS = PROJECT.parent / "shared" / "data" / "flex28" / "records"
+UNSEEN = {"ay_egi", "ay_cf"}  # on the centre line, and lateral
+
+pytestmark = pytest.mark.skipif(
+    not RECORDS.is_dir(), reason="independent FLEX-28 records are not beside the project"
+)
+
+
+@pytest.mark.parametrize(
+    "name", ["065Vf_n2_fta506", "065Vf_n4_fta506", "080Vf_n8_fta503", "109Vf_n8_fta506"]
+)
+def test_skews_on_every_channel_come_back(store: Store, name: str):
+    add_aircraft(store)
+    mapping = PROJECT / "examples" / "flex28" / "record.toml"
+    sensing = sense(store, import_maneuver(store, [RECORDS / f"{name}.npz"], mapping))
+    rng = np.random.default_rng(len(name))
+    lines, names = sensing.measured, sensing.measured.outputs.names
+    delay, late = rng.uniform(0.0, 0.02, len(names)), rng.uniform(0.0, 0.02, 5)
+    scale = np.ones(len(names))
+    wrong = [names.index("alpha"), names.index("q")]
+    scale[wrong] = 1.07, 0.95
+    w = lines.omega
+    outputs = lines.outputs.values * np.exp(-1j * w[:, None] * delay) * scale
+    inputs = lines.inputs.values * np.exp(-1j * w[:, None] * late)
+    spoiled = replace(
+        lines,
+        outputs=FrequencyData(w, outputs, names),
+        inputs=FrequencyData(w, inputs, lines.inputs.names),
+    )
+    found = sensor_faults(replace(sensing, measured=spoiled))
+    faults = found.faults
+    origin = delay[names.index(faults.reference)]
+    told = np.array([found.told(name) for name in names])
+    assert {name for name, seen in zip(names, told, strict=True) if not seen} == UNSEEN
+    error = np.abs(faults.delay_s - (delay - origin))
+    assert np.all(error[told] < np.maximum(1e-3, 3.0 * faults.delay_std[told]))
+    assert np.all(np.abs(faults.scale - scale)[wrong] < 3.0 * faults.scale_std[wrong])
+    assert found.inputs is not None
+    error = np.abs(found.inputs.delay_s - (late - origin))
+    assert np.all(error < np.maximum(1e-3, 3.0 * found.inputs.delay_std))
