@@ -233,3 +233,34 @@ def test_search_prints_terms_with_their_evidence_and_candidates(
     assert found["state"] == "succeeded"
     assert found["result"]["groups"][0]["name"] == "OE"
     assert "f_out" in refused(capsys, 2, "search", "1", "--f-in", "4", "--f-out", "5")
+
+
+def test_many_maneuvers_are_estimated_in_a_row(flown_url: str, capsys) -> None:
+    order = ["run", "--maneuver", "1,1", "--method", "EE", "--modes", "7", "--wait"]
+    assert main([*order, "--database", flown_url]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.partition(":")[0] for line in lines] == ["run 2", "run 3"]
+    assert main([*order, "--json", "--database", flown_url]) == 0
+    runs = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [run["state"] for run in runs] == ["succeeded", "succeeded"]
+    assert "--maneuver" in refused(
+        capsys, 2, "run", "--maneuver", "", "--method", "EE", "--database", flown_url
+    )
+
+
+def test_every_command_answers_programs(flown_url: str, capsys, tmp_path: Path) -> None:
+    to = ["--json", "--database", flown_url]
+    answers = {
+        "export": ["export", "1", "--output", str(tmp_path / "run.csv")],
+        "report": ["report", "run", "1", "--output", str(tmp_path / "run.html")],
+        "design": ["design", "--fta", "500", "--effort", "quick"],
+        "migrate": ["migrate"],
+    }
+    answers["design"] += ["--output", str(tmp_path / "design.csv")]
+    for name, order in answers.items():
+        assert main([*order, *to]) == 0, name
+        assert isinstance(json.loads(capsys.readouterr().out), dict), name
+    assert main(["export", "99", "--output", "a.json", *to]) == 1
+    told = json.loads(capsys.readouterr().err.splitlines()[-1])
+    assert told["code"] == "unknown-record"
+    assert "no run 99" in told["detail"]

@@ -7,10 +7,12 @@ import io
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import orjson
 
 from flexsid.cli.opening import opened
+from flexsid.cli.saying import say, say_next, show_share
 from flexsid.cli.serve import bring_along
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records.run import EstimationRun
@@ -22,41 +24,55 @@ from flexsid.workflow.ingest import Imported, import_each, keep_upload, read_upl
 
 
 def bring_in(
-    settings: Settings, files: Sequence[str], mapping: str | None, aircraft_id: int | None
+    settings: Settings,
+    files: Sequence[str],
+    mapping: str | None,
+    aircraft_id: int | None,
+    *,
+    as_json: bool = False,
 ) -> int:
     """Import files that belong together and say what came in."""
     upload = read_upload([Path(file) for file in files], None if mapping is None else Path(mapping))
     with opened(settings) as store:
         imported = keep_upload(store, upload, aircraft_id, bring_along=bring_along)
-    for line in _report(imported, len(upload.channels)):
-        print(line)
+    say(_report(imported, len(upload.channels)), _ids(imported), as_json=as_json)
     return 0
 
 
 def bring_in_each(
-    settings: Settings, files: Sequence[str], mapping: str | None, aircraft_id: int | None
+    settings: Settings,
+    files: Sequence[str],
+    mapping: str | None,
+    aircraft_id: int | None,
+    *,
+    as_json: bool = False,
 ) -> int:
     """Import a campaign, file by file; those that are refused are named at the end."""
     paths = [Path(file) for file in files]
     text = None if mapping is None else Path(mapping)
     refused: list[str] = []
     with opened(settings) as store:
-        for file, result in import_each(store, paths, text, aircraft_id, bring_along):
+        each = import_each(store, paths, text, aircraft_id, bring_along)
+        for done, (file, result) in enumerate(each, start=1):
+            show_share(done, len(paths), file.name)
             if isinstance(result, FlexsidError):
                 refused.append(f"{file}: {result.message}")
+                if as_json:
+                    problem = {"code": result.code, "detail": result.message}
+                    say_next("", {"file": str(file), "refused": problem}, as_json=True)
                 continue
+            words = f"{len(result.flight_channels)} channels of a whole flight"
             if result.maneuver is not None:
-                print(f"{file}: maneuver {result.maneuver.id}, {result.maneuver.label}")
-            else:
-                print(f"{file}: {len(result.flight_channels)} channels of a whole flight")
-    for line in refused:
+                words = f"maneuver {result.maneuver.id}, {result.maneuver.label}"
+            say_next(f"{file}: {words}", {"file": str(file), **_ids(result)}, as_json=as_json)
+    for line in () if as_json else refused:
         print(line, file=sys.stderr)
-    if refused:
+    if refused and not as_json:
         print(f"{len(refused)} of {len(paths)} files were refused", file=sys.stderr)
     return 1 if refused else 0
 
 
-def export(settings: Settings, run_id: int, output: str) -> int:
+def export(settings: Settings, run_id: int, output: str, *, as_json: bool = False) -> int:
     """Write a run, its parameters or its model to a file; the ending says which."""
     file = Path(output)
     if file.suffix not in _EXPORTS:
@@ -67,7 +83,10 @@ def export(settings: Settings, run_id: int, output: str) -> int:
         file.write_bytes(content)
     except OSError as error:
         raise FlexsidError(f"{output} cannot be written: {error.strerror}") from error
-    print(f"wrote run {run_id} to {output}", file=sys.stderr)
+    if as_json:
+        say((), {"run": run_id, "file": output}, as_json=True)
+    else:
+        print(f"wrote run {run_id} to {output}", file=sys.stderr)
     return 0
 
 
@@ -85,6 +104,17 @@ def _model(store: Store, run_id: int) -> bytes:
 
 
 _EXPORTS = {".json": _everything, ".csv": _parameters, ".mat": _model}
+
+
+def _ids(imported: Imported) -> dict[str, Any]:
+    """What came in, by id."""
+    return {
+        "aircraft": imported.aircraft.id,
+        "flight": None if imported.flight is None else imported.flight.id,
+        "maneuver": None if imported.maneuver is None else imported.maneuver.id,
+        "modal_tables": [table.id for table in imported.modal_tables],
+        "predictions": [prediction.id for prediction in imported.predictions],
+    }
 
 
 def _report(imported: Imported, n_channels: int) -> list[str]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import orjson
 
 from flexsid.cli.opening import opened
 from flexsid.cli.runs import numbers
+from flexsid.cli.saying import say
 from flexsid.errors import BadInput
 from flexsid.importers import confined
 from flexsid.records.excitation import ExcitationDesign
@@ -52,8 +53,11 @@ def design(chosen: argparse.Namespace) -> int:
         fta=chosen.fta,
     )
     output.write_bytes(export_design(kept, form, 1))
-    for name, factor in kept.peak_factors.items():
-        print(f"{name:<10} relative peak factor {factor:.4f}")
+    say(
+        (f"{name:<10} relative peak factor {one:.4f}" for name, one in kept.peak_factors.items()),
+        {"file": chosen.output, "peak_factors": kept.peak_factors},
+        as_json=chosen.json,
+    )
     return 0
 
 
@@ -65,15 +69,19 @@ def keep_flown(settings: Settings, chosen: argparse.Namespace) -> int:
         kept = keep_flown_inputs(
             store, inputs, chosen.name or paths[0].stem, chosen.rate, apart=chosen.apart
         )
-    for one in kept:
-        print(f"design {one.id}: {one.name}, {one.wish.duration_s:g} s at {one.wish.rate_hz:g} Hz")
-        for own in one.wish.inputs:
-            hz = np.array(own.harmonics) / one.wish.duration_s
-            print(
-                f"  {own.name:<20} {len(own.harmonics):3d} harmonics, {hz.min():.3g} to"
-                f" {hz.max():.3g} Hz, relative peak factor {one.peak_factors[own.name]:.4f}"
-            )
+    say((line for one in kept for line in _described(one)), kept, as_json=chosen.json)
     return 0
+
+
+def _described(design: ExcitationDesign) -> Iterator[str]:
+    wish = design.wish
+    yield f"design {design.id}: {design.name}, {wish.duration_s:g} s at {wish.rate_hz:g} Hz"
+    for own in wish.inputs:
+        hz = np.array(own.harmonics) / wish.duration_s
+        yield (
+            f"  {own.name:<20} {len(own.harmonics):3d} harmonics, {hz.min():.3g} to"
+            f" {hz.max():.3g} Hz, relative peak factor {design.peak_factors[own.name]:.4f}"
+        )
 
 
 def foretell(settings: Settings, chosen: argparse.Namespace) -> int:
@@ -86,17 +94,14 @@ def foretell(settings: Settings, chosen: argparse.Namespace) -> int:
     )
     with opened(settings) as store:
         answer = flutter(store, question)
-    if chosen.json:
-        print(orjson.dumps(answer, option=orjson.OPT_INDENT_2).decode())
-        return 0
-    print(answer.next_point)
-    print(answer.sentence)
+    lines = [answer.next_point, answer.sentence]
     for structure in answer.structures:
         held = f", {' '.join(map(str, structure.held_modes))} predicted"
-        print(
+        lines.append(
             f"modes {' '.join(map(str, structure.modes))}{held if structure.held_modes else ''}: "
             f"{structure.sentence}"
         )
+    say(lines, answer, as_json=chosen.json)
     return 0
 
 

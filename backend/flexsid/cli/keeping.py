@@ -4,21 +4,33 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from flexsid.cli.saying import say
 from flexsid.settings import Settings
 from flexsid.storage import backup as copies
+from flexsid.storage.migrate import upgrade
 
 
-def backup(settings: Settings, file: str) -> int:
-    """Copy the database into a new file."""
-    size = copies.backup(settings.database, Path(file))
-    print(f"{file} holds the database, {size / 1e6:.1f} MB, checked")
+def migrate(settings: Settings, *, as_json: bool) -> int:
+    """Bring the schema up to date and say where it is."""
+    revision = upgrade(settings.database)
+    say([f"the database is at schema {revision}"], {"schema": revision}, as_json=as_json)
     return 0
 
 
-def restore(settings: Settings, file: str) -> int:
+def backup(settings: Settings, file: str, *, as_json: bool) -> int:
+    """Copy the database into a new file."""
+    size = copies.backup(settings.database, Path(file))
+    words = f"{file} holds the database, {size / 1e6:.1f} MB, checked"
+    say([words], {"file": file, "bytes": size}, as_json=as_json)
+    return 0
+
+
+def restore(settings: Settings, file: str, *, as_json: bool) -> int:
     """Put a backup in place of the database."""
     kept = copies.restore(settings.database, Path(file))
-    print(f"the database holds {file} now")
+    lines = [f"the database holds {file} now"]
     if kept is not None:
-        print(f"what it held before is in {kept}")
+        lines.append(f"what it held before is in {kept}")
+    answer = {"file": file, "before": None if kept is None else str(kept)}
+    say(lines, answer, as_json=as_json)
     return 0

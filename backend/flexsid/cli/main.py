@@ -34,7 +34,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             settings = replace(settings, database=chosen.database)
         return chosen.command(settings, chosen)
     except FlexsidError as error:
-        print(f"flexsid: {error.message}", file=sys.stderr)
+        from flexsid.cli.saying import complain
+
+        complain(error.message, error.code, as_json=chosen.json)
         return 2 if isinstance(error, BadInput) else 1
     except KeyboardInterrupt:
         return 130
@@ -54,6 +56,7 @@ def _parser() -> argparse.ArgumentParser:
             metavar="URL",
             help=f"address of the database; else FLEXSID_DATABASE, else {DEFAULT_DATABASE}",
         )
+        added.add_argument("--json", action="store_true", help="answer as JSON")
         added.set_defaults(command=command)
         return added
 
@@ -82,8 +85,10 @@ def _parser() -> argparse.ArgumentParser:
         "--each", action="store_true", help="every file is an import of its own: a campaign"
     )
 
-    run = add("run", _run, "estimate from a maneuver")
-    run.add_argument("--maneuver", type=int, required=True, metavar="ID")
+    run = add("run", _run, "estimate from maneuvers")
+    run.add_argument(
+        "--maneuver", required=True, metavar="ID,ID", help="each is estimated on its own"
+    )
     run.add_argument("--method", choices=_METHODS, required=True)
     run.add_argument("--modes", default="", metavar="M,N", help="numbers of structural modes")
     run.add_argument("--inputs", default="", metavar="A,B", help="default: all that moved")
@@ -109,7 +114,6 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--wait", action="store_true", help="carry it out now, instead of leaving it to a server"
     )
-    run.add_argument("--json", action="store_true", help="print the run as JSON")
 
     search = add("search", _search, "choose the terms of a model by what maneuvers ask for")
     search.add_argument("maneuvers", metavar="ID,ID", help="maneuvers to search over together")
@@ -132,7 +136,6 @@ def _parser() -> argparse.ArgumentParser:
         "--validate-on", default="", metavar="ID,ID", help="maneuvers that are only predicted"
     )
     search.add_argument("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all")
-    search.add_argument("--json", action="store_true", help="print the search as JSON")
 
     export = add("export", _export, "write a run with everything it rests on")
     export.add_argument("run", type=int, metavar="RUN", help="id of the run")
@@ -178,7 +181,6 @@ def _parser() -> argparse.ArgumentParser:
     flutter.add_argument("--fuel", type=float, metavar="SHARE", help="default: the fastest point's")
     flutter.add_argument("--altitude", type=float, metavar="M", help="standard atmosphere")
     flutter.add_argument("--next", type=float, metavar="M/S", help="airspeed of the next point")
-    flutter.add_argument("--json", action="store_true", help="print the answer as JSON")
     return parser
 
 
@@ -212,55 +214,54 @@ def _search(settings: Settings, chosen: argparse.Namespace) -> int:
     return search(settings, chosen)
 
 
-def _serve(settings: Settings, _chosen: argparse.Namespace) -> int:
+def _serve(settings: Settings, chosen: argparse.Namespace) -> int:
     from flexsid.cli.serve import serve
 
-    return serve(settings)
+    return serve(settings, as_json=chosen.json)
 
 
 def _demo(settings: Settings, chosen: argparse.Namespace) -> int:
     from flexsid.cli.serve import fill, serve
 
-    fill(settings)
-    return 0 if chosen.no_serve else serve(settings)
+    fill(settings, as_json=chosen.json)
+    return 0 if chosen.no_serve else serve(settings, as_json=chosen.json)
 
 
 def _backup(settings: Settings, chosen: argparse.Namespace) -> int:
     from flexsid.cli.keeping import backup
 
-    return backup(settings, chosen.file)
+    return backup(settings, chosen.file, as_json=chosen.json)
 
 
 def _restore(settings: Settings, chosen: argparse.Namespace) -> int:
     from flexsid.cli.keeping import restore
 
-    return restore(settings, chosen.file)
+    return restore(settings, chosen.file, as_json=chosen.json)
 
 
-def _migrate(settings: Settings, _chosen: argparse.Namespace) -> int:
-    from flexsid.storage.migrate import upgrade
+def _migrate(settings: Settings, chosen: argparse.Namespace) -> int:
+    from flexsid.cli.keeping import migrate
 
-    print(f"the database is at schema {upgrade(settings.database)}")
-    return 0
+    return migrate(settings, as_json=chosen.json)
 
 
 def _import(settings: Settings, chosen: argparse.Namespace) -> int:
     from flexsid.cli.data import bring_in, bring_in_each
 
     bring = bring_in_each if chosen.each else bring_in
-    return bring(settings, chosen.files, chosen.mapping, chosen.aircraft)
+    return bring(settings, chosen.files, chosen.mapping, chosen.aircraft, as_json=chosen.json)
 
 
 def _run(settings: Settings, chosen: argparse.Namespace) -> int:
-    from flexsid.cli.runs import read_request, run
+    from flexsid.cli.runs import run
 
-    return run(settings, read_request(chosen), wait=chosen.wait, as_json=chosen.json)
+    return run(settings, chosen)
 
 
 def _export(settings: Settings, chosen: argparse.Namespace) -> int:
     from flexsid.cli.data import export
 
-    return export(settings, chosen.run, chosen.output)
+    return export(settings, chosen.run, chosen.output, as_json=chosen.json)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from pathlib import Path
 from flexsid import reports
 from flexsid.cli.opening import opened
 from flexsid.cli.runs import numbers
+from flexsid.cli.saying import say
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
@@ -21,7 +22,10 @@ def report(settings: Settings, chosen: argparse.Namespace) -> int:
     if file.suffix not in (".html", ".pdf"):
         raise BadInput(f"{file} ends in {file.suffix!r}; expected .html or .pdf")
     _write(file, _content(settings, chosen, file.suffix))
-    print(f"wrote {file}", file=sys.stderr)
+    if chosen.json:
+        say((), {"file": str(file)}, as_json=True)
+    else:
+        print(f"wrote {file}", file=sys.stderr)
     return 0
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TypeVar
 
-import orjson
-
 from flexsid.cli.opening import opened
+from flexsid.cli.saying import complain, say, say_next, show_share
 from flexsid.errors import BadInput
 from flexsid.jobs.direct import carry_out
 from flexsid.jobs.steps import estimation_steps
@@ -17,6 +17,7 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, Progress, RunSettings, RunState, Start
 from flexsid.settings import Settings
 from flexsid.storage import batches
+from flexsid.storage.store import Store
 from flexsid.workflow.identity import identified
 
 T = TypeVar("T")
@@ -25,7 +26,7 @@ T = TypeVar("T")
 def read_request(chosen: argparse.Namespace) -> EstimationRun:
     """Read the arguments of ``flexsid run``."""
     return EstimationRun(
-        maneuver_id=chosen.maneuver,
+        maneuver_id=0,  # of each in turn
         method=Method(chosen.method),
         structure=Structure(
             modes=tuple(numbers(chosen.modes, int, "--modes")),
@@ -55,29 +56,42 @@ def read_band(text: str | None) -> tuple[float, float] | None:
     return limits[0], limits[1]
 
 
-def run(settings: Settings, wanted: EstimationRun, *, wait: bool, as_json: bool) -> int:
-    """Queue a run, or carry it out here; return 0 unless it failed."""
-    steps = estimation_steps()
+def run(settings: Settings, chosen: argparse.Namespace) -> int:
+    """Queue runs, or carry them out here; return 0 unless one failed."""
+    maneuvers = numbers(str(chosen.maneuver), int, "--maneuver")
+    if not maneuvers:
+        raise BadInput("--maneuver names none; give ids separated by commas, e.g. 1,2,3")
+    wanted = read_request(chosen)
+    failed = False
     with opened(settings) as store:
-        if wait:
-            kept = carry_out(store, wanted, steps, show)
-        else:
-            steps.prepare(store, wanted)  # what cannot be done is refused at once
-            kept, _ = batches.add_once(store, identified(store, wanted))
-    if as_json:
-        options = orjson.OPT_INDENT_2 | orjson.OPT_NON_STR_KEYS | orjson.OPT_UTC_Z
-        print(orjson.dumps(kept, option=options).decode())
-    elif kept.error is None:
-        print("\n".join(_table(kept)))
-    if kept.error is not None:
-        print(f"flexsid: run {kept.id} failed: {kept.error['message']}", file=sys.stderr)
-    return 1 if kept.state is RunState.FAILED else 0
+        for done, maneuver in enumerate(maneuvers, start=1):
+            kept = _begin(store, replace(wanted, maneuver_id=maneuver), wait=chosen.wait)
+            if len(maneuvers) == 1:
+                say(_table(kept) if kept.error is None else (), kept, as_json=chosen.json)
+            else:
+                show_share(done, len(maneuvers), f"maneuver {maneuver}")
+                say_next(_table(kept)[0], kept, as_json=chosen.json)
+            if kept.error is not None:
+                message = f"run {kept.id} failed: {kept.error['message']}"
+                complain(message, kept.error["code"], as_json=chosen.json)
+            failed = failed or kept.state is RunState.FAILED
+    return 1 if failed else 0
+
+
+def _begin(store: Store, wanted: EstimationRun, *, wait: bool) -> EstimationRun:
+    steps = estimation_steps()
+    if wait:
+        return carry_out(store, wanted, steps, show)
+    steps.prepare(store, wanted)  # what cannot be done is refused at once
+    kept, _ = batches.add_once(store, identified(store, wanted))
+    return kept
 
 
 def _table(run: EstimationRun) -> list[str]:
     result = run.result
     if result is None:
-        return [f"run {run.id} is {run.state.value}; a server on this database carries it out"]
+        later = "" if run.error is not None else "; a server on this database carries it out"
+        return [f"run {run.id} is {run.state.value}{later}"]
     fit = result.fit
     lines = [
         f"run {run.id}: {run.method.value} of maneuver {run.maneuver_id}, {fit.outcome},"

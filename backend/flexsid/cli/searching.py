@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import sys
-
-import orjson
 
 from flexsid.cli.opening import opened
 from flexsid.cli.runs import numbers, read_band, show
+from flexsid.cli.saying import complain, say
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import Method, RunState
 from flexsid.records.search import (
@@ -51,13 +49,10 @@ def search(settings: Settings, chosen: argparse.Namespace) -> int:
         kept = searching.add_search(store, wanted)
         assert kept.id is not None
         kept = searching.carry_out_search(store, kept.id, lambda task: searching.search(task, show))
-    if chosen.json:
-        options = orjson.OPT_INDENT_2 | orjson.OPT_NON_STR_KEYS | orjson.OPT_UTC_Z
-        print(orjson.dumps(kept, option=options).decode())
-    elif kept.error is None:
-        print("\n".join(_lines(kept)))
+    say(_lines(kept) if kept.error is None else (), kept, as_json=chosen.json)
     if kept.error is not None:
-        print(f"flexsid: search {kept.id} failed: {kept.error['message']}", file=sys.stderr)
+        message = f"search {kept.id} failed: {kept.error['message']}"
+        complain(message, kept.error["code"], as_json=chosen.json)
     return 0 if kept.state is RunState.SUCCEEDED else 1
 
 

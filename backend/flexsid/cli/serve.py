@@ -11,6 +11,7 @@ from fastapi import FastAPI
 
 from flexsid.api.app import create_app
 from flexsid.cli.opening import opened
+from flexsid.cli.saying import say_next
 from flexsid.demo import campaign
 from flexsid.demo.aircraft import NAME as DEMO_AIRCRAFT
 from flexsid.errors import FlexsidError
@@ -22,6 +23,8 @@ _GRACE_S = 1
 
 
 class _Server(uvicorn.Server):
+    as_json = False
+
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         # An open stream of events would keep the server from stopping.
         app = self.config.app
@@ -32,11 +35,12 @@ class _Server(uvicorn.Server):
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         if self.started:
-            print(f"flexsid serves on http://{_LOOPBACK}:{self.config.port} (Ctrl-C stops it)")
-            sys.stdout.flush()
+            url = f"http://{_LOOPBACK}:{self.config.port}"
+            words = f"flexsid serves on {url} (Ctrl-C stops it)"
+            say_next(words, {"url": url}, as_json=self.as_json)
 
 
-def serve(settings: Settings) -> int:
+def serve(settings: Settings, *, as_json: bool = False) -> int:
     """Serve until told to stop."""
     with _listening(settings.port) as listening:
         app = create_app(settings, bring_along=bring_along)
@@ -49,16 +53,20 @@ def serve(settings: Settings) -> int:
             timeout_graceful_shutdown=_GRACE_S,
         )
         server = _Server(config)
+        server.as_json = as_json
         server.run(sockets=[listening])
     return 0 if server.started else 1
 
 
-def fill(settings: Settings) -> None:
+def fill(settings: Settings, *, as_json: bool = False) -> None:
     """Fly what is missing of the demonstration campaign, with a progress bar."""
     with opened(settings) as store:
         campaign.fill(store, _show_progress)
+        maneuvers = store.maneuver_page(limit=None).items
     if sys.stderr.isatty():
         print(file=sys.stderr)
+    if as_json:
+        say_next("", {"maneuvers": len(maneuvers)}, as_json=True)
 
 
 def bring_along(store: Store, name: str) -> None:
