@@ -22,7 +22,7 @@ from flexsid.jobs.leadership import PATIENCE_S, Leadership
 from flexsid.jobs.news import Begun, Computed, Died, Failed, Key, Lost, News, Progressed, unexpected
 from flexsid.jobs.place import short
 from flexsid.jobs.steps import Steps
-from flexsid.records.run import Limits, Progress
+from flexsid.records.run import EstimationRun, Limits, Progress
 from flexsid.storage import queue
 from flexsid.storage.database import DatabaseUnavailable
 from flexsid.storage.store import Store
@@ -31,7 +31,9 @@ _log = logging.getLogger(__name__)
 
 _POLL_S = 0.5  # runs may also be queued or cancelled by other processes
 _PROGRESS_S = 0.2  # between writes of the progress of one run
+_LOG_S = 2.0  # between lines of what a worker says, in the log of one run
 _LONGEST_S = 3600.0  # unless a run says otherwise
+_EXPECTED_S = 2.0
 _START_S = 60.0  # more than a worker process takes to start
 
 
@@ -114,10 +116,12 @@ class Dispatcher:
         self._thread = threading.Thread(target=self._run, name="dispatcher", daemon=True)
         self._stopping = threading.Event()
         self._ready: deque[_Ready] = deque()
+        self._expected: dict[int, tuple[float, Any]] = {}
         self._news: deque[tuple[Key, News]] = deque()
         self._limits: dict[Key, float] = {}
         self._deadlines: dict[Key, float] = {}
         self._last_written: dict[Key, float] = {}
+        self._last_logged: dict[Key, float] = {}
         self._checked = 0.0
 
     def start(self) -> None:
@@ -129,6 +133,12 @@ class Dispatcher:
         if not self._stopping.is_set():
             self._checked = 0.0
             self._workers.wake()
+
+    def expect(self, run_id: int, task: Any) -> None:
+        """Take over the task of a run that was prepared to see whether it can be done."""
+        if len(self._expected) < self._workers.count:
+            self._expected[run_id] = (time.monotonic(), task)
+        self.wake()
 
     def stop(self) -> None:
         """Kill the workers and queue their runs again, for the next server."""
@@ -203,7 +213,7 @@ class Dispatcher:
             return False
         key = (run.id, run.attempt)
         try:
-            task = self._steps.prepare(self._store, run)
+            task = self._task_of(run)
         except DatabaseUnavailable:
             self._put_back({key})
             raise
@@ -214,6 +224,14 @@ class Dispatcher:
         else:
             self._ready.append(_Ready(key, task, run.limits or Limits()))
         return True
+
+    def _task_of(self, run: EstimationRun) -> Any:
+        now = time.monotonic()
+        for number, (at, _) in list(self._expected.items()):
+            if now - at > _EXPECTED_S:  # what it rests on may have changed
+                del self._expected[number]
+        known = self._expected.pop(run.id or 0, None)
+        return self._steps.prepare(self._store, run) if known is None else known[1]
 
     def _submit(self) -> None:
         if not self._ready:  # what was prepared could not be done
@@ -234,6 +252,10 @@ class Dispatcher:
             if now - self._last_written.get(key, -_PROGRESS_S) >= _PROGRESS_S:
                 self._last_written[key] = now
                 queue.note_progress(self._store, run_id, attempt, _presentable(news.progress))
+            if now - self._last_logged.get(key, now - _LOG_S / 2) >= _LOG_S:
+                queue.say(self._store, run_id, attempt, news.progress.message)
+                self._last_logged[key] = now
+            self._last_logged.setdefault(key, now - _LOG_S / 2)
             return
         if isinstance(news, Computed):
             news = self._keep(key, news) or news
@@ -300,6 +322,7 @@ class Dispatcher:
 
     def _forget(self, key: Key) -> None:
         self._last_written.pop(key, None)
+        self._last_logged.pop(key, None)
         self._deadlines.pop(key, None)
         self._limits.pop(key, None)
 

@@ -53,9 +53,11 @@ def request_run(context: TheContext, wanted: RunRequest, analyst: TheAnalyst) ->
         reference = (approved.structure_id, approved.version)
     structure, version = structures.structure_of_run(store, given, *reference)
     run = replace(wanted.record(structure, version, analyst), structure_id=reference[0])
-    estimation.prepare(store, run)
+    task = estimation.prepare(store, run)
     kept, is_new = batches.add_once(store, identified(store, run))
-    context.dispatcher.wake()
+    assert kept.id is not None
+    if is_new:
+        context.dispatcher.expect(kept.id, task)
     location = {"Location": f"/api/v1/jobs/{kept.id}"}
     code = status.HTTP_202_ACCEPTED if is_new else status.HTTP_200_OK
     return Json(run_answer(kept, repeated=not is_new), code, location)
