@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import Any
+from urllib.parse import quote
 
 import pytest
 from fastapi.testclient import TestClient
+from tests.api.team import Act
 
 from flexsid.api.app import create_app
 from flexsid.settings import Settings
@@ -70,3 +73,14 @@ def upload_files(tmp_path: Path) -> list[tuple[str, tuple[str, bytes]]]:
         ("files", ("../../m.csv", "\n".join(rows).encode())),
         ("mapping", ("m.toml", mapping.encode())),
     ]
+
+
+@pytest.fixture
+def act(client: TestClient) -> Act:
+    """Do something under a name: ``act("Ann", "post", "decisions", {...})``."""
+
+    def do(name: str, method: str, path: str, body: Any = None) -> Any:
+        headers = {"X-Flexsid-Analyst": quote(name)}
+        return client.request(method, f"/api/v1/{path}", json=body, headers=headers)
+
+    return do

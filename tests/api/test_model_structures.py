@@ -8,6 +8,9 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
+# How versions are kept on any database is told in test_decision_records.
+pytestmark = pytest.mark.parametrize("backend", ["sqlite"])
+
 STRUCTURES = "/api/v1/model-structures"
 SP: dict[str, Any] = {"modes": [7], "outputs": ["q", "alpha", "az_egi", "az_cf", "az_ca"]}
 

@@ -191,7 +191,7 @@ class BatchRequest:
     name: Title
     maneuver_ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=20_000)]
     methods: Annotated[tuple[Method, ...], Field(min_length=1, max_length=3)]
-    structures: Annotated[tuple[BatchStructure, ...], Field(min_length=1, max_length=100)]
+    structures: Annotated[tuple[BatchStructure, ...], Field(max_length=100)] = ()
     settings: SettingsRequest | None = None
     modal_table_id: Id | None = None
     damping_table_id: Id | None = None

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from flexsid.errors import BadInput
 from flexsid.records.decision import Decision, DecisionState, Limits
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import StructureVersion
+from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
 from flexsid.workflow.ranges import lies_in
 from flexsid.workflow.review import adoption
@@ -36,6 +37,23 @@ def baseline_of(store: Store, maneuver: Maneuver) -> Baseline | None:
         if decision.axis == maneuver.axis and lies_in(maneuver, decision.proposal.limits):
             return _baseline(store, decision)
     return None
+
+
+def with_baseline(store: Store, run: EstimationRun) -> EstimationRun:
+    """Return a run with the structure that was approved for its condition.
+
+    Raises
+    ------
+    BadInput
+        If there is none, or maneuvers fitted together have different ones.
+    """
+    approved = baseline_of_run(store, (run.maneuver_id, *run.settings.together_with)).structure
+    return replace(
+        run,
+        structure=approved.structure,
+        structure_id=approved.structure_id,
+        structure_version=approved.version,
+    )
 
 
 def baseline_of_run(store: Store, maneuver_ids: tuple[int, ...]) -> Baseline:

@@ -11,6 +11,7 @@ from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage import batches
 from flexsid.storage.store import Store
 from flexsid.workflow import estimation
+from flexsid.workflow.baselines import with_baseline
 from flexsid.workflow.identity import Identities
 
 MOST_RUNS = 20_000
@@ -33,6 +34,7 @@ def queue_batch(
     templates: Sequence[EstimationRun],
     *,
     from_equation_error: bool,
+    by_baseline: bool = False,
 ) -> Queued:
     """Queue every method for every maneuver and every template.
 
@@ -48,6 +50,8 @@ def queue_batch(
         Structure, settings and the like; maneuver and method are replaced.
     from_equation_error
         Let OE and FRE start from the EE run of the same maneuver and template, after it.
+    by_baseline
+        Let each maneuver take the structure that was approved for its condition.
 
     Raises
     ------
@@ -75,14 +79,18 @@ def queue_batch(
     ordered = sorted(set(methods), key=lambda method: method is not Method.EE)
     for template in templates:  # what is wrong for all is refused at once
         for method in ordered:
-            estimation.prepare(store, replace(template, maneuver_id=maneuvers[0], method=method))
+            run = replace(template, maneuver_id=maneuvers[0], method=method)
+            estimation.prepare(store, with_baseline(store, run) if by_baseline else run)
     wanted: list[tuple[EstimationRun, int | None]] = []
     for template in templates:
         for number in maneuvers:
             first: int | None = None
             start_hash: str | None = None
+            of_maneuver = replace(template, maneuver_id=number)
+            if by_baseline:
+                of_maneuver = with_baseline(store, of_maneuver)
             for method in ordered:
-                run = replace(template, maneuver_id=number, method=method)
+                run = replace(of_maneuver, method=method)
                 if first is not None and from_equation_error:
                     settings: RunSettings = replace(run.settings, start=Start.RUN)
                     run = identities.of(replace(run, settings=settings), start_hash)

@@ -44,7 +44,9 @@ class Identities:
         data = hash_of([[self._maneuvers[n][1] for n in involved], self._assumptions(run)])
         settings = asdict(run.settings)
         settings["start_run_id"] = start_hash or settings["start_run_id"]
-        asked = [run.method.value, asdict(run.structure), settings, __version__]
+        # A run says which kept structure it rests on; one that says another is another run.
+        kept = [run.structure_id, run.structure_version]
+        asked = [run.method.value, asdict(run.structure), kept, settings, __version__]
         return replace(run, data_hash=data, input_hash=hash_of([data, asked]))
 
     def _assumptions(self, run: EstimationRun) -> str:

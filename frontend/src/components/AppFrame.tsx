@@ -10,6 +10,8 @@ import { NoticeBar } from "./NoticeBar";
 import { Notifications } from "./Notifications";
 
 const often = VIEWS.filter((view) => !("rare" in view));
+/** As many stand in the narrowest header; the rest is under "More" too (see styles.css). */
+const FIRST = 6;
 const rare = VIEWS.filter((view) => "rare" in view);
 
 /** Header with navigation around every page. */
@@ -40,7 +42,7 @@ export function AppFrame() {
                 <UnstyledButton className="frame-more">More</UnstyledButton>
               </Menu.Target>
               <Menu.Dropdown>
-                {rare.map((view) => (
+                {[...often.slice(FIRST), ...rare].map((view) => (
                   <Menu.Item key={view.to} component={Link} to={view.to}>
                     {view.label}
                   </Menu.Item>

@@ -12,6 +12,8 @@ export interface RunOrigin {
   baseline?: Baseline;
   /** What was approved for the condition of a further maneuver, where it is another one. */
   ofOthers: Map<number, StructureVersion>;
+  /** All maneuvers that were asked for have an approved structure. */
+  everywhere: boolean;
 }
 
 interface Asked {
@@ -38,7 +40,7 @@ export function useRunOrigin(maneuver: number, asked: Asked, like: number | unde
     if (named) {
       const found = versions.data?.find((one) => one.version === asked.version);
       const structure = asked.version === undefined ? versions.data?.at(-1) : found;
-      return structure && { structure, ofOthers: new Map() };
+      return structure && { structure, ofOthers: new Map(), everywhere: false };
     }
     const [own, ...rest] = baselines.data ?? [];
     if (!own?.baseline) return undefined;
@@ -50,7 +52,9 @@ export function useRunOrigin(maneuver: number, asked: Asked, like: number | unde
           : [],
       ),
     );
-    return { structure: baseline.structure, baseline, ofOthers };
+    const everywhere =
+      rest.length === (asked.also?.length ?? 0) && rest.every((one) => one.baseline !== null);
+    return { structure: baseline.structure, baseline, ofOthers, everywhere };
   };
   const query = named ? versions : baselines;
   return { loading: like === undefined && query.isPending, error: query.error, origin: origin() };

@@ -17,7 +17,7 @@ describe("limits of conditions", () => {
 
   it("read as a sentence with units", () => {
     expect(limitsText({ fuel_fraction: [0, 0.5], dynamic_pressure_pa: [0, 400] })).toBe(
-      "Dynamic pressure 0 to 400.0 Pa, Fuel 0 to 50.00 %",
+      "Dynamic pressure 0 to 400 Pa, Fuel 0 to 50 %",
     );
     expect(limitsText({})).toBe("All conditions");
   });

@@ -1,5 +1,5 @@
 /** Ranges of conditions: as they are kept (SI), typed and read. */
-import { fixed, significant } from "./format";
+import { fixed } from "./format";
 
 export const QUANTITIES = [
   { key: "dynamic_pressure_pa", label: "Dynamic pressure", unit: "Pa", factor: 1 },
@@ -20,7 +20,9 @@ export function limitsText(limits: Limits): string {
   const parts = QUANTITIES.flatMap(({ key, label, unit, factor }) => {
     const pair = limits[key];
     if (pair === undefined) return [];
-    const [low, high] = pair.map((value) => significant(Number(value) * factor));
+    const [low, high] = pair.map((value) =>
+      String(Number((Number(value) * factor).toPrecision(4))),
+    );
     return [`${label} ${low} to ${high} ${unit}`.trim()];
   });
   return parts.length > 0 ? parts.join(", ") : "All conditions";

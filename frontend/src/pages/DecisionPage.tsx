@@ -101,6 +101,7 @@ function OneDecision({ decision }: { decision: Decision }) {
                 <Button
                   variant="subtle"
                   size="compact-xs"
+                  style={{ flex: "none" }}
                   onClick={() => {
                     change({ derivative: undefined });
                   }}

@@ -115,6 +115,9 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
   const excited = excitedInputs(maneuver);
   const unchanged = isUnchanged(draft, excited, origin?.structure);
 
+  const eachItsOwn =
+    unchanged && origin?.everywhere === true && origin.ofOthers.size > 0 && view.together !== true;
+
   const send = () => {
     const [first, ...others] = maneuvers;
     const separate = view.together === true && first !== undefined ? [first] : maneuvers;
@@ -122,8 +125,7 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
       draft.methods.map((method) =>
         runRequest(draft, method, id, excitedInputs(maneuver), {
           like,
-          // Unchanged, each takes what was approved for its own condition.
-          origin: unchanged ? (origin?.ofOthers.get(id) ?? origin?.structure) : undefined,
+          origin: unchanged ? origin?.structure : undefined,
           carried: carriedModes(draft, symmetric, predicted),
           together: view.together === true ? others : undefined,
         }),
@@ -131,7 +133,8 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
     );
     const [likeAll] = requests;
     if (separate.length > 1 && likeAll !== undefined) {
-      all.mutate(batchRequest(draft, separate, likeAll), {
+      const wanted = batchRequest(draft, separate, likeAll);
+      all.mutate(eachItsOwn ? { ...wanted, structures: [] } : wanted, {
         onSuccess: (batch) => {
           forget();
           void navigate({ to: "/batches/$id", params: { id: batch.id }, search: {} });
@@ -195,7 +198,9 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
           )
         }
       />
-      {origin !== undefined && <OriginNote origin={origin} unchanged={unchanged} />}
+      {origin !== undefined && (
+        <OriginNote origin={origin} unchanged={unchanged} eachItsOwn={eachItsOwn} />
+      )}
       <RunForm
         maneuver={maneuver}
         outputs={[...new Set(outputs)]}
@@ -214,7 +219,14 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
   );
 }
 
-function OriginNote({ origin, unchanged }: { origin: RunOrigin; unchanged: boolean }) {
+interface OriginProps {
+  origin: RunOrigin;
+  unchanged: boolean;
+  /** Every maneuver takes what was approved for its own condition. */
+  eachItsOwn: boolean;
+}
+
+function OriginNote({ origin, unchanged, eachItsOwn }: OriginProps) {
   const { structure, baseline, ofOthers } = origin;
   return (
     <Text size="sm" mb="md" data-testid="run-origin">
@@ -233,8 +245,8 @@ function OriginNote({ origin, unchanged }: { origin: RunOrigin; unchanged: boole
         </>
       )}
       {ofOthers.size > 0 &&
-        (unchanged
-          ? `. ${ofOthers.size} of the further maneuvers take the baseline of their own condition.`
+        (eachItsOwn
+          ? `. ${ofOthers.size} of the further maneuvers take another one: each that of its condition.`
           : `. ${ofOthers.size} of the further maneuvers have another baseline.`)}
     </Text>
   );

@@ -11,6 +11,7 @@ from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import BatchRequest
 from flexsid.api.wire import After, Identity, Json, Limit
 from flexsid.records.batch import Batch
+from flexsid.records.model_structure import Structure
 from flexsid.storage import batches
 from flexsid.storage.batches import BatchProgress
 from flexsid.workflow import structures
@@ -38,7 +39,10 @@ class QueuedBatch:
 
 @router.post("", response_model=QueuedBatch, status_code=status.HTTP_202_ACCEPTED)
 def request_batch(context: TheContext, wanted: BatchRequest, analyst: TheAnalyst) -> Json:
-    """Queue many runs; all of them, or none."""
+    """Queue many runs; all of them, or none.
+
+    Without structures each maneuver takes the one that was approved for its condition.
+    """
     store = context.store
     templates = []
     for asked in wanted.structures:
@@ -47,6 +51,8 @@ def request_batch(context: TheContext, wanted: BatchRequest, analyst: TheAnalyst
             store, given, asked.structure_id, asked.structure_version
         )
         templates.append(wanted.template(structure, asked.structure_id, version, analyst))
+    if not wanted.structures:
+        templates.append(wanted.template(Structure(fixed={}), None, None, analyst))
     queued = queue_batch(
         store,
         Batch(name=wanted.name, author=analyst),
@@ -54,6 +60,7 @@ def request_batch(context: TheContext, wanted: BatchRequest, analyst: TheAnalyst
         wanted.methods,
         templates,
         from_equation_error=wanted.from_equation_error,
+        by_baseline=not wanted.structures,
     )
     context.dispatcher.wake()
     assert queued.batch.id is not None
