@@ -1842,6 +1842,8 @@ export interface paths {
         /**
          * Request Batch
          * @description Queue many runs; all of them, or none.
+         *
+         *     Without structures each maneuver takes the one that was approved for its condition.
          */
         post: operations["request_batch"];
         delete?: never;
@@ -3549,7 +3551,10 @@ export interface components {
             maneuver_ids: number[];
             /** Methods */
             methods: components["schemas"]["Method"][];
-            /** Structures */
+            /**
+             * Structures
+             * @default []
+             */
             structures: components["schemas"]["BatchStructure"][];
             settings?: components["schemas"]["SettingsRequest"] | null;
             /** Modal Table Id */
