@@ -8,14 +8,13 @@ import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.run import EstimationRun, Fit, ParameterEstimate, Progress, RunResult
-from flexsid.storage import queue
-from flexsid.storage.store import Store
+
+if TYPE_CHECKING:
+    from flexsid.storage.store import Store
 
 
 def prepare(store: Store, run: EstimationRun) -> dict[str, Any]:
@@ -42,7 +41,7 @@ def compute(task: dict[str, Any], report: Callable[[Progress], None]) -> dict[st
     if what == "segfault":
         ctypes.string_at(0)
     if what == "devour":
-        return {"value": float(np.ones((4096, 1024**2))[0, 0])}
+        return {"value": float(len(b"x" * 2**35))}
     if what == "loop":
         Path(task["file"]).write_text(str(os.getpid()))
         while True:
@@ -59,6 +58,11 @@ def compute(task: dict[str, Any], report: Callable[[Progress], None]) -> dict[st
 def keep(
     store: Store, run_id: int, attempt: int, outcome: dict[str, Any], worker: str
 ) -> EstimationRun:
+    # Loaded here, for workers start quickly without it.
+    import numpy as np
+
+    from flexsid.storage import queue
+
     with store.transaction():
         result = RunResult(
             parameters=(ParameterEstimate(name="Cm_q", value=outcome["value"], std_error=0.1),),
