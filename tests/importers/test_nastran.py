@@ -253,5 +253,7 @@ def test_the_flutter_example_of_pynastran_is_read():
     assert printed["mode/radians"] == pytest.approx([16.75782, 66.77897])
     binary = read(op2, folder / "0012_flutter.op2")
     assert binary["grid/id"].size == 243
+    assert binary["shape/radians"] == pytest.approx(printed["mode/radians"], rel=1e-5)
+    assert "complex modes" in binary["refused"][0]
     assert binary["mode/radians"] == pytest.approx(printed["mode/radians"], rel=1e-5)
     assert read(bulk, folder / "0012_flutter.bdf")["deck/include"].size == 4

@@ -13,7 +13,7 @@ from flexsid.importers.source import LARGEST_CONTENT, Content, Field
 _GRID = (4501, 45)
 _FRAMES = {(2101, 21): 1, (2001, 20): 2, (2201, 22): 3}
 _FRAMES_BY_GRID = {(1801, 18): 1, (1701, 17): 2, (1901, 19): 3}
-_REAL_EIGENVALUES = 2
+_REAL_EIGENVALUES, _COMPLEX_EIGENVALUES = 2, 9
 _TABLES = (1, 7)  # displacements and eigenvectors
 _TOLD = ("GEOM1", "OUG", "PHIG", "LAMA")
 """In the names of tables that are read: OUGV1, BOUGV1, OPHIG, GEOM1S, BLAMA ..."""
@@ -198,11 +198,9 @@ def _shapes(records: list[bytes], words: _Words, name: str) -> Iterator[Field]:
             return
         approach, per_entry = int(head[0]) // 10, int(head[9])
         if approach != _REAL_EIGENVALUES:
-            if approach == 9:
-                raise UnreadableFile(
-                    f"table {name} holds complex modes; write the real modes (SOL 103) instead.",
-                    code="complex-modes",
-                )
+            if approach == _COMPLEX_EIGENVALUES:
+                text = f"table {name} holds complex modes; real ones (SOL 103) are read"
+                yield Field("refused", np.array([text]))
             return
         if per_entry != 8 or len(data) % layout.itemsize:
             raise UnreadableFile(
