@@ -73,6 +73,7 @@ def keep_structure(
         "order": tracking.order.astype(np.int32),
         "sign": tracking.sign,
         "assurance": tracking.assurance,
+        "mixed": tracking.mixed,
     }
     if points.names:
         arrays["shape"] = np.asarray(raw.shape[:, :, points.rows], dtype=float)

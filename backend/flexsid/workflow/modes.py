@@ -14,7 +14,7 @@ from flexsid.sysid.modes.table import align_modes, interpolate
 from flexsid.sysid.modes.tracking import Tracking
 
 ASSUMED_DAMPING = 0.02
-_READ = ("omega", "zeta", "mass", "shape", "strain", "order", "sign", "assurance")
+_READ = ("omega", "zeta", "mass", "shape", "strain", "order", "sign", "assurance", "mixed")
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +80,8 @@ def load_modes(store: Store, modal: ModalTable, damping: ModalTable | None) -> A
     tracking = None
     if "order" in modal.arrays:  # found from all nodes when the table was imported
         order, sign, sure = (read(k, np.empty(0)) for k in ("order", "sign", "assurance"))
-        tracking = Tracking(order.astype(np.intp), sign, sure)
+        mixed = read("mixed", np.zeros(order.shape)).astype(bool)
+        tracking = Tracking(order.astype(np.intp), sign, sure, mixed)
     return AircraftModes(align_modes(table, tracking), names, symmetric, warnings)
 
 

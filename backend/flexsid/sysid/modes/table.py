@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from flexsid.sysid.modes.shapes import StructuralModes
 from flexsid.sysid.modes.tracking import Tracking, track, untracked
@@ -70,12 +70,28 @@ def align_modes(table: ModeTable, tracking: Tracking | None = None) -> ModeTable
         omega=tracking.sort(table.omega),
         zeta=tracking.sort(table.zeta),
         mass=tracking.sort(table.mass),
-        shape=tracking.align(table.shape),
-        strain=tracking.align(table.strain),
+        shape=_unmixed(table.fuel, tracking, tracking.align(table.shape)),
+        strain=_unmixed(table.fuel, tracking, tracking.align(table.strain)),
     )
 
 
-def fuel_weights(fuel: Float[np.ndarray, " n_fuel"], at: float) -> dict[int, float]:
+def _unmixed(
+    fuel: Float[np.ndarray, " n_fuel"],
+    tracking: Tracking,
+    aligned: Float[np.ndarray, "n_fuel n_modes *rest"],
+) -> Float[np.ndarray, "n_fuel n_modes *rest"]:
+    """Put what the neighbours say in the place of shapes that the solver has mixed."""
+    for row, mode in np.argwhere(tracking.mixed):
+        weights = fuel_weights(fuel, float(fuel[row]), tracking.mixed[:, mode])
+        aligned[row, mode] = sum(weight * aligned[k, mode] for k, weight in weights.items())
+    return aligned
+
+
+def fuel_weights(
+    fuel: Float[np.ndarray, " n_fuel"],
+    at: float,
+    without: Bool[np.ndarray, " n_fuel"] | None = None,
+) -> dict[int, float]:
     """Rows of a table, and their weights, that make up its values at a fuel fraction.
 
     A cubic in each interval whose slopes are those of the parabolas through three
@@ -88,7 +104,12 @@ def fuel_weights(fuel: Float[np.ndarray, " n_fuel"], at: float) -> dict[int, flo
         Increasing.
     at
         Where to read. [1]
+    without
+        Rows to pass over; all count where all are marked.
     """
+    if without is not None and without.any() and not without.all():
+        rows = np.flatnonzero(~without)
+        return {int(rows[k]): weight for k, weight in fuel_weights(fuel[rows], at).items()}
     n = fuel.size
     if n == 1 or at <= fuel[0]:
         return {0: 1.0}

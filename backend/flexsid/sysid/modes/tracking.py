@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from jaxtyping import Float, Int, Num
+from jaxtyping import Bool, Float, Int, Num
 from scipy.optimize import linear_sum_assignment
 
 from flexsid.sysid.modes.assurance import modal_assurance
@@ -14,7 +14,7 @@ from flexsid.sysid.modes.assurance import modal_assurance
 DOUBTFUL = 0.7
 """Below this MAC from one fuel weight to the next a mode is not the same beyond doubt."""
 
-_ALIKE = 0.8
+_ALIKE, _WHOLE = 0.8, 0.95
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,12 +23,14 @@ class Tracking:
 
     ``order[k, i]`` is the place of mode i in row k of the table, ``sign[k, i]`` what
     its shape is to be multiplied by; ``assurance[k, i]`` is its MAC with the same mode
-    at the fuel weight before (1 in the first row).
+    at the fuel weight before (1 in the first row). ``mixed[k, i]`` marks a shape that the
+    solver has mixed with another at a crossing: its neighbours tell the mode better.
     """
 
     order: Int[np.ndarray, "n_fuel n_modes"]
     sign: Float[np.ndarray, "n_fuel n_modes"]
     assurance: Float[np.ndarray, "n_fuel n_modes"]
+    mixed: Bool[np.ndarray, "n_fuel n_modes"]
 
     def sort(self, values: Num[np.ndarray, "n_fuel n_modes *rest"]) -> np.ndarray:
         """Bring rows of a table into the order of the first fuel weight."""
@@ -42,7 +44,8 @@ class Tracking:
     @property
     def doubtful(self) -> tuple[tuple[int, int], ...]:
         """Row and mode where what follows may be another mode."""
-        return tuple((int(k), int(i)) for k, i in np.argwhere(self.assurance < DOUBTFUL))
+        lost = (self.assurance < DOUBTFUL) & ~self.mixed
+        return tuple((int(k), int(i)) for k, i in np.argwhere(lost))
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +60,8 @@ class Crossing:
 def untracked(n_fuel: int, n_modes: int) -> Tracking:
     """The order of the table itself, where there are no shapes to follow."""
     order = np.tile(np.arange(n_modes), (n_fuel, 1))
-    return Tracking(order, np.ones(order.shape), np.ones(order.shape))
+    ones = np.ones(order.shape)
+    return Tracking(order, ones.copy(), ones, np.zeros(order.shape, dtype=bool))
 
 
 def track(
@@ -97,20 +101,24 @@ def track(
         tracking.assurance[row] = assurance
         clear = assurance >= _ALIKE
         if not clear.all():
-            clear |= ~_mixed(alike, order, clear)
+            mixed = _mixed(sure, followed, clear)
+            tracking.mixed[row] = mixed
+            clear |= ~mixed
         sure[clear] = (sign[:, None] * followed)[clear]
         last = omega[row, order]
     return tracking
 
 
 def _mixed(
-    alike: Float[np.ndarray, "n_modes n_modes"],
-    order: Int[np.ndarray, " n_modes"],
-    clear: np.ndarray,
-) -> np.ndarray:
-    """Modes whose shape stands, in parts, in two or more modes of the next row."""
-    inside = alike[:, order[~clear]].sum(axis=1)
-    return ~clear & (inside >= _ALIKE)
+    sure: Float[np.ndarray, "n_modes n_dof"],
+    followed: Float[np.ndarray, "n_modes n_dof"],
+    clear: Bool[np.ndarray, " n_modes"],
+) -> Bool[np.ndarray, " n_modes"]:
+    """Modes whose shape stands, in parts, in several shapes of the next row."""
+    basis = np.linalg.svd(followed[~clear], full_matrices=False)[2]
+    size = np.sum(sure**2, axis=1)
+    inside = np.sum((sure @ basis.T) ** 2, axis=1)
+    return ~clear & (inside >= _WHOLE * size) & (size > 0)
 
 
 def crossings(

@@ -63,9 +63,10 @@ def open_modes(store: Store, table: ModalTable) -> Modes:
         return store.arrays.get(table.arrays[name]) if name in table.arrays else None
 
     omega = np.asarray(read("omega"), dtype=float)
-    order, sign, assurance = (read(name) for name in ("order", "sign", "assurance"))
+    order, sign, assurance, mixed = (read(name) for name in ("order", "sign", "assurance", "mixed"))
     if order is not None and sign is not None and assurance is not None:
-        tracking = Tracking(np.asarray(order).astype(np.intp), sign, assurance)
+        blurred = np.zeros(omega.shape, dtype=bool) if mixed is None else np.asarray(mixed, bool)
+        tracking = Tracking(np.asarray(order).astype(np.intp), sign, assurance, blurred)
     else:
         shape = read("node_shape")
         shape = read("shape") if shape is None else shape
@@ -205,7 +206,7 @@ def shape_at(store: Store, modes: Modes, mode: int, fuel: float) -> np.ndarray:
     """
     table = modes.table
     assert table.id is not None
-    weights = fuel_weights(modes.fuel, fuel)
+    weights = fuel_weights(modes.fuel, fuel, modes.tracking.mixed[:, mode])
     order, sign = modes.tracking.order, modes.tracking.sign
     if "node_shape" in table.arrays:
         whole = store.arrays.get(table.arrays["node_shape"])
