@@ -25,6 +25,25 @@ def test_reports_open_in_a_browser_and_touch_nothing(client: TestClient) -> None
     assert client.get("/api/v1/reports/run/99").status_code == 404
 
 
+def test_a_decision_is_reported_with_evidence_and_history(client: TestClient) -> None:
+    described = client.get("/api/v1/openapi.json").json()["paths"]
+
+    def send(path: str) -> None:
+        example = described[path]["post"]["requestBody"]["content"]["application/json"]["example"]
+        who = {"X-Flexsid-Analyst": "Ann"}
+        answer = client.post(path, json=example, headers=who)
+        assert answer.status_code == 201, answer.text
+
+    send("/api/v1/model-structures")
+    send("/api/v1/decisions")
+    text = client.get("/api/v1/reports/decision/1").text
+    assert "SP + SW1B below 400 Pa" in text
+    assert "dynamic pressure 0 to 400 Pa" in text
+    assert "<td>proposed</td>" in text
+    assert "Comparison of runs 1, Cm" in text
+    assert client.get("/api/v1/reports/decision/9").status_code == 404
+
+
 def test_a_template_of_ones_own_is_used(flown_url: str, tmp_path: Path) -> None:
     own = tmp_path / "own.html"
     own.write_text("<title>$title</title>$style ACME $body$script")
@@ -46,7 +65,7 @@ def test_reports_are_written_from_the_command_line(flown_url: str, tmp_path: Pat
     assert main(["report", "run", "1", "--output", "a.doc", *to]) == 2
     assert "expected .html or .pdf" in capsys.readouterr().err
     assert main(["report", "run", "--output", str(tmp_path / "a.html"), *to]) == 2
-    assert "one run" in capsys.readouterr().err
+    assert "give one id" in capsys.readouterr().err
 
 
 @pytest.fixture(autouse=True)

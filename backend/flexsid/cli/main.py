@@ -146,9 +146,9 @@ def _parser() -> argparse.ArgumentParser:
         help=".json: everything; .csv: parameters; .mat: the model",
     )
 
-    report = add("report", _report, "write a report of a run, a comparison or the campaign")
-    report.add_argument("kind", choices=("run", "comparison", "campaign", "template"))
-    report.add_argument("runs", nargs="?", metavar="RUN,RUN", help="ids; not for a campaign")
+    report = add("report", _report, "write a report of runs, a decision or the campaign")
+    report.add_argument("kind", choices=("run", "comparison", "decision", "campaign", "template"))
+    report.add_argument("ids", nargs="?", metavar="ID,ID", help="of runs, or of a decision")
     report.add_argument("--predictions", default="", metavar="ID,ID", help="beside the runs")
     report.add_argument(
         "--template", metavar="FILE", help="page of your own; start from `flexsid report template`"

@@ -43,13 +43,16 @@ def _content(settings: Settings, chosen: argparse.Namespace, suffix: str) -> byt
 def _made(store: Store, chosen: argparse.Namespace) -> reports.Report:
     if chosen.kind == "campaign":
         return reports.campaign_report(store)
-    runs = numbers(chosen.runs or "", int, "RUNS")
+    ids = numbers(chosen.ids or "", int, "IDS")
     if chosen.kind == "comparison":
         predictions = numbers(chosen.predictions, int, "--predictions")
-        return reports.comparison_report(store, runs, predictions)
-    if len(runs) != 1:
-        raise BadInput("give the id of one run, e.g. flexsid report run 3 --output run.html")
-    return reports.run_report(store, runs[0])
+        return reports.comparison_report(store, ids, predictions)
+    if len(ids) != 1:
+        raise BadInput(
+            f"give one id, e.g. flexsid report {chosen.kind} 3 --output {chosen.kind}.html"
+        )
+    made = reports.run_report if chosen.kind == "run" else reports.decision_report
+    return made(store, ids[0])
 
 
 def _write(file: Path, content: bytes) -> None:

@@ -1,8 +1,9 @@
-"""Reports to hand on: a run, a comparison or a campaign as one file that needs nothing else."""
+"""Reports to hand on, each one file that needs nothing else."""
 
 from flexsid.reports.campaign import campaign_report
 from flexsid.reports.comparison import comparison_report
 from flexsid.reports.content import Report
+from flexsid.reports.decision import decision_report
 from flexsid.reports.layout import built_in_template, read_template, to_html
 from flexsid.reports.printing import to_pdf
 from flexsid.reports.run import run_report
@@ -12,6 +13,7 @@ __all__ = [
     "built_in_template",
     "campaign_report",
     "comparison_report",
+    "decision_report",
     "read_template",
     "run_report",
     "to_html",

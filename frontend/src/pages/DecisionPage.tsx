@@ -15,6 +15,7 @@ import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProposalDifference } from "../components/ProposalDifference";
 import { ProposalView } from "../components/ProposalView";
+import { ReportMenu } from "../components/ReportMenu";
 import { ReviseForm } from "../components/ReviseForm";
 import { Section } from "../components/Section";
 import type { DecisionView } from "../views";
@@ -51,6 +52,7 @@ function OneDecision({ decision }: { decision: Decision }) {
         aside={<DecisionBadge state={decision.state} />}
         actions={
           <>
+            <ReportMenu of={`decision/${decision.id}`} />
             <TrailMenu id={decision.id} />
             {open && !revising && (
               <Button

@@ -1,4 +1,4 @@
-"""Reports: a run, a comparison or a campaign as one HTML file, or as PDF."""
+"""Reports: a run, a comparison, a decision or a campaign as one HTML file, or as PDF."""
 
 from __future__ import annotations
 
@@ -46,6 +46,12 @@ def report_comparison(
     runs = split_ids(run_ids, "run_ids")
     predictions = split_ids(prediction_ids, "prediction_ids")
     return _sent(context, reports.comparison_report(context.store, runs, predictions), form)
+
+
+@router.get("/decision/{decision_id}", response_class=Response)
+def report_decision(context: TheContext, decision_id: Identity, form: Form = "html") -> Response:
+    """Report a decision: range, structure, evidence, votes and history."""
+    return _sent(context, reports.decision_report(context.store, decision_id), form)
 
 
 @router.get("/campaign", response_class=Response)
