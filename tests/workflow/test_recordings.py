@@ -19,6 +19,7 @@ from flexsid.records.maneuver import Role
 from flexsid.storage.channels import read_flight_channels
 from flexsid.storage.store import Store
 from flexsid.workflow.ingest import Imported, import_each, import_files, keep_upload, read_upload
+from flexsid.workflow.uploads import KEPT_DAYS, Uploads
 
 HEAD = """
 [aircraft]
@@ -265,3 +266,34 @@ def test_killed_while_it_writes_an_import_leaves_nothing(
     assert ended.returncode == -signal.SIGKILL
     assert store.flights.find() == store.maneuvers.find() == store.channels.find() == []
     assert import_files(store, files, text).maneuver is not None
+
+
+def test_a_column_that_nobody_uses_may_hold_nan(
+    store: Store, aircraft: Aircraft, files: list[Path]
+) -> None:
+    rows = files[0].read_text().splitlines()
+    broken = [
+        f"{rows[0]},gps",
+        *(f"{row},{'nan' if k else 'inf'}" for k, row in enumerate(rows[1:])),
+    ]
+    files[0].write_text("\n".join(broken))
+    kept = import_files(store, files, HEAD + MANEUVER + CHANNELS).maneuver
+    assert kept is not None
+    used = CHANNELS + '[[channels]]\ncolumn = "gps"\nunit = "m"\nrole = "condition"\n'
+    mapping = HEAD + MANEUVER.replace("two recorders", "another") + used
+    with pytest.raises(UnreadableFile, match="row 2, column 'gps' holds inf"):
+        import_files(store, files, mapping)
+
+
+def test_uploads_of_long_ago_are_forgotten_while_the_server_runs(
+    store: Store, files: list[Path], tmp_path: Path
+) -> None:
+    uploads = Uploads(store, tmp_path / "uploads")
+    uploads.start()
+    old = uploads.read(files[:1], ["a.csv"])
+    state = tmp_path / "uploads" / old.id / "state.json"
+    long_ago = state.stat().st_mtime - (KEPT_DAYS + 1) * 86400
+    os.utime(state, (long_ago, long_ago))
+    new = uploads.read(files[:1], ["a.csv"])
+    assert {path.name for path in (tmp_path / "uploads").iterdir()} == {new.id}
+    uploads.stop()

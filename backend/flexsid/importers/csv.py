@@ -40,7 +40,8 @@ def read(path: Path) -> Content:
     Raises
     ------
     UnreadableFile
-        With the row and column of the first cell that is not a finite number,
+        With the row and column of the first cell that is not a number (NaN is one here: only
+        a column that is used must be finite),
         the first row of another length, or the header name that comes twice.
     """
     encoding = _encoding(path)
@@ -251,7 +252,7 @@ def _numbers(lines: Sequence[tuple[int, str]], layout: _Layout) -> np.ndarray:
     except ValueError as error:
         _raise_at_first_bad_cell(lines, layout)
         raise UnreadableFile(str(error)) from error
-    if values.shape[1] != len(layout.names) or not np.isfinite(values).all():
+    if values.shape[1] != len(layout.names):
         _raise_at_first_bad_cell(lines, layout)
     return values
 
@@ -274,14 +275,6 @@ def _raise_at_first_bad_cell(lines: Sequence[tuple[int, str]], layout: _Layout) 
                 raise UnreadableFile(
                     f"row {row}, column '{name}' {found}; a number is expected.",
                     code="not-numeric",
-                    row=row,
-                    column=name,
-                )
-            if not np.isfinite(float(cell)):
-                raise UnreadableFile(
-                    f"row {row}, column '{name}' holds '{cell[:40]}'; "
-                    "every sample must be a finite number.",
-                    code="not-finite",
                     row=row,
                     column=name,
                 )

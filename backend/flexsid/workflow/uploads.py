@@ -82,8 +82,7 @@ class Uploads:
                     upload, state=UploadState.FAILED, code="interrupted", message=message
                 )
                 self._save(failed)
-            if time.time() - path.stat().st_mtime > KEPT_DAYS * 86400:
-                shutil.rmtree(path.parent, ignore_errors=True)
+        self._forget_old()
 
     def stop(self) -> None:
         """Cancel what is imported; its transaction is undone."""
@@ -92,7 +91,8 @@ class Uploads:
         self._worker.shutdown(wait=True, cancel_futures=True)
 
     def read(self, files: Sequence[Path], names: Sequence[str]) -> Upload:
-        """Read files into a new upload."""
+        """Read files into a new upload; those of long ago are forgotten meanwhile."""
+        self._forget_old()
         upload = Upload(id=f"u{secrets.token_hex(8)}")
         folder = self._folder / upload.id
         folder.mkdir(parents=True, mode=0o700)
@@ -145,6 +145,12 @@ class Uploads:
                 self._cancelled.add(identity)
                 return
         shutil.rmtree(folder, ignore_errors=True)
+
+    def _forget_old(self) -> None:
+        for path in self._folder.glob(f"*/{_STATE}"):
+            busy = path.parent.name in self._progress
+            if not busy and time.time() - path.stat().st_mtime > KEPT_DAYS * 86400:
+                shutil.rmtree(path.parent, ignore_errors=True)
 
     def _import(self, identity: str, text: str, aircraft_id: int | None) -> None:
         def report(fraction: float) -> None:
