@@ -20,6 +20,7 @@ import {
   importView,
   flightView,
   flutterView,
+  searchView,
   glossaryView,
   jobsView,
   maneuverView,
@@ -127,6 +128,13 @@ const compare = createRoute({
   path: "/compare",
   validateSearch: compareView,
   component: page(() => import("./pages/ComparePage"), "ComparePage"),
+});
+
+const search = createRoute({
+  getParentRoute: () => root,
+  path: "/search",
+  validateSearch: searchView,
+  component: page(() => import("./pages/SearchPage"), "SearchPage"),
 });
 
 const flutter = createRoute({
@@ -252,6 +260,7 @@ export const router = createRouter({
     compare,
     flutter,
     closedLoop,
+    search,
     structures,
     jobs,
     job,

@@ -20,6 +20,7 @@ export const VIEWS = [
   { to: "/runs", label: "Runs", key: "r" },
   { to: "/compare", label: "Compare", key: "m" },
   { to: "/model-structures", label: "Structures", key: "t" },
+  { to: "/search", label: "Search", key: "h" },
   { to: "/structures", label: "Modes", key: "o" },
   { to: "/decisions", label: "Decisions", key: "d" },
   { to: "/flutter", label: "Flutter", key: "f" },
@@ -337,3 +338,22 @@ export const decisionView = view((search) => ({
   revise: flag(search.revise),
 }));
 export type DecisionView = ReturnType<typeof decisionView>;
+
+export const SEARCH_ALGORITHMS = ["stepwise", "orthogonal functions"] as const;
+export const SEARCH_STARTS = ["all", "equation error"] as const;
+
+export const searchView = view((search) => ({
+  /** The search that is shown; without one, what the next would be. */
+  id: integer(search.id),
+  /** Coefficient, or method, whose path and terms are shown. */
+  group: text(search.group),
+  maneuvers: integers(search.maneuvers),
+  unseen: integers(search.unseen),
+  method: oneOf<Method>(search.method, METHODS),
+  modes: integers(search.modes),
+  algorithm: oneOf(search.algorithm, SEARCH_ALGORITHMS),
+  begin: oneOf(search.begin, SEARCH_STARTS),
+  f_in: number(search.f_in),
+  f_out: number(search.f_out),
+}));
+export type SearchView = ReturnType<typeof searchView>;

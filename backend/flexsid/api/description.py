@@ -48,6 +48,7 @@ _EXAMPLES: dict[str, Any] = {
     "version": 1,
     "step_id": 1,
     "place": 0,
+    "group": "CZ",
     "quantities": "CZ,etaddot7",
     "X-Flexsid-Analyst": "Ann%20Analyst",
     "number": 9,

@@ -21,6 +21,7 @@ from flexsid.figures.plot_matrix import plot_matrix
 from flexsid.figures.poles import poles
 from flexsid.figures.reconstruction import reconstruction, reconstruction_lines
 from flexsid.figures.residual import residual
+from flexsid.figures.search import search_path, search_stability
 from flexsid.figures.signal_to_noise import signal_to_noise
 from flexsid.figures.spectrum import spectrum
 from flexsid.figures.structure import (
@@ -63,6 +64,8 @@ __all__ = [
     "reduced_responses",
     "residual",
     "root_locus",
+    "search_path",
+    "search_stability",
     "signal_to_noise",
     "spectrum",
     "stabilisation",

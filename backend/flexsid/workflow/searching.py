@@ -11,7 +11,7 @@ import numpy as np
 
 from flexsid.errors import BadInput, Cancelled, Conflict, FlexsidError, UnknownRecord
 from flexsid.records.run import EstimationRun, Method, Progress, RunSettings, RunState
-from flexsid.records.search import SearchCandidate, SearchResult, StructureSearch
+from flexsid.records.search import SearchCandidate, SearchResult, StructureSearch, TermGroup
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.workflow.computation import Task, versions
@@ -148,6 +148,29 @@ def _passed(store: Store, search_id: int, **changes: Any) -> StructureSearch:
         if found.state in ENDED:
             return found
         return store.searches.replace(replace(found, **changes))
+
+
+def group_of(store: Store, search_id: int, name: str | None) -> TermGroup:
+    """Terms that a finished search looked at together, by name; the first by default.
+
+    Raises
+    ------
+    Conflict
+        If the search has no result.
+    UnknownRecord
+        If it has no such group.
+    """
+    found = store.searches.get(search_id)
+    if found.result is None:
+        raise Conflict(
+            f"search {search_id} is {found.state.value} and has found nothing yet",
+            code="search-without-result",
+        )
+    for group in found.result.groups:
+        if name in (None, group.name):
+            return group
+    names = ", ".join(group.name for group in found.result.groups)
+    raise UnknownRecord(f"search {search_id} has no '{name}'; it has {names}")
 
 
 def candidate_of(wanted: StructureSearch, number: int) -> SearchCandidate:

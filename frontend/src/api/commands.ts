@@ -13,6 +13,7 @@ import type {
   ResponsesRequest,
   RunRequest,
   SavedViewRequest,
+  SearchRequest,
   StructureFilesRequest,
   StructureEditRequest,
   StructureRequest,
@@ -273,6 +274,41 @@ export function useImportFlown() {
       return kept.items;
     },
     onSuccess: () => cache.invalidateQueries({ queryKey: ["designs"], exact: true }),
+  });
+}
+
+export function useRequestSearch() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: SearchRequest) => body(api.POST("/api/v1/searches", { body: wanted })),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["searches"] }),
+  });
+}
+
+export function useCancelSearch() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (id: number) =>
+      body(
+        api.POST("/api/v1/searches/{search_id}/cancel", { params: { path: { search_id: id } } }),
+      ),
+    onSettled: () => cache.invalidateQueries({ queryKey: ["searches"] }),
+  });
+}
+
+/** Opens a candidate of a search as a run; the same run every time. */
+export function useOpenCandidate(id: number) {
+  const cache = useQueryClient();
+  const refresh = useRefreshRuns();
+  return useMutation({
+    mutationFn: (place: number) =>
+      body(
+        api.POST("/api/v1/searches/{search_id}/candidates/{place}/run", {
+          params: { path: { search_id: id, place } },
+        }),
+      ),
+    onSuccess: () =>
+      Promise.all([cache.invalidateQueries({ queryKey: ["searches", id] }), refresh()]),
   });
 }
 

@@ -382,6 +382,22 @@ export const flutterQuery = (question: FlutterQuestion) =>
     staleTime: 60_000,
   });
 
+export const searchesQuery = queryOptions({
+  queryKey: ["searches"],
+  queryFn: async ({ signal }) => (await body(api.GET("/api/v1/searches", { signal }))).items,
+});
+
+export const searchQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["searches", id],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/searches/{search_id}", { params: { path: { search_id: id } }, signal }),
+      ),
+    refetchInterval: (query) =>
+      query.state.data !== undefined && isOver(query.state.data.state) ? false : POLL_MS,
+  });
+
 export const figureQuery = (kind: string, params: Record<string, QueryValue>) =>
   queryOptions({
     queryKey: ["figure", kind, params],

@@ -24,6 +24,7 @@ from flexsid.workflow import (
     flutter,
     ground_tests,
     reconstruction,
+    searching,
     views,
 )
 from flexsid.workflow.audit import figure_spec
@@ -325,6 +326,25 @@ def draw_closed_loop_roots(
     """Draw roots with and without a controller."""
     value = closed_loop.closed_loop(store, question, controller_id)
     return sent(figures.closed_loop_roots(value), form)
+
+
+_Group = Annotated[str | None, Query(description="Coefficient (EE) or method; the first.")]
+
+
+@router.get("/search-path", response_model=Figure)
+def draw_search_path(
+    store: TheStore, search_id: _Id, group: _Group = None, form: Form = "json"
+) -> Response:
+    """Draw the criteria after every step of a search for structure."""
+    return sent(figures.search_path(searching.group_of(store, search_id, group)), form)
+
+
+@router.get("/search-stability", response_model=Figure)
+def draw_search_stability(
+    store: TheStore, search_id: _Id, group: _Group = None, form: Form = "json"
+) -> Response:
+    """Draw how often each term is chosen when the lines are drawn anew."""
+    return sent(figures.search_stability(searching.group_of(store, search_id, group)), form)
 
 
 @router.get("/design-history", response_model=Figure)

@@ -1,0 +1,348 @@
+import { Alert, Badge, Button, Group, List, Progress, SegmentedControl, Text } from "@mantine/core";
+import { useNavigate } from "@tanstack/react-router";
+import { useAddStructure, useCancelSearch, useOpenCandidate } from "../api/commands";
+import { isOver, type SearchCandidate, type StructureSearch, type TermGroup } from "../api/types";
+import { fixed, percent, significant, withError } from "../lib/format";
+import { DataTable, type Column } from "./DataTable";
+import { DerivativeName } from "./DerivativeName";
+import { Figure } from "./Figure";
+import { ProblemAlert } from "./ProblemAlert";
+import { Section } from "./Section";
+
+interface Props {
+  search: StructureSearch;
+  group: string | undefined;
+  onGroup: (group: string) => void;
+}
+
+/** A search: how far it is, or what it found. */
+export function SearchResult({ search, group, onGroup }: Props) {
+  const result = search.result;
+  if (!isOver(search.state)) return <Under search={search} />;
+  if (result === null) {
+    return (
+      <Alert color="red.9" variant="filled" role="alert" title={`The search has ${search.state}`}>
+        {search.error?.message ?? "It found nothing."}
+      </Alert>
+    );
+  }
+  const shown = result.groups.find((one) => one.name === group) ?? result.groups[0];
+  return (
+    <>
+      <Alert color="blue" variant="light" role="status" data-testid="search-sentence">
+        {result.sentence}
+        {result.warnings.length > 0 && (
+          <List size="sm" mt={6}>
+            {result.warnings.map((warning) => (
+              <List.Item key={warning}>{warning}</List.Item>
+            ))}
+          </List>
+        )}
+      </Alert>
+      <Candidates search={search} result={result} />
+      {result.groups.length > 1 && (
+        <SegmentedControl
+          data={result.groups.map((one) => one.name)}
+          value={shown?.name ?? ""}
+          onChange={onGroup}
+          aria-label="Coefficient"
+          style={{ alignSelf: "start" }}
+        />
+      )}
+      {shown !== undefined && <Shown search={search} group={shown} />}
+    </>
+  );
+}
+
+function Under({ search }: { search: StructureSearch }) {
+  const cancel = useCancelSearch();
+  const progress = search.progress;
+  return (
+    <div className="panel" style={{ padding: 16 }} data-testid="search-progress">
+      <Group justify="space-between" mb={6}>
+        <Text size="sm" aria-live="polite">
+          {search.state === "queued" ? "Waiting for the search before" : progress?.message}
+        </Text>
+        <Button
+          variant="default"
+          loading={cancel.isPending}
+          onClick={() => {
+            cancel.mutate(search.id);
+          }}
+        >
+          Cancel
+        </Button>
+      </Group>
+      <Progress
+        value={Math.max(3, 100 * (progress?.fraction ?? 0))}
+        animated
+        aria-label="Progress"
+      />
+      {cancel.isError && <ProblemAlert error={cancel.error} />}
+    </div>
+  );
+}
+
+interface CandidatesProps {
+  search: StructureSearch;
+  result: NonNullable<StructureSearch["result"]>;
+}
+
+function Candidates({ search, result }: CandidatesProps) {
+  const navigate = useNavigate();
+  const open = useOpenCandidate(search.id);
+  const add = useAddStructure();
+  const all = result.candidates;
+  const least = Math.min(...all.map((one) => one.predictive_cost ?? Infinity));
+  const makeStructure = (one: SearchCandidate) => {
+    add.mutate(
+      {
+        aircraft_id: search.aircraft_id,
+        name: `Search ${String(search.id)}: ${String(one.n_terms)} terms`,
+        structure: { ...one.structure, axis: "longitudinal" },
+        note: `${result.sentence} Candidate: ${one.why}`,
+      },
+      {
+        onSuccess: (kept) =>
+          void navigate({ to: "/model-structures/$id", params: { id: kept.id } }),
+      },
+    );
+  };
+  const columns: Column<{ one: SearchCandidate; place: number }>[] = [
+    {
+      key: "name",
+      header: "Candidate",
+      render: ({ one }) => (
+        <div style={{ minWidth: 180, maxWidth: 340 }}>
+          <Group gap={6}>
+            <Text size="sm" fw={600}>
+              {one.name}
+            </Text>
+            {one.proposed && <Badge size="sm">proposed</Badge>}
+            {!one.converged && (
+              <Badge size="sm" color="red.9">
+                not converged
+              </Badge>
+            )}
+          </Group>
+          <Text size="xs" className="quiet" lineClamp={2} title={one.why}>
+            {one.why}
+          </Text>
+        </div>
+      ),
+    },
+    { key: "terms", header: "Terms", numeric: true, render: ({ one }) => one.n_terms },
+    {
+      key: "predictive",
+      header: "Predicts worse by",
+      unit: "−ln L",
+      numeric: true,
+      render: ({ one }) =>
+        one.predictive_cost === null ? "–" : fixed(one.predictive_cost - least, 1),
+    },
+    { key: "bic", header: "BIC", numeric: true, render: ({ one }) => significant(one.bic, 7) },
+    {
+      key: "ratio",
+      header: "Likelihood ratio (foretold)",
+      numeric: true,
+      render: ({ one }) =>
+        one.likelihood_ratio === null
+          ? "–"
+          : `${fixed(one.likelihood_ratio, 1)} (${fixed(one.foretold, 1)})`,
+    },
+    {
+      key: "flutter",
+      header: "Flutter ±2σ",
+      unit: "m/s",
+      numeric: true,
+      render: ({ one }) => (
+        <span title={one.flutter}>
+          {one.flutter_m_s === null
+            ? "none in sight"
+            : `${fixed(one.flutter_m_s, 2)} ± ${fixed(2 * (one.flutter_std_m_s ?? 0), 2)}`}
+        </span>
+      ),
+    },
+    {
+      key: "actions",
+      header: "",
+      render: ({ one, place }) => (
+        <Group gap={6} wrap="nowrap">
+          <Button
+            size="compact-xs"
+            variant="default"
+            data-testid={`open-candidate-${String(place)}`}
+            loading={open.isPending && open.variables === place}
+            onClick={() => {
+              open.mutate(place, {
+                onSuccess: (run) => void navigate({ to: "/runs/$id", params: { id: run.id } }),
+              });
+            }}
+          >
+            Open as run
+          </Button>
+          <Button
+            size="compact-xs"
+            variant="default"
+            data-testid={`keep-candidate-${String(place)}`}
+            loading={add.isPending}
+            onClick={() => {
+              makeStructure(one);
+            }}
+          >
+            Make a structure of it
+          </Button>
+        </Group>
+      ),
+    },
+  ];
+  return (
+    <Section
+      title="Candidates"
+      note="In the order of their likelihood on lines they were not fitted to"
+    >
+      <DataTable
+        label="Candidates"
+        testId="candidates"
+        columns={columns}
+        rows={all.map((one, place) => ({ one, place }))}
+        rowKey={(row) => row.place}
+        isSelected={(row) => row.one.proposed}
+      />
+      {(open.isError || add.isError) && <ProblemAlert error={open.error ?? add.error} />}
+    </Section>
+  );
+}
+
+function Shown({ search, group }: { search: StructureSearch; group: TermGroup }) {
+  const params = { search_id: search.id, group: group.name };
+  return (
+    <>
+      <div className="halves">
+        <div className="panel" style={{ padding: 12 }}>
+          <Figure kind="search-path" title={`Path of ${group.name}`} params={params} height={560} />
+        </div>
+        <div className="panel" style={{ padding: 12 }}>
+          <Figure
+            kind="search-stability"
+            title={`Stability of ${group.name}`}
+            params={params}
+            height={560}
+          />
+        </div>
+      </div>
+      <Section
+        title={`Terms of ${group.name}`}
+        note={`R² ${fixed(group.r_squared, 4)}, predicted squared error ${significant(group.pse, 4)} noise variances, BIC ${significant(group.bic, 7)}. A term that was not chosen shows the value it would take as the next to enter.`}
+      >
+        <DataTable
+          label={`Terms of ${group.name}`}
+          testId="terms"
+          columns={TERM_COLUMNS}
+          rows={group.terms}
+          rowKey={(term) => term.name}
+          isSelected={(term) => term.chosen}
+          maxHeight={520}
+        />
+      </Section>
+      <Section
+        title="Path step by step"
+        note={`F to enter ${fixed(search.settings.f_in, 1)}, to stay ${fixed(search.settings.f_out, 1)}`}
+      >
+        <DataTable
+          label="Path"
+          testId="path"
+          columns={STEP_COLUMNS}
+          rows={group.path.map((step, place) => ({ ...step, place: place + 1 }))}
+          rowKey={(step) => step.place}
+          maxHeight={420}
+        />
+      </Section>
+      {group.dependencies.length > 0 && (
+        <Section
+          title="Nearly dependent terms"
+          note="Condition index of a direction in which terms nearly cancel, and the share of each term's variance that it makes; from 30 on it is strong"
+        >
+          <DataTable
+            label="Nearly dependent terms"
+            columns={DEPENDENCY_COLUMNS}
+            rows={group.dependencies.map((one, place) => ({ ...one, place }))}
+            rowKey={(row) => row.place}
+            maxHeight={320}
+          />
+        </Section>
+      )}
+    </>
+  );
+}
+
+const TERM_COLUMNS: Column<TermGroup["terms"][number]>[] = [
+  { key: "name", header: "Term", render: (term) => <DerivativeName name={term.name} /> },
+  { key: "chosen", header: "Chosen", render: (term) => (term.chosen ? "yes" : "no") },
+  {
+    key: "value",
+    header: "Value",
+    numeric: true,
+    render: (term) => (term.value === null ? "–" : withError(term.value, term.std_error).value),
+  },
+  {
+    key: "error",
+    header: "σ",
+    numeric: true,
+    render: (term) => (term.value === null ? "–" : withError(term.value, term.std_error).error),
+  },
+  { key: "f", header: "Partial F", numeric: true, render: (term) => significant(term.f, 3) },
+  {
+    key: "stability",
+    header: "In draws",
+    unit: "%",
+    numeric: true,
+    render: (term) => percent(term.stability),
+  },
+  {
+    key: "support",
+    header: "In maneuvers",
+    unit: "%",
+    numeric: true,
+    render: (term) => percent(term.support),
+  },
+  {
+    key: "inflation",
+    header: "Variance inflation",
+    numeric: true,
+    render: (term) => (term.inflation === null ? "∞" : significant(term.inflation, 3)),
+  },
+];
+
+const STEP_COLUMNS: Column<TermGroup["path"][number] & { place: number }>[] = [
+  { key: "place", header: "Step", numeric: true, render: (step) => step.place },
+  { key: "action", header: "", render: (step) => (step.action === "enter" ? "in" : "out") },
+  { key: "term", header: "Term", render: (step) => <DerivativeName name={step.term} /> },
+  { key: "f", header: "Partial F", numeric: true, render: (step) => significant(step.f, 4) },
+  { key: "n", header: "Terms", numeric: true, render: (step) => step.n_terms },
+  { key: "r2", header: "R²", numeric: true, render: (step) => fixed(step.r_squared, 5) },
+  { key: "pse", header: "PSE", numeric: true, render: (step) => significant(step.pse, 5) },
+  { key: "bic", header: "BIC", numeric: true, render: (step) => significant(step.bic, 7) },
+];
+
+const DEPENDENCY_COLUMNS: Column<TermGroup["dependencies"][number] & { place: number }>[] = [
+  {
+    key: "index",
+    header: "Condition index",
+    numeric: true,
+    render: (row) => fixed(row.condition_index, 1),
+  },
+  {
+    key: "terms",
+    header: "Terms and their shares",
+    render: (row) => (
+      <Group gap="md">
+        {Object.entries(row.shares).map(([name, share]) => (
+          <span key={name}>
+            <DerivativeName name={name} /> {percent(share)} %
+          </span>
+        ))}
+      </Group>
+    ),
+  },
+];
