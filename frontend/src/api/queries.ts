@@ -385,6 +385,8 @@ export const flutterQuery = (question: FlutterQuestion) =>
 export const searchesQuery = queryOptions({
   queryKey: ["searches"],
   queryFn: async ({ signal }) => (await body(api.GET("/api/v1/searches", { signal }))).items,
+  refetchInterval: (query) =>
+    query.state.data?.every((one) => isOver(one.state)) === false ? 2 * POLL_MS : false,
 });
 
 export const searchQuery = (id: number) =>

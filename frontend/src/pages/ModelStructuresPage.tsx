@@ -8,6 +8,7 @@ import type { Aircraft, ModelStructure } from "../api/types";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { Loaded } from "../components/Loaded";
+import { ButtonLink } from "../components/ButtonLink";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
@@ -32,6 +33,11 @@ export function ModelStructuresPage() {
             Campaign
           </Link>,
         ]}
+        actions={
+          <ButtonLink to="/search" variant="default">
+            Search for terms
+          </ButtonLink>
+        }
       />
       <Loaded query={aircraft}>
         {(all) => (
