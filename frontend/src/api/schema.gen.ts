@@ -2959,6 +2959,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/figures/search-path": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Search Path
+         * @description Draw the criteria after every step of a search for structure.
+         */
+        get: operations["draw_search_path"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/search-stability": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Search Stability
+         * @description Draw how often each term is chosen when the lines are drawn anew.
+         */
+        get: operations["draw_search_stability"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/figures/design-history": {
         parameters: {
             query?: never;
@@ -15877,6 +15917,88 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_search_path: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                search_id: number;
+                /**
+                 * @description Coefficient (EE) or method; the first.
+                 * @example CZ
+                 */
+                group?: string | null;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_search_stability: {
+        parameters: {
+            query: {
+                /** @example 1 */
+                search_id: number;
+                /**
+                 * @description Coefficient (EE) or method; the first.
+                 * @example CZ
+                 */
+                group?: string | null;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
             };
             header?: never;
             path?: never;
