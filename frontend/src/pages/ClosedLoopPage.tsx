@@ -194,6 +194,7 @@ function Answer({ answer }: { answer: ClosedLoopAnswer }) {
       color={answer.lost_m_s === null ? "green" : "yellow"}
       role="status"
       title={answer.sentence}
+      styles={{ title: { color: "var(--mantine-color-text)" } }}
       data-testid="closed-loop-answer"
     >
       {answer.controller}, fuel {fixed(100 * answer.fuel_fraction, 0)} %, fastest point flown{" "}

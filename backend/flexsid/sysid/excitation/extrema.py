@@ -14,7 +14,7 @@ JUDGED_POINTS = 32
 """Samples in the shortest period on which a peak factor is judged."""
 
 _SEARCHED_POINTS = 16
-_TEMPERATURES = (3e-2, 2e-2, 1.3e-2, 8e-3, 5e-3, 3e-3, 1.5e-3, 7e-4, 3e-4, 1e-4)
+_TEMPERATURES = (3e-2, 2e-2, 1.3e-2, 8e-3, 5e-3, 3e-3, 1.5e-3, 7e-4, 3e-4, 1e-4, 3e-5)
 
 
 def judged_peak_factor(lines: Lines, phases: Float[np.ndarray, " n_tones"]) -> float:
@@ -72,7 +72,7 @@ def refine_peaks(
     phases
         Where the norms ended. [rad]
     iterations
-        Steps for each of ten temperatures of the soft maximum.
+        Steps for each temperature of the soft maximum.
 
     Returns
     -------

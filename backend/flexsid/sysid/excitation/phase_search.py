@@ -33,7 +33,7 @@ class Effort:
 
 QUICK = Effort(starts=1, rounds=0, refined=0)
 THOROUGH = Effort(starts=8, rounds=1, refined=2)
-PATIENT = Effort(starts=8, rounds=0, refined=3, steps=14)
+PATIENT = Effort(starts=8, rounds=0, refined=3, steps=10)
 
 
 @dataclass(frozen=True, slots=True)
