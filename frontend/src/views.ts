@@ -210,6 +210,8 @@ export const flutterView = view((search) => ({
   fuel: number(search.fuel),
   altitude: number(search.altitude),
   next: number(search.next),
+  /** Derivatives drift linearly with dynamic pressure. */
+  trend: flag(search.trend),
 }));
 export type FlutterView = ReturnType<typeof flutterView>;
 

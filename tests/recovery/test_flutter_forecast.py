@@ -92,6 +92,38 @@ def test_everything_is_drawn(store: Store, runs):
     assert figures.flutter_map(table)["data"][0]["type"] == "heatmap"
 
 
+@pytest.mark.parametrize("backend", ["sqlite"])
+def test_a_drift_with_dynamic_pressure_helps_a_model_of_few_modes(store: Store):
+    """Two modes hold what the six others do statically, which grows with dynamic pressure."""
+    aircraft = add_aircraft(store)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=9)).id or 0
+    ids: tuple[int, ...] = ()
+    for ratio in (0.56, 0.68, 0.80):
+        maneuver = add_maneuver(store, fly(airspeed_ratio=ratio, seed=3), flight)
+        request = EstimationRun(
+            maneuver_id=maneuver.id or 0,
+            method=Method.OE,
+            structure=Structure(modes=(7, 9), fixed={}),
+            settings=RunSettings(),
+        )
+        run = store.runs.add(request)
+        claimed = queue.claim(store, run.id)
+        assert claimed is not None
+        computed = compute(prepare(store, run), lambda progress: None)
+        keep(store, run.id or 0, claimed.attempt, computed)
+        ids += (run.id or 0,)
+    truth = load_truth().flutter_speed_at(FUEL)
+    constant = flutter(store, Question(run_ids=ids))
+    drifting = flutter(store, Question(run_ids=ids, trend=True))
+    assert constant.airspeed_m_s is not None
+    assert drifting.airspeed_m_s is not None
+    assert abs(drifting.airspeed_m_s - truth) < abs(constant.airspeed_m_s - truth)
+    assert "drift with dynamic pressure" in drifting.sentence
+    assert (drifting.low_m_s or np.nan) < truth < (drifting.high_m_s or np.nan)
+    two = flutter(store, Question(run_ids=ids[:2], trend=True))
+    assert "a drift needs more points" in two.sentence
+
+
 def test_no_run_and_a_run_without_result_are_refused(store: Store, runs):
     with pytest.raises(BadInput, match="at least one run"):
         flutter(store, Question(run_ids=()))

@@ -25,6 +25,7 @@ from flexsid.sysid.stability.flutter import Mechanism, follow_roots
 from flexsid.sysid.stability.prediction import (
     Identified,
     fuse_identified,
+    fuse_with_trend,
     predict_flutter,
     structure_spread,
     weighted_mean,
@@ -211,6 +212,61 @@ def test_divergence_is_told_from_flutter_and_stands_where_statics_put_it(stiffne
     assert found.crossing.mechanism is Mechanism.DIVERGENCE
     assert found.crossing.airspeed == pytest.approx(np.sqrt(2.0 * pressure / c.density), rel=1e-6)
     assert found.sentence.startswith("Divergence of mode 7")
+
+
+def test_a_hump_is_left_again_where_frequencies_part():
+    """A mode that stiffens with dynamic pressure passes another one, which turns against it.
+
+    With little damping roots coalesce while the difference of the squared frequencies is less than
+    twice the root of the product of the couplings.
+    """
+    aircraft = flex28(2)
+    c, modes = aircraft.condition, aircraft.modes
+    first, second = modes.omega**2
+    quiet = replace(modes, zeta=0.02 / modes.omega)  # unequal damping would destabilise
+    values = np.zeros_like(aircraft.derivatives.values)
+    values[0, 0], values[1, 1] = -4.0, -5.0
+    middle = 0.5 * c.density * 50.0**2  # where the squared frequencies are equal
+    lift = c.area * c.chord
+    values[2, 2] = -(second - first) * modes.mass[0] / (middle * lift)
+    coupling = 0.1 * (second - first) / (middle * lift)
+    values[2, 3], values[3, 2] = coupling * modes.mass[0], -coupling * modes.mass[1]
+    humped = Aeroelastic(c, quiet, replace(aircraft.derivatives, values=values))
+    found = predict_flutter(Identified(humped, everything(humped, 0.01)), (30.0, 90.0))
+    assert found.crossing is not None
+    assert found.crossing.mechanism is Mechanism.FLUTTER
+    # |1 - p| = 0.2 p for p in units of the middle pressure
+    edges = [50.0 * np.sqrt(1.0 / (1.0 + sign * 0.2)) for sign in (1.0, -1.0)]
+    assert found.crossing.airspeed == pytest.approx(edges[0], rel=2e-3)
+    assert found.crossing.recovers_at == pytest.approx(edges[1], rel=2e-3)
+    assert f"stable again from {found.crossing.recovers_at:.2f} m/s" in found.sentence
+
+
+def test_a_trend_carries_derivatives_that_drift_to_the_pressure_asked_for():
+    aircraft = flex28(2)
+    rows, columns = np.array([0, 1, 2]), np.array([0, 0, 2])
+    rng = np.random.default_rng(1)
+    std = np.array([0.01, 0.002, 0.003])
+    truth = aircraft.derivatives.values[rows, columns]
+    drift = np.array([1.0, -0.5, 0.2])
+
+    def part(speed: float) -> Identified:
+        condition = replace(aircraft.condition, airspeed=speed)
+        values = aircraft.derivatives.values.copy()
+        pressure = condition.dynamic_pressure
+        values[rows, columns] = truth + drift * pressure / 1000.0 + std * rng.normal(size=3)
+        table = replace(aircraft.derivatives, values=values)
+        uncertain = Uncertain(rows, columns, np.diag(std**2))
+        return Identified(Aeroelastic(condition, aircraft.modes, table), uncertain)
+
+    parts = [part(speed) for speed in (30.0, 35.0, 40.0, 45.0, 50.0)]
+    carried = fuse_with_trend(parts, aircraft, 2000.0)
+    off = carried.aircraft.derivatives.values[rows, columns] - (truth + 2.0 * drift)
+    errors = np.sqrt(np.diag(carried.uncertain.covariance))
+    assert (np.abs(off) < 4.0 * errors).all()
+    assert (errors > std).all()  # beyond what was flown a line is less sure
+    with pytest.raises(BadInput, match="3 dynamic pressures"):
+        fuse_with_trend(parts[:2], aircraft, 2000.0)
 
 
 def test_fusion_weighs_by_information_and_widens_where_runs_disagree():

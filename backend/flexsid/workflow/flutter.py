@@ -32,7 +32,9 @@ from flexsid.sysid.stability.flutter import follow_roots
 from flexsid.sysid.stability.prediction import (
     Identified,
     Prediction,
+    at_own_crossing,
     fuse_identified,
+    fuse_with_trend,
     predict_flutter,
     structure_spread,
 )
@@ -63,12 +65,17 @@ _TRACKERS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Question:
-    """Runs, and the loading and air to answer for; the fastest maneuver's by default."""
+    """Runs, and the loading and air to answer for; the fastest maneuver's by default.
+
+    With ``trend`` derivatives drift linearly with dynamic pressure, where there are runs
+    enough of a structure to tell.
+    """
 
     run_ids: tuple[int, ...]
     fuel: float | None = None
     altitude_m: float | None = None
     next_m_s: float | None = None
+    trend: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -271,14 +278,17 @@ def _models(store: Store, question: Question) -> _Answered:
     for part in flown:
         key = (part.found.aircraft.modes.numbers, *_free_names(part))
         groups.setdefault(key, []).append(part)
-    fused = []
+    fused, notes = [], []
     for parts in groups.values():
         reloaded = [_at_fuel(store, part, fuel) for part in parts]
         to = replace(
             _loaded(aircraft, modes, parts, fuel, density),
             derivatives=reloaded[-1].aircraft.derivatives,
         )
-        found = fuse_identified(reloaded, to)
+        found, note = _fused(
+            reloaded, to, band, density, fastest.airspeed_m_s, trend=question.trend
+        )
+        notes.append(note)
         fused.append((parts, found, predict_flutter(found, band, density, called=called)))
     preferred = max(
         range(len(fused)),
@@ -291,7 +301,34 @@ def _models(store: Store, question: Question) -> _Answered:
     if best.crossing is not None and others:
         spread = structure_spread(others, best.crossing.airspeed)
         fused[preferred] = (parts, found, predict_flutter(found, band, density, spread, called))
+    fused = [
+        (parts, found, replace(told, sentence=told.sentence + note))
+        for (parts, found, told), note in zip(fused, notes, strict=True)
+    ]
     return _Answered(aircraft, modes, flown, fused, preferred, fuel, density)
+
+
+def _fused(
+    parts: Sequence[Identified],
+    to: Aeroelastic,
+    band: tuple[float, float],
+    density: float,
+    tested: float,
+    *,
+    trend: bool,
+) -> tuple[Identified, str]:
+    """Derivatives of one structure, and what to say of how they were fused."""
+    if not trend:
+        return fuse_identified(parts, to), ""
+    try:
+        found = at_own_crossing(
+            lambda pressure: fuse_with_trend(parts, to, pressure), band, density, tested
+        )
+    except BadInput as error:
+        if error.code != "no-trend":
+            raise
+        return fuse_identified(parts, to), " Derivatives constant, for a drift needs more points."
+    return found, " Derivatives drift with dynamic pressure and stand for where stability is lost."
 
 
 def _flown(store: Store, run_id: int) -> _Flown:

@@ -1,4 +1,4 @@
-import { Alert, MultiSelect, NumberInput, Stack, Table, Text } from "@mantine/core";
+import { Alert, MultiSelect, NumberInput, Stack, Switch, Table, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { flutterQuery, runsQuery } from "../api/queries";
@@ -32,6 +32,7 @@ export function FlutterPage() {
     fuel: view.fuel === undefined ? undefined : view.fuel / 100,
     altitude_m: view.altitude,
     next_m_s: view.next,
+    trend: view.trend,
   };
   const answer = useQuery(flutterQuery(question));
   const change = (part: Partial<FlutterView>) =>
@@ -117,6 +118,14 @@ function Choices({ view, answer, onChange }: ChoicesProps) {
         value={view.next ?? ""}
         onChange={(value) => {
           onChange({ next: typed(value) });
+        }}
+      />
+      <Switch
+        label="Derivatives drift with dynamic pressure"
+        description="A straight line through each, where a structure has three points or more"
+        checked={view.trend === true}
+        onChange={(event) => {
+          onChange({ trend: event.currentTarget.checked ? true : undefined });
         }}
       />
       <NumberInput

@@ -27,12 +27,16 @@ def _question(
         float | None,
         Query(ge=0.1, le=1000.0, description="Airspeed of the next point; 3 % above the fastest."),
     ] = None,
+    trend: Annotated[
+        bool, Query(description="Derivatives drift linearly with dynamic pressure.")
+    ] = False,
 ) -> workflow.Question:
     return workflow.Question(
         run_ids=tuple(split_ids(run_ids, "run_ids")),
         fuel=fuel,
         altitude_m=altitude_m,
         next_m_s=next_m_s,
+        trend=trend,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +16,9 @@ from flexsid.sysid.stability.speeds import Aeroelastic
 
 _POINTS = 120
 _SIGMAS = 1.96
+_LINE = 3  # dynamic pressures that a straight line through derivatives needs
+_SPAN = 0.1  # of the largest dynamic pressure that they must spread over
+_TURNS = 30  # of repeated prediction
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,6 +164,97 @@ def fuse_identified(parts: Sequence[Identified], to: Aeroelastic) -> Identified:
     table[rows, columns] = mean
     derivatives = DerivativeTable(to.modes.numbers, to.derivatives.inputs, table)
     return Identified(replace(to, derivatives=derivatives), Uncertain(rows, columns, covariance))
+
+
+def fuse_with_trend(parts: Sequence[Identified], to: Aeroelastic, pressure: float) -> Identified:
+    """Weigh derivatives that drift with dynamic pressure, and carry them to one.
+
+    A straight line goes through every derivative: those of a model with too few modes hold
+    the others' static response, which changes with dynamic pressure.
+
+    Parameters
+    ----------
+    parts
+        Of runs with one structure, at three or more dynamic pressures.
+    to
+        As for ``fuse_identified``.
+    pressure
+        Dynamic pressure that the result stands for. [Pa]
+
+    Raises
+    ------
+    BadInput
+        If the structures differ, or a line has too few points.
+    NotIdentifiable
+        If a covariance is singular.
+    """
+    fused = fuse_identified(parts, to)  # refuses what does not belong together
+    rows, columns = fused.uncertain.rows, fused.uncertain.columns
+    pressures = np.array([part.aircraft.condition.dynamic_pressure for part in parts])
+    distinct = np.unique(np.round(pressures / pressures.max(), 2))
+    if distinct.size < _LINE or distinct[-1] - distinct[0] < _SPAN:
+        raise BadInput(
+            f"a trend needs runs at {_LINE} dynamic pressures or more, spread over"
+            f" {100 * _SPAN:.0f} % of the largest; these have"
+            f" {', '.join(f'{p:.0f}' for p in np.sort(pressures))} Pa",
+            code="no-trend",
+        )
+    away = (pressures - pressure) / pressures.max()
+    values = np.stack([part.aircraft.derivatives.values[rows, columns] for part in parts])
+    covariances = [part.uncertain.covariance for part in parts]
+    scale = np.sqrt(np.mean([np.diag(C) for C in covariances], axis=0))
+    n = scale.size
+    weights = [np.linalg.solve(C / np.outer(scale, scale), np.eye(n)) for C in covariances]
+    information, moment = np.zeros((2 * n, 2 * n)), np.zeros(2 * n)
+    for W, x, value in zip(weights, away, values / scale, strict=True):
+        line = np.array([1.0, x])
+        information += np.kron(np.outer(line, line), W)
+        moment += np.kron(line, W @ value)
+    solved = np.linalg.solve(information, moment)
+    off = values / scale - solved[:n] - away[:, None] * solved[n:]
+    chi_square = sum(float(d @ W @ d) for d, W in zip(off, weights, strict=True))
+    birge = max(1.0, chi_square / (n * (len(parts) - 2)))
+    covariance = birge * np.linalg.inv(information)[:n, :n] * np.outer(scale, scale)
+    table = fused.aircraft.derivatives.values.copy()
+    table[rows, columns] = solved[:n] * scale
+    derivatives = replace(fused.aircraft.derivatives, values=table)
+    return Identified(
+        replace(fused.aircraft, derivatives=derivatives), Uncertain(rows, columns, covariance)
+    )
+
+
+def at_own_crossing(
+    fuse: Callable[[float], Identified],
+    band: tuple[float, float],
+    density: float,
+    tested: float,
+) -> Identified:
+    """The fused derivatives at the dynamic pressure where they themselves lose stability.
+
+    Parameters
+    ----------
+    fuse
+        Gives the derivatives that stand for a dynamic pressure. [Pa]
+    band, density, tested
+        Airspeeds to look in, air, and the fastest airspeed flown. [m/s], [kg/m3]
+
+    Notes
+    -----
+    Found by repeated prediction, half of every step taken. Without a crossing they stand
+    for the fastest point flown.
+    """
+    speed = tested
+    for _ in range(_TURNS):
+        found = fuse(0.5 * density * speed**2)
+        crossing = predict_flutter(found, band, density).crossing
+        if crossing is None:
+            return fuse(0.5 * density * tested**2)
+        # Beyond twice the fastest dynamic pressure a straight line is a guess.
+        aim = min(crossing.airspeed, np.sqrt(2.0) * tested)
+        if abs(aim - speed) < 1e-4 * speed:
+            return found
+        speed = float(0.5 * (speed + aim))
+    return fuse(0.5 * density * speed**2)
 
 
 def weighted_mean(
