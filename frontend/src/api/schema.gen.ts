@@ -14647,6 +14647,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Derivatives drift linearly with dynamic pressure. */
+                trend?: boolean;
             };
             header?: never;
             path?: never;
@@ -14699,6 +14701,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Derivatives drift linearly with dynamic pressure. */
+                trend?: boolean;
             };
             header?: never;
             path?: never;
@@ -15643,6 +15647,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Derivatives drift linearly with dynamic pressure. */
+                trend?: boolean;
             };
             header?: never;
             path?: never;
@@ -15697,6 +15703,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Derivatives drift linearly with dynamic pressure. */
+                trend?: boolean;
             };
             header?: never;
             path?: never;
@@ -15751,6 +15759,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Derivatives drift linearly with dynamic pressure. */
+                trend?: boolean;
             };
             header?: never;
             path?: never;
@@ -15805,6 +15815,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Derivatives drift linearly with dynamic pressure. */
+                trend?: boolean;
             };
             header?: never;
             path?: never;
@@ -15861,6 +15873,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Derivatives drift linearly with dynamic pressure. */
+                trend?: boolean;
             };
             header?: never;
             path?: never;
@@ -15917,6 +15931,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Derivatives drift linearly with dynamic pressure. */
+                trend?: boolean;
             };
             header?: never;
             path?: never;
