@@ -6,6 +6,7 @@ import pytest
 
 from flexsid.errors import BadInput
 from flexsid.importers.mapping import parse_mapping
+from flexsid.workflow.models import default_outputs
 
 GOOD = """
 [aircraft]
@@ -84,3 +85,41 @@ def test_a_maneuver_needs_its_flight() -> None:
     text = GOOD.replace('[flight]\nnumber = 3\ndate = "2026-05-31"\n', "")
     with pytest.raises(BadInput, match="'flight' is missing"):
         parse_mapping(text)
+
+
+PAIRS = """
+[aircraft]
+name = "Kite"
+pairs = ["symmetric", "antisymmetric"]
+[aircraft.geometry]
+area = { value = 1.0, unit = "m2" }
+chord = { value = 0.3, unit = "m" }
+span = { value = 3.0, unit = "m" }
+[aircraft.mass]
+fuel = [0.0]
+mass = { values = [10.0], unit = "kg" }
+pitch_inertia = { values = [1.0], unit = "kg*m2" }
+x_cg = { values = [0.5], unit = "m" }
+[[aircraft.surfaces]]
+name = "bfs"
+""" + "".join(
+    f'[[aircraft.sensors]]\nname = "{name}"\nkind = "accelerometer"\naxis = "{axis}"\n'
+    f'point = "{name}"\nlocation = {{ values = [0, 0, 0], unit = "m" }}\n'
+    for name, axis in (("az_tipl", "z"), ("az_tipr", "z"), ("ay_tipl", "y"), ("ay_tipr", "y"))
+)
+
+
+def test_parts_of_left_and_right_follow_their_sign_rule() -> None:
+    part = parse_mapping(PAIRS + GOOD.replace('[aircraft]\nname = "X-1"\n', "")).aircraft
+    assert part is not None
+    assert part.definition is not None
+    assert {c.name: dict(c.terms) for c in part.definition.combinations} == {
+        "az_tips": {"az_tipl": 0.5, "az_tipr": 0.5},
+        "ay_tips": {"ay_tipl": 0.5, "ay_tipr": -0.5},
+        "az_tipa": {"az_tipl": -0.5, "az_tipr": 0.5},
+        "ay_tipa": {"ay_tipl": 0.5, "ay_tipr": 0.5},
+    }
+    recorded = ["az_tipl", "az_tipr", "ay_tipl", "ay_tipr"]
+    assert default_outputs(part.definition, recorded) == ("az_tips", "ay_tips")
+    with pytest.raises(BadInput, match=r"'aircraft\.pairs' may hold"):
+        parse_mapping(PAIRS.replace('"antisymmetric"', '"both"') + GOOD[GOOD.index("[flight]") :])

@@ -26,6 +26,7 @@ from flexsid.sysid.model.instruments import (
     Instrument,
     SecondOrder,
 )
+from flexsid.sysid.preparation.symmetry import combine_pair, find_pairs, mirror_sign
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,14 +56,15 @@ def read_aircraft(table: Table) -> AircraftPart:
 
 def _definition(table: Table) -> Aircraft:
     instruments = _instruments(table)
+    sensors = tuple(_sensor(row, instruments) for row in table.tables("sensors"))
     aircraft = Aircraft(
         name=table.text("name"),
         description=table.text("description", " ").strip(),
         geometry=_geometry(table.table("geometry")),
         mass=_mass(table.table("mass")),
         surfaces=tuple(_surface(row, instruments) for row in table.tables("surfaces")),
-        sensors=tuple(_sensor(row, instruments) for row in table.tables("sensors")),
-        combinations=tuple(_combination(row) for row in table.tables("combinations")),
+        sensors=sensors,
+        combinations=(*_pairs(table, sensors), *map(_combination, table.tables("combinations"))),
         instruments=instruments,
         polar=_polar(table.table("polar")) if "polar" in table else None,
         flutter=_flutter(table.table("flutter")) if "flutter" in table else None,
@@ -149,6 +151,26 @@ def _instrument_name(table: Table, key: str, instruments: dict[str, Instrument])
         known = ", ".join(instruments) or "none"
         raise refuse(table.path(key), f"names '{name}', which is no instrument; defined: {known}.")
     return name
+
+
+def _pairs(table: Table, sensors: tuple[Sensor, ...]) -> tuple[Combination, ...]:
+    """Make the parts of every left and right pair that ``pairs`` asks for, by its sign rule."""
+    wanted = table.texts("pairs") if "pairs" in table else ()
+    known = {sensor.name: sensor for sensor in sensors}
+    found: list[Combination] = []
+    for part in wanted:
+        if part not in ("symmetric", "antisymmetric"):
+            raise refuse(
+                table.path("pairs"), f"may hold 'symmetric' and 'antisymmetric', found '{part}'."
+            )
+        for left, right, both in find_pairs(known):
+            one, other = known[left], known[right]
+            if (one.kind, one.axis, one.instrument) != (other.kind, other.axis, other.instrument):
+                continue
+            sign = mirror_sign(one.kind.value, one.axis)
+            name, terms = combine_pair(left, right, both, sign, part)
+            found.append(Combination(name=name, terms=terms))
+    return tuple(found)
 
 
 def _combination(table: Table) -> Combination:

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Aircraft, Sensor, SensorKind
+from flexsid.records.aircraft import Aircraft, Combination, Sensor, SensorKind
 from flexsid.records.maneuver import Condition
 from flexsid.sysid.model import sensors as rows
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.instruments import Instrument
 from flexsid.sysid.modes import StructuralModes
+from flexsid.sysid.preparation.symmetry import Part, mirror_sign, parity
 
 _NO_INSTRUMENT = Instrument()
 
@@ -90,8 +91,25 @@ def default_outputs(aircraft: Aircraft, recorded: Iterable[str]) -> tuple[str, .
         and sensor.name not in combined
         and not (sensor.kind is SensorKind.ACCELEROMETER and sensor.axis == "y")
     ]
-    paired = [c.name for c in aircraft.combinations if all(part in recorded for part, _ in c.terms)]
+    sensors = {sensor.name: sensor for sensor in aircraft.sensors}
+    paired = [
+        c.name
+        for c in aircraft.combinations
+        if all(part in recorded for part, _ in c.terms) and _parity(c, sensors) != "antisymmetric"
+    ]
     return (*single, *paired)
+
+
+def _parity(combination: Combination, sensors: dict[str, Sensor]) -> Part | None:
+    """Which part of the motion a left and right pair reads."""
+    if any(name not in sensors for name, _ in combination.terms):
+        return None
+    (left, *_), terms = combination.terms[0], combination.terms
+    signs = [
+        1.0 if name == left else mirror_sign(sensors[name].kind.value, sensors[name].axis)
+        for name, _ in terms
+    ]
+    return parity(zip((weight for _, weight in terms), signs, strict=True))
 
 
 def build_model(

@@ -1,0 +1,90 @@
+"""Symmetric and antisymmetric parts of what left and right sensors read (Eq. 3).
+
+In a symmetric motion both sides heave, surge and twist alike, and move sideways, roll and
+yaw with opposite signs. So the symmetric part of a pair is half the sum, but half the
+difference for what a mirror turns round: lateral accelerations, roll and yaw.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Literal
+
+Part = Literal["symmetric", "antisymmetric"]
+
+_TURNED_TRANSLATION = ("y",)
+_TURNED_ROTATION = ("x", "z")
+_SUFFIX = {"symmetric": "s", "antisymmetric": "a"}
+
+
+def mirror_sign(kind: str, axis: str) -> float:
+    """What a symmetric motion makes of the right sensor over the left one: 1 or -1.
+
+    Parameters
+    ----------
+    kind
+        ``accelerometer``, ``gyro``, ``attitude``, ``vane`` or ``strain``.
+    axis
+        x, y or z of what it measures, or turns about.
+    """
+    if kind == "accelerometer":
+        return -1.0 if axis in _TURNED_TRANSLATION else 1.0
+    if kind in ("gyro", "attitude", "vane"):
+        return -1.0 if axis in _TURNED_ROTATION else 1.0
+    return 1.0
+
+
+def find_pairs(names: Iterable[str]) -> tuple[tuple[str, str, str], ...]:
+    """Left and right names that differ in nothing but the side, and what both are called.
+
+    A side is the last letter of a part between underscores: ``az_ofl`` and ``az_ofr`` make
+    ``az_of{}``, ``s_ros1l_m45`` and ``s_ros1r_m45`` make ``s_ros1{}_m45``.
+    """
+    known = list(names)
+    found = []
+    for name in known:
+        parts = name.split("_")
+        for place, part in enumerate(parts):
+            if len(part) < 2 or not part.endswith("l"):
+                continue
+            stem = part[:-1]
+            other = "_".join([*parts[:place], f"{stem}r", *parts[place + 1 :]])
+            if other in known:
+                both = "_".join([*parts[:place], f"{stem}{{}}", *parts[place + 1 :]])
+                found.append((name, other, both))
+    return tuple(found)
+
+
+def combine_pair(
+    left: str, right: str, both: str, sign: float, part: Part
+) -> tuple[str, tuple[tuple[str, float], ...]]:
+    """Name and weights of one part of a pair; the antisymmetric one is right less left.
+
+    Parameters
+    ----------
+    left, right, both
+        As ``find_pairs`` gives them.
+    sign
+        Of ``mirror_sign``.
+    part
+        Which part.
+    """
+    name = both.format(_SUFFIX[part])
+    if part == "symmetric":
+        return name, ((left, 0.5), (right, 0.5 * sign))
+    return name, ((left, -0.5 * sign), (right, 0.5))
+
+
+def parity(weights: Iterable[tuple[float, float]]) -> Part | None:
+    """Which part of the motion a combination of two sensors reads; None for any other.
+
+    Parameters
+    ----------
+    weights
+        Of left and right sensor, each with what a symmetric motion makes of it: mirror sign
+        for the right, one for the left.
+    """
+    seen = [weight * sign for weight, sign in weights]
+    if len(seen) != 2 or abs(abs(seen[0]) - abs(seen[1])) > 1e-9 * abs(seen[0]):
+        return None
+    return "symmetric" if seen[0] * seen[1] > 0 else "antisymmetric"
