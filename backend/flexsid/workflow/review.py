@@ -51,6 +51,7 @@ def change_rules(store: Store, wanted: ReviewRules) -> ReviewRules:
         If somebody has changed them since.
     """
     with store.transaction():
+        store.aircraft.get(wanted.aircraft_id)
         current = rules_of(store, wanted.aircraft_id)
         if current.version != wanted.version:
             raise StaleEdit(
@@ -265,6 +266,7 @@ def after_event(decision: Decision, event: DecisionEvent) -> Decision:
 
 def _take_over(store: Store, decided: Decision, author: str) -> None:
     """Note on earlier baselines of the same axis which of them give way, wholly or in part."""
+    store.aircraft.get(decided.aircraft_id)  # of two at once, the second sees the first
     baselines = [
         one
         for one in store.decisions.find(
@@ -280,12 +282,17 @@ def _take_over(store: Store, decided: Decision, author: str) -> None:
         whole = covered(earlier.proposal.limits, later)
         append(
             store,
-            earlier,
+            store.decisions.get(_id(earlier)),
             EventKind.SUPERSEDED if whole else EventKind.NARROWED,
             author,
             f"by decision {decided.id}, '{decided.proposal.title}'",
             by_decision_id=decided.id,
         )
+
+
+def _id(decision: Decision) -> int:
+    assert decision.id is not None
+    return decision.id
 
 
 def adoption(decision: Decision) -> tuple[datetime, int]:

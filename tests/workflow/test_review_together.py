@@ -1,0 +1,85 @@
+"""Many who change the same thing at the same moment: nothing is lost, on any database."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from flexsid.records.aircraft import Aircraft
+from flexsid.records.decision import StructureProposal, StructureReference
+from flexsid.records.model_structure import ModelStructure, Structure
+from flexsid.storage.store import Store
+from flexsid.workflow import review
+from flexsid.workflow.evidence import chain_is_whole
+from flexsid.workflow.structures import StaleEdit, add_structure, edit_structure
+
+MANY = 6
+
+
+def _at_once(work: Callable[[int], Any]) -> list[Any]:
+    def caught(place: int) -> Any:
+        try:
+            return work(place)
+        except StaleEdit as error:
+            return error
+
+    with ThreadPoolExecutor(MANY) as pool:
+        return list(pool.map(caught, range(MANY)))
+
+
+def _structure(store: Store, aircraft: Aircraft) -> ModelStructure:
+    assert aircraft.id is not None
+    return add_structure(
+        store, ModelStructure(aircraft_id=aircraft.id, name="SP", structure=Structure(fixed={}))
+    )
+
+
+def test_of_many_edits_at_once_one_is_kept_and_the_others_are_told(
+    store: Store, aircraft: Aircraft
+) -> None:
+    kept = _structure(store, aircraft)
+    assert kept.id is not None
+    structure_id = kept.id
+
+    def edit(place: int) -> ModelStructure:
+        return edit_structure(
+            store,
+            structure_id,
+            1,
+            name=f"edit {place}",
+            structure=Structure(fixed={"Cm_q": float(place)}),
+            note="",
+            author=str(place),
+        )
+
+    done = _at_once(edit)
+    (won,) = [one for one in done if isinstance(one, ModelStructure)]
+    assert store.model_structures.get(structure_id) == won
+    for told in done:
+        if told is not won:
+            assert told.context["current"].name == won.name
+    versions = store.structure_versions.find(structure_id=structure_id)
+    assert [one.version for one in versions] == [1, 2]
+
+
+def test_words_said_at_once_are_all_kept_in_one_chain(store: Store, aircraft: Aircraft) -> None:
+    kept = _structure(store, aircraft)
+    assert kept.id is not None
+    decision = review.propose(
+        store,
+        StructureProposal(
+            title="SP",
+            structure=StructureReference(id=kept.id, version=1),
+            limits={},
+            reasoning="enough",
+        ),
+        "Ann",
+    )
+    assert decision.id is not None
+    number = decision.id
+    _at_once(lambda place: review.comment(store, number, f"word {place}", str(place)))
+    events = store.decision_events.find(decision_id=number)
+    assert {event.text for event in events[1:]} == {f"word {place}" for place in range(MANY)}
+    assert chain_is_whole(events)
+    assert store.decisions.get(number).version == MANY + 1
