@@ -81,6 +81,16 @@ def server(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator
         assert process.poll() is None, "the server ended by itself"
 
 
+@pytest.fixture
+def own_server(campaign: Path, tmp_path: Path) -> Iterator[str]:
+    """Address of a server of one test, for what would change what others see."""
+    database = tmp_path / "own.db"
+    shutil.copy(campaign, database)
+    port = free_port()
+    with serving(database, port, tmp_path / "own.log"):
+        yield f"http://127.0.0.1:{port}"
+
+
 def free_port() -> int:
     """A port that nothing listens on."""
     with closing(socket.socket()) as probe:
@@ -122,11 +132,11 @@ def refused(browser: Browser, server: str) -> Iterator[Page]:
 
 
 @pytest.fixture
-def two_pages(browser: Browser, server: str) -> Iterator[tuple[Page, Page]]:
+def two_pages(browser: Browser, own_server: str) -> Iterator[tuple[Page, Page]]:
     """Pages of two browsers that know nothing of each other; stale edits are to be refused."""
     with (
-        _watched_page(browser, server, refused=409) as one,
-        _watched_page(browser, server, refused=409) as other,
+        _watched_page(browser, own_server, refused=409) as one,
+        _watched_page(browser, own_server, refused=409) as other,
     ):
         yield one, other
 

@@ -27,9 +27,10 @@ def analysts(two_pages: tuple[Page, Page]) -> tuple[Page, Page]:
 
 
 def test_a_structure_is_proposed_argued_over_changed_and_approved(
-    analysts: tuple[Page, Page], server: str
+    analysts: tuple[Page, Page], own_server: str
 ) -> None:
     ann, bo = analysts
+    server = own_server
     maneuver = _get(f"{server}/api/v1/maneuvers?fta=506&limit=1&sort=airspeed_ratio")["items"][0]
     structure = _kept(server, maneuver["aircraft_id"])
 
