@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage.store import Store
 from flexsid.workflow.estimation import compute, prepare
 
@@ -16,7 +16,7 @@ def test_a_fit_that_does_not_converge_is_tried_from_elsewhere(flown_url: str):
         maneuver_id=1,
         method=Method.OE,
         structure=Structure(modes=(7, 9), fixed={}),
-        settings=RunSettings(max_iterations=1),
+        settings=RunSettings(start=Start.PREDICTION, max_iterations=1),
     )
     said: list[str] = []
     computed = compute(prepare(store, run), lambda progress: said.append(progress.message))

@@ -14,7 +14,8 @@ from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyResponse
 from flexsid.sysid.simulation.airframe import assemble_airframe
-from flexsid.workflow.measured import MeasuredLines, measure
+from flexsid.workflow.measured import measure
+from flexsid.workflow.measurement import MeasuredLines
 from flexsid.workflow.models import default_outputs, define_outputs
 
 _FLIGHT = 99  # of maneuvers that are only flown to be compared with the truth

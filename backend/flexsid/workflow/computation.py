@@ -31,7 +31,7 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.stability.poles import NamedPole, named_poles
 from flexsid.workflow.judgement import warnings_of
-from flexsid.workflow.measured import MeasuredLines, Measurement
+from flexsid.workflow.measurement import MeasuredLines, Measurement
 
 Report = Callable[[Progress], None]
 EQUATION_ERROR = "equation error"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -18,37 +18,10 @@ from flexsid.records.conditioning import ConditioningStep, Correction, StepKind
 from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
 from flexsid.sysid.preparation.artefacts import repair
-from flexsid.sysid.preparation.resampling import resample
+from flexsid.workflow.recording import Conditioning
 
 _LONGEST_DELAY_S = 1.0
 _SCALES = (0.01, 100.0)
-_NO_TAPER = 0.625  # of the sampling rate: a pass band that ends beyond the Nyquist frequency
-
-
-@dataclass(frozen=True, slots=True)
-class Conditioning:
-    """All corrections of one channel together."""
-
-    delay_s: float = 0.0
-    scale: float = 1.0
-    bias: float = 0.0
-    stretches: tuple[tuple[int, int], ...] = ()
-
-    def corrected(self, values: np.ndarray, rate_hz: float) -> np.ndarray:
-        """Samples in SI with repairs and calibration; a delay is left for the spectra."""
-        if self.stretches:
-            values = repair(values, self.stretches, rate_hz)
-        if self.scale != 1.0 or self.bias != 0.0:
-            values = (values - self.bias) / self.scale
-        return values
-
-    def aligned(self, values: np.ndarray, rate_hz: float) -> np.ndarray:
-        """Corrected samples with the delay undone at every frequency."""
-        values = self.corrected(values, rate_hz)
-        if self.delay_s == 0.0:
-            return values
-        band = (0.0, _NO_TAPER * rate_hz)
-        return resample(values, rate_hz, 0.0, rate_hz, self.delay_s, values.size, None, band)
 
 
 def conditioning_of(store: Store, maneuver_id: int | None) -> dict[str, Conditioning]:

@@ -21,7 +21,8 @@ from flexsid.sysid.spectra.peaks import (
     typical_size,
 )
 from flexsid.workflow.modes import AircraftModes, find_modal_tables, load_modes
-from flexsid.workflow.transforms import maneuver_lines, spectra_of
+from flexsid.workflow.recording import maneuver_lines
+from flexsid.workflow.transforms import spectra_of
 
 _SAME_PEAK = 0.12  # of the frequency: farther apart it is another mode's
 _TREND_ERROR = 0.003  # how well tables tell a frequency's change with fuel, gear included

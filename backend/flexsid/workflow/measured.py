@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,124 +10,10 @@ from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.storage.store import Store
-from flexsid.sysid.signals import FrequencyData, FrequencyResponse
-from flexsid.sysid.spectra.response import bare_airframe_responses
-from flexsid.workflow.models import OutputDefinition, input_correction, output_instrument
-from flexsid.workflow.transforms import Lines, Recording, maneuver_lines, read_recording
-
-
-@dataclass(frozen=True, slots=True)
-class MeasuredLines:
-    """Spectra at the lines of a maneuver.
-
-    ``inputs`` are true deflections; ``outputs`` are as recorded, ``instruments``
-    (n_omega, n_y) lies between. ``owner`` is the input that owns each line, -1 for
-    none. ``input_noise`` (n_omega, n_u) is the variance of the inputs' spectra where
-    their sensors' noise is known. ``crowding`` is how many lines share the resolution
-    of the record, at least one. ``edges_s`` are the times at which the record may begin
-    or end in motion.
-    """
-
-    owner: np.ndarray
-    inputs: FrequencyData
-    outputs: FrequencyData
-    instruments: np.ndarray
-    commands: FrequencyData | None
-    input_noise: np.ndarray | None
-    crowding: float
-    edges_s: tuple[float, ...] = ()
-
-    @property
-    def omega(self) -> np.ndarray:
-        """Frequencies of the lines. [rad/s]"""
-        return self.outputs.omega
-
-    def true_outputs(self) -> FrequencyData:
-        """Output spectra with the instruments taken out."""
-        return FrequencyData(self.omega, self.outputs.values / self.instruments, self.outputs.names)
-
-    def responses(self) -> dict[str, FrequencyResponse]:
-        """Bare-airframe responses of every input at its own lines.
-
-        Raises
-        ------
-        BadInput
-            If it is not known which input owns which line.
-        """
-        if (self.owner < 0).any():
-            raise BadInput(
-                "frequency responses need to know which harmonics each input was given; import "
-                "the maneuver with its [excitation], or use OE or EE",
-                code="no-excitation",
-            )
-        commands = self.inputs if self.commands is None else self.commands
-        return bare_airframe_responses(self.inputs, self.true_outputs(), commands, self.owner)
-
-
-@dataclass(frozen=True, slots=True)
-class Measurement:
-    """What ``MeasuredLines`` are made of: samples as read, and how to transform them."""
-
-    recording: Recording
-    aircraft: Aircraft
-    inputs: tuple[str, ...]
-    outputs: tuple[OutputDefinition, ...]
-    lines: Lines
-    has_commands: bool
-
-    @property
-    def highest(self) -> float:
-        """Highest line. [rad/s]"""
-        return float(self.lines.omega[-1])
-
-    def measured(self) -> MeasuredLines:
-        """Transform inputs, outputs and recorded excitation; needs no database."""
-        inputs, lines = self.inputs, self.lines
-        recorded = self.recording.spectra(inputs, lines)
-        factors = np.stack(
-            [input_correction(self.aircraft, n, lines.omega) for n in inputs], axis=1
-        )
-        shape = (len(self.outputs), lines.omega.size)
-        responses = [
-            output_instrument(self.aircraft, o).response(lines.omega) for o in self.outputs
-        ]
-        clocks = {c.name: (c.n_samples, c.rate_hz) for c, _ in self.recording.channels}
-        duration_s = max(clocks[n][0] / clocks[n][1] for n in inputs)
-        known = {s.name: s.noise_std_rad for s in self.aircraft.surfaces}
-        levels = [known.get(name) for name in inputs]
-        noise = None
-        if all(level is not None for level in levels):
-            # The transform of white samples has variance sigma^2 T / rate.
-            density = np.array(
-                [
-                    float(lv or 0.0) ** 2 * duration_s / clocks[n][1]
-                    for lv, n in zip(levels, inputs, strict=True)
-                ]
-            )
-            noise = density * np.abs(factors) ** 2
-        commands = None
-        if self.has_commands:
-            data = self.recording.spectra(_command_names(inputs), lines)
-            commands = FrequencyData(lines.omega, data.values, inputs)
-        return MeasuredLines(
-            owner=lines.owner,
-            inputs=FrequencyData(lines.omega, recorded.values * factors, inputs),
-            outputs=self.recording.spectra(tuple(o.name for o in self.outputs), lines),
-            instruments=np.reshape(np.array(responses, dtype=complex), shape).T,
-            commands=commands,
-            input_noise=noise,
-            crowding=_crowding(lines.omega, duration_s),
-            edges_s=self._edges(),
-        )
-
-    def _edges(self) -> tuple[float, ...]:
-        """Begin and end of the record; whole periods have neither, a multisine begins at trim."""
-        excitation = self.recording.maneuver.excitation
-        recorded = [c for c, _ in self.recording.channels if c.name in self.inputs]
-        end_s = max(c.start_s + c.n_samples / c.rate_hz for c in recorded)
-        if excitation is None:
-            return min(c.start_s for c in recorded), end_s
-        return () if excitation.n_periods > 1 else (end_s,)
+from flexsid.workflow.measurement import MeasuredLines, Measurement, command_names
+from flexsid.workflow.models import OutputDefinition
+from flexsid.workflow.recording import Lines, maneuver_lines
+from flexsid.workflow.transforms import read_recording
 
 
 def read_measurement(
@@ -149,7 +34,7 @@ def read_measurement(
     roles = {c.name: c.role for c in store.channels.find(maneuver_id=maneuver.id)}
     _check_inputs(inputs, roles)
     lines = _owned_by(maneuver_lines(maneuver, band_hz), inputs)
-    commands = _command_names(inputs)
+    commands = command_names(inputs)
     has_commands = all(roles.get(name) is Role.COMMAND for name in commands)
     names = (*inputs, *(output.name for output in outputs), *(commands if has_commands else ()))
     recording = read_recording(store, maneuver, aircraft, names)
@@ -175,10 +60,6 @@ def measure(
     return read_measurement(store, maneuver, aircraft, inputs, outputs, band_hz).measured()
 
 
-def _command_names(inputs: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(f"{name}_command" for name in inputs)
-
-
 def _check_inputs(names: tuple[str, ...], roles: Mapping[str, Role]) -> None:
     usable = [name for name, role in roles.items() if role is Role.INPUT]
     for name in names:
@@ -198,10 +79,3 @@ def _owned_by(lines: Lines, inputs: tuple[str, ...]) -> Lines:
     index = [inputs.index(name) if name in inputs else -1 for name in lines.inputs]
     owner = np.array([index[k] if k >= 0 else -1 for k in lines.owner], dtype=int)
     return Lines(lines.omega, owner, inputs)
-
-
-def _crowding(omega: np.ndarray, duration_s: float) -> float:
-    if omega.size < 2:
-        return 1.0
-    spacing_hz = float(np.median(np.diff(np.unique(omega)))) / (2.0 * np.pi)
-    return max(1.0, 1.0 / (spacing_hz * duration_s))

@@ -28,9 +28,10 @@ from flexsid.sysid.preparation.artefacts import Artefact, find_artefacts
 from flexsid.sysid.preparation.biases import Bias
 from flexsid.units import si_unit
 from flexsid.workflow import views
-from flexsid.workflow.conditioning import Conditioning, conditioning_of
+from flexsid.workflow.conditioning import conditioning_of
 from flexsid.workflow.findings import findings_of, verdict_of
 from flexsid.workflow.flown_condition import flown_condition
+from flexsid.workflow.recording import Conditioning
 from flexsid.workflow.sensing import sense
 from flexsid.workflow.skews import SensorFaults, biases, sensor_faults
 

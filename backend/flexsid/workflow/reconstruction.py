@@ -16,8 +16,9 @@ from flexsid.sysid.model.derivatives import coefficients
 from flexsid.sysid.preparation.motion_filter import FilteredMotion, filter_motion
 from flexsid.sysid.preparation.resampling import resample
 from flexsid.workflow.models import output_instrument
+from flexsid.workflow.recording import trim_removed
 from flexsid.workflow.sensing import Sensing, motion_of, sense
-from flexsid.workflow.transforms import load_channels, trim_removed
+from flexsid.workflow.transforms import load_channels
 
 _OVERSAMPLED = 10.0  # samples per cycle of the highest line
 _BELOW = 0.8  # of the lowest line: slower motion is drift

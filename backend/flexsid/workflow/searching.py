@@ -16,6 +16,7 @@ from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.workflow.computation import Task, versions
 from flexsid.workflow.estimation import prepare as prepare_run
+from flexsid.workflow.recording import trim_removed
 from flexsid.workflow.search_computation import (
     SearchTask,
     check_same_candidates,
@@ -23,7 +24,7 @@ from flexsid.workflow.search_computation import (
     thresholds_of,
 )
 from flexsid.workflow.structures import check_structure
-from flexsid.workflow.transforms import load_channels, trim_removed
+from flexsid.workflow.transforms import load_channels
 
 __all__ = ["candidate_of", "open_as_run", "prepare_search", "search"]
 

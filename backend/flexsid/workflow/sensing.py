@@ -13,10 +13,11 @@ from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import Motion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.workflow.measured import MeasuredLines, measure
+from flexsid.workflow.measured import measure
+from flexsid.workflow.measurement import MeasuredLines
 from flexsid.workflow.models import OutputDefinition, build_model, define_outputs
 from flexsid.workflow.modes import AircraftModes, companion_modes, find_modal_tables, load_modes
-from flexsid.workflow.transforms import maneuver_lines
+from flexsid.workflow.recording import maneuver_lines
 
 _CLEAR_OF_NYQUIST = 0.4  # of the sampling rate
 _FIRST_LINE = 4.0  # cycles per record, where no lines are known

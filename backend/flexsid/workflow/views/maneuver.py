@@ -13,7 +13,8 @@ from flexsid.records.views import ChannelHistories, Spectra
 from flexsid.storage.store import Store
 from flexsid.sysid.spectra.scatter import noise_about_responses
 from flexsid.workflow.interval import excitation_interval
-from flexsid.workflow.transforms import Lines, maneuver_lines, spectra_of
+from flexsid.workflow.recording import Lines, maneuver_lines
+from flexsid.workflow.transforms import spectra_of
 from flexsid.workflow.views.channels import input_names, read_channels, sampling
 
 POINTS = 1000  # about as many as a screen has columns

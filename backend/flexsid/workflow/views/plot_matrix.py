@@ -19,7 +19,8 @@ from flexsid.sysid.model.derivatives import variables
 from flexsid.sysid.spectra.collinearity import collinearity
 from flexsid.workflow.estimation import prepare
 from flexsid.workflow.interval import excitation_interval
-from flexsid.workflow.transforms import maneuver_lines, spectra_of
+from flexsid.workflow.recording import maneuver_lines
+from flexsid.workflow.transforms import spectra_of
 from flexsid.workflow.views.channels import input_names, on_one_clock, read_channels, sampling
 
 Domain = Literal["time", "frequency"]

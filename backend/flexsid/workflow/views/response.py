@@ -17,7 +17,7 @@ from flexsid.sysid.spectra.repeated import combine
 from flexsid.workflow.identified import Identified, identified
 from flexsid.workflow.measured import measure
 from flexsid.workflow.models import define_outputs
-from flexsid.workflow.transforms import maneuver_lines
+from flexsid.workflow.recording import maneuver_lines
 from flexsid.workflow.views.channels import input_names, sampling
 from flexsid.workflow.views.modes import identified_markers, mode_markers
 from flexsid.workflow.views.repetition import measure_windows, period_coherence

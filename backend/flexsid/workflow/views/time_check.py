@@ -16,7 +16,8 @@ from flexsid.units import si_unit
 from flexsid.workflow.identified import Identified, identified
 from flexsid.workflow.instruments import with_instruments
 from flexsid.workflow.models import define_outputs, input_correction, output_instrument
-from flexsid.workflow.transforms import load_channels, trim_removed
+from flexsid.workflow.recording import trim_removed
+from flexsid.workflow.transforms import load_channels
 
 _SHOWN_FIRST = 4
 
