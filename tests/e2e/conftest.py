@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import shutil
 import socket
@@ -117,6 +118,12 @@ def serving(database: Path, port: int, log: Path) -> Iterator[subprocess.Popen[b
             process.wait(timeout=20)
 
 
+@pytest.fixture(scope="session")
+def compared(server: str) -> list[int]:
+    """Runs that succeeded: OE and EE of two maneuvers."""
+    return [_estimate(server, maneuver, method) for maneuver in (2, 4) for method in ("OE", "EE")]
+
+
 @pytest.fixture
 def page(browser: Browser, server: str) -> Iterator[Page]:
     """A page that fails the test when the console complains or a request fails."""
@@ -198,3 +205,22 @@ def _wait_until_healthy(address: str, process: subprocess.Popen[bytes], log: Pat
         except (urllib.error.URLError, ConnectionError, TimeoutError):
             time.sleep(0.1)
     pytest.fail(f"the server does not answer:\n{log.read_text()}")
+
+
+def _estimate(server: str, maneuver: int, method: str) -> int:
+    wish = {"maneuver_id": maneuver, "method": method, "structure": {"modes": [7, 9]}}
+    request = urllib.request.Request(
+        f"{server}/api/v1/runs",
+        data=json.dumps(wish).encode(),
+        headers={"Content-Type": "application/json"},
+    )
+    with urllib.request.urlopen(request) as answer:
+        run = json.load(answer)["id"]
+    for _ in range(1200):
+        with urllib.request.urlopen(f"{server}/api/v1/jobs/{run}") as answer:
+            state = json.load(answer)["state"]
+        if state == "succeeded":
+            return run
+        assert state in ("queued", "running"), state
+        time.sleep(0.1)
+    pytest.fail(f"run {run} does not end")

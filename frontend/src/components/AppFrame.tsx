@@ -1,18 +1,13 @@
-import { AppShell, Group, Menu, Text, UnstyledButton } from "@mantine/core";
-import { Link, Outlet } from "@tanstack/react-router";
+import { AppShell, Group, Text } from "@mantine/core";
+import { Outlet } from "@tanstack/react-router";
 import { useLive } from "../api/live";
-import { VIEWS } from "../views";
 import { AnalystMenu } from "./AnalystMenu";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { Health, LostConnection } from "./Health";
 import { Keyboard } from "./Keyboard";
+import { MainNav } from "./MainNav";
 import { NoticeBar } from "./NoticeBar";
 import { Notifications } from "./Notifications";
-
-const often = VIEWS.filter((view) => !("rare" in view));
-/** As many stand in the narrowest header; the rest is under "More" too (see styles.css). */
-const FIRST = 6;
-const rare = VIEWS.filter((view) => "rare" in view);
 
 /** Header with navigation around every page. */
 export function AppFrame() {
@@ -27,29 +22,7 @@ export function AppFrame() {
           <Text fw={700} size="lg" lts="-0.01em">
             flexsid
           </Text>
-          <nav className="frame-nav" aria-label="Main">
-            {often.map((view) => (
-              <Link
-                key={view.to}
-                to={view.to}
-                activeOptions={{ exact: view.to === "/", includeSearch: false }}
-              >
-                {view.label}
-              </Link>
-            ))}
-            <Menu position="bottom-start">
-              <Menu.Target>
-                <UnstyledButton className="frame-more">More</UnstyledButton>
-              </Menu.Target>
-              <Menu.Dropdown>
-                {[...often.slice(FIRST), ...rare].map((view) => (
-                  <Menu.Item key={view.to} component={Link} to={view.to}>
-                    {view.label}
-                  </Menu.Item>
-                ))}
-              </Menu.Dropdown>
-            </Menu>
-          </nav>
+          <MainNav />
           <Group ml="auto" gap="md" wrap="nowrap">
             <Keyboard />
             <Notifications />

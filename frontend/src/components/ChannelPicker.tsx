@@ -50,7 +50,7 @@ export function ChannelPicker({ label, groups, value, onChange, height = 440 }: 
             const names = group.items.map((item) => item.name);
             const all = names.every((name) => value.includes(name));
             return (
-              <Stack gap={5} key={group.label} role="group" aria-label={group.label}>
+              <Stack gap={8} key={group.label} role="group" aria-label={group.label}>
                 <Group justify="space-between" gap="xs">
                   <Text size="xs" className="quiet">
                     {group.label}

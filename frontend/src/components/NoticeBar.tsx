@@ -22,7 +22,6 @@ export function NoticeBar() {
             </Button>
           )}
           <CloseButton
-            size="sm"
             aria-label="Close this notice"
             onClick={() => {
               notify(null);

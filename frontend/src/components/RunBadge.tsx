@@ -21,6 +21,7 @@ export function StateBadge({ state }: { state: RunState }) {
       bg={tint(COLORS[state])}
       c="var(--mantine-color-text)"
       tt="none"
+      miw="max-content"
       leftSection={state === "running" ? <Loader size={9} color={COLORS[state]} /> : undefined}
       data-testid="run-state"
       data-state={state}

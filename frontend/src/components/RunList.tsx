@@ -20,7 +20,7 @@ const columns: Column<RunItem>[] = [
     header: "Run",
     sort: "id",
     render: (run) => (
-      <Link to="/runs/$id" params={{ id: run.id }} className="link">
+      <Link to="/runs/$id" params={{ id: run.id }} className="link nowrap">
         {run.method} run {run.id}
       </Link>
     ),
@@ -36,7 +36,7 @@ const columns: Column<RunItem>[] = [
     header: "Maneuver",
     sort: "maneuver_label",
     render: (run) => (
-      <Link to="/maneuvers/$id" params={{ id: run.maneuver_id }} className="link">
+      <Link to="/maneuvers/$id" params={{ id: run.maneuver_id }} className="link nowrap">
         {run.maneuver_label}
       </Link>
     ),

@@ -70,7 +70,6 @@ export function SavedViews({ page }: { page: SavedViewRequest["page"] }) {
                 {view.name}
               </a>
               <CloseButton
-                size="sm"
                 aria-label={`Forget the view ${view.name}`}
                 onClick={() => {
                   forget.mutate(view.id);

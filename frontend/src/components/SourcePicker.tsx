@@ -48,7 +48,7 @@ export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
             {/* What belongs to both, a residualized prediction, goes with either. */}
             {(source.run_id === null || source.prediction_id === null) && (
               <CloseButton
-                size="sm"
+                size="md"
                 aria-label={`Take out ${source.label}`}
                 onClick={() => {
                   if (source.run_id !== null) toggle("runs", source.run_id, false);
@@ -61,7 +61,7 @@ export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
           </Group>
         ))}
       </div>
-      <Stack gap={6} role="group" aria-label="Predictions">
+      <Stack gap={8} role="group" aria-label="Predictions">
         <Text size="sm" fw={600}>
           Predictions
         </Text>
@@ -83,7 +83,7 @@ export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
         ))}
       </Stack>
       {pinned.length > 0 && (
-        <Stack gap={6} role="group" aria-label="Pinned baselines">
+        <Stack gap={8} role="group" aria-label="Pinned baselines">
           <Text size="sm" fw={600}>
             Pinned baselines
           </Text>
@@ -100,7 +100,7 @@ export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
           ))}
         </Stack>
       )}
-      <Stack gap={6} role="group" aria-label="Runs">
+      <Stack gap={8} role="group" aria-label="Runs">
         <ManeuverSelect
           value={maneuver}
           onChange={(id) => {
@@ -121,7 +121,7 @@ function Pin({ runId, pinned }: { runId: number; pinned: boolean }) {
   return (
     <Button
       variant="subtle"
-      size="compact-xs"
+      size="compact-sm"
       ml="auto"
       aria-pressed={pinned}
       aria-label={`Pin run ${runId} as baseline`}
