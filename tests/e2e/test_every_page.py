@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page, TimeoutError, expect
+from playwright.sync_api import Page, expect
 
 pytestmark = pytest.mark.e2e
 
@@ -40,6 +40,7 @@ PAGES = {
     "compare-trends": "/compare?runs={runs}&predictions=1&tab=trends",
     "compare-poles": "/compare?runs={runs}&tab=poles",
     "compare-setup": "/compare?runs={runs}&tab=setup",
+    "decisions": "/decisions",
     "flutter": "/flutter?runs={runs}",
     "jobs": "/jobs",
     "model-structures": "/model-structures",
@@ -91,11 +92,15 @@ def _settled(page: Page) -> None:
 
 def _fits(page: Page, where: str) -> None:
     """No sideways scrolling, once figures have followed the window."""
-    over = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
-    try:
-        page.wait_for_function(f"{over} <= 0", timeout=5_000)
-    except TimeoutError:
-        pytest.fail(f"{where} overflows by {page.evaluate(over)} pixels")
+    over = 0
+    for _ in range(50):
+        over = page.evaluate(
+            "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+        )
+        if over <= 0:
+            return
+        page.wait_for_timeout(100)
+    pytest.fail(f"{where} overflows by {over} pixels")
 
 
 def _violations(page: Page, axe: str) -> list[str]:
