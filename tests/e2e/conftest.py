@@ -12,8 +12,8 @@ import sys
 import time
 import urllib.error
 import urllib.request
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, closing, contextmanager
 from pathlib import Path
 
 import pytest
@@ -90,6 +90,22 @@ def own_server(campaign: Path, tmp_path: Path) -> Iterator[str]:
     port = free_port()
     with serving(database, port, tmp_path / "own.log"):
         yield f"http://127.0.0.1:{port}"
+
+
+ServingOn = Callable[[Path, Path], AbstractContextManager[str]]
+
+
+@pytest.fixture(scope="session")
+def serving_on() -> ServingOn:
+    """Serve a database of one's own: its file and that of the log; to be used in a ``with``."""
+
+    @contextmanager
+    def serve(database: Path, log: Path) -> Iterator[str]:
+        port = free_port()
+        with serving(database, port, log):
+            yield f"http://127.0.0.1:{port}"
+
+    return serve
 
 
 def free_port() -> int:

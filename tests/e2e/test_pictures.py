@@ -1,0 +1,74 @@
+"""The pictures of README and documentation, taken of the workbench as it is.
+
+``RENEW_PICTURES=1 .venv/bin/pytest tests/e2e/test_pictures.py`` puts them in place.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, expect
+
+from flexsid.client import Workbench
+
+pytestmark = pytest.mark.e2e
+
+ROOT = Path(__file__).parents[2]
+KEPT = ROOT / "docs" / "assets" / "pictures"
+TAKEN = Path(__file__).parent / "screenshots"
+
+PAGES = {
+    "campaign": ("/campaign", ("envelope",)),
+    "bode": ("/maneuvers/4?tab=bode&outputs=q&inputs=bfs,wf4s&models=1", ("bode",)),
+    "compare": ("/compare?runs=1,2,3&predictions=1&coefficient=Cm", ("derivatives",)),
+    "flutter": ("/flutter?runs=1,4", ("v-omega-zeta",)),
+}
+
+
+@pytest.fixture(scope="module")
+def estimated(
+    campaign: Path, serving_on: Any, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[str]:
+    """A server whose runs 1 to 3 are those of the tutorial, and 4 is faster."""
+    folder = tmp_path_factory.mktemp("pictures")
+    database = folder / "flexsid.db"
+    shutil.copy(campaign, database)
+    with serving_on(database, folder / "server.log") as url:
+        workbench = Workbench(url)
+        for maneuver, method in ((4, "OE"), (4, "FRE"), (4, "EE"), (8, "OE")):
+            workbench.wait(workbench.submit(maneuver, method, modes=[7, 9]), timeout_s=120)
+        yield url
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_the_pictures_of_the_documentation_can_be_taken(
+    name: str, browser: Browser, estimated: str
+) -> None:
+    path, figures = PAGES[name]
+    context = browser.new_context(viewport={"width": 1280, "height": 800}, base_url=estimated)
+    page = context.new_page()
+    page.goto(path)
+    for figure in figures:
+        shown = page.get_by_test_id(f"figure-{figure}").first
+        expect(shown).to_have_attribute("data-drawn", "true", timeout=30_000)
+    page.wait_for_load_state("networkidle")
+    TAKEN.mkdir(exist_ok=True)
+    taken = TAKEN / f"documentation-{name}.png"
+    page.screenshot(path=taken)
+    context.close()
+    if os.environ.get("RENEW_PICTURES") == "1":
+        KEPT.mkdir(parents=True, exist_ok=True)
+        shutil.copy(taken, KEPT / f"{name}.png")
+    assert (KEPT / f"{name}.png").is_file()
+
+
+def test_every_picture_is_shown_somewhere() -> None:
+    texts = [path.read_text(encoding="utf-8") for path in (ROOT / "docs").rglob("*.md")]
+    texts.append((ROOT / "README.md").read_text(encoding="utf-8"))
+    for name in PAGES:
+        assert any(f"pictures/{name}.png" in text for text in texts), name
