@@ -214,6 +214,27 @@ def test_divergence_is_told_from_flutter_and_stands_where_statics_put_it(stiffne
     assert found.sentence.startswith("Divergence of mode 7")
 
 
+def test_models_that_tell_nothing_get_a_sentence_or_are_refused():
+    aircraft = flex28(2)
+    nothing = Uncertain(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 0)))
+    fused = fuse_identified([Identified(aircraft, nothing)] * 2, aircraft)
+    assert predict_flutter(fused, (30.0, 90.0)).crossing is not None
+    table = aircraft.derivatives
+    still = replace(aircraft, derivatives=replace(table, values=np.zeros_like(table.values)))
+    calm = predict_flutter(Identified(still, everything(still, 0.01)), (30.0, 90.0))
+    assert calm.crossing is None
+    assert "the least damping is 0.0 %" in calm.sentence
+    unknown = table.values.copy()
+    unknown[2, 2] = np.nan
+    broken = replace(aircraft, derivatives=replace(table, values=unknown))
+    with pytest.raises(NotIdentifiable, match="no number"):
+        predict_flutter(Identified(broken, everything(aircraft, 0.01)), (30.0, 90.0))
+    known = everything(aircraft, 0.01)
+    lost = replace(known, covariance=np.full_like(known.covariance, np.nan))
+    with pytest.raises(NotIdentifiable, match="no number"):
+        fuse_identified([Identified(aircraft, lost)], aircraft)
+
+
 def test_a_hump_is_left_again_where_frequencies_part():
     """A mode that stiffens with dynamic pressure passes another one, which turns against it.
 

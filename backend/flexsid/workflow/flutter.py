@@ -243,6 +243,29 @@ class FusedModel:
     tested_m_s: float
 
 
+def foretell(store: Store, question: Question, report: Callable[[float, str], None]) -> None:
+    """Find everything that is asked of runs, run by run, so that it is there when asked for.
+
+    Parameters
+    ----------
+    store, question
+        As for ``flutter``.
+    report
+        Told the share that is done and what is done next; may raise to stop.
+    """
+    numbers = list(dict.fromkeys(question.run_ids))
+    for k, number in enumerate(numbers):
+        report(0.6 * k / len(numbers), f"Putting run {number} together")
+        _flown(store, number)
+    for share, words, find in (
+        (0.6, "Predicting flutter", flutter),
+        (0.8, "Following roots", flutter_roots),
+        (0.9, "Drawing the map", flutter_map),
+    ):
+        report(share, words)
+        find(store, question)
+
+
 def fused_model(store: Store, question: Question) -> FusedModel:
     """Fuse the runs of a question as their flutter forecast does."""
     answer = _answer(store, question)
@@ -332,6 +355,11 @@ def _fused(
 
 
 def _flown(store: Store, run_id: int) -> _Flown:
+    contents = contents_of_runs(store, (run_id,))
+    return remembered(("flown", contents), lambda: _put_together(store, run_id))
+
+
+def _put_together(store: Store, run_id: int) -> _Flown:
     run = store.runs.get(run_id)
     model = identified(store, run)
     assert run.result is not None

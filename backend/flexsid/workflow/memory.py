@@ -12,7 +12,7 @@ from flexsid.storage.store import Store
 
 Answer = TypeVar("Answer")
 
-_MOST = 32  # answers kept, the least recently asked for forgotten first
+_MOST = 256  # answers kept, the least recently asked for forgotten first
 
 
 class _Slot:

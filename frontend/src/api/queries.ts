@@ -373,12 +373,12 @@ export interface FlutterQuestion {
   trend?: boolean;
 }
 
-export const flutterQuery = (question: FlutterQuestion) =>
+export const flutterQuery = (question: FlutterQuestion, ready = true) =>
   queryOptions({
     queryKey: ["flutter", question],
     queryFn: ({ signal }) =>
       body(api.GET("/api/v1/flutter", { params: { query: question }, signal })),
-    enabled: question.run_ids !== "",
+    enabled: ready && question.run_ids !== "",
     placeholderData: keepPreviousData,
     staleTime: 60_000,
   });
@@ -493,6 +493,17 @@ export const controllersQuery = queryOptions({
   queryKey: ["controllers"],
   queryFn: async ({ signal }) => (await body(api.GET("/api/v1/controllers", { signal }))).items,
 });
+
+/** Begins to find the answer for many runs; once for a question while the page stands. */
+export const flutterTaskQuery = (question: FlutterQuestion, enabled: boolean) =>
+  queryOptions({
+    queryKey: ["flutter-task", question],
+    queryFn: ({ signal }) =>
+      body(api.POST("/api/v1/flutter/answers", { params: { query: question }, signal })),
+    enabled,
+    staleTime: Infinity,
+    gcTime: 0,
+  });
 
 export const closedLoopQuery = (question: FlutterQuestion, controllerId: number | undefined) =>
   queryOptions({

@@ -2395,6 +2395,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/flutter/answers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Find Flutter
+         * @description Begin to find the answer and its figures for many runs; then they are there at once.
+         */
+        post: operations["find_flutter"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/flutter": {
         parameters: {
             query?: never;
@@ -14612,6 +14632,58 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    find_flutter: {
+        parameters: {
+            query: {
+                /**
+                 * @description Runs that succeeded, separated by commas.
+                 * @example 1
+                 */
+                run_ids: string;
+                /**
+                 * @description Fuel fraction; the fastest point's.
+                 * @example 0.5
+                 */
+                fuel?: number | null;
+                /**
+                 * @description Standard altitude; the fastest point's air.
+                 * @example 1000
+                 */
+                altitude_m?: number | null;
+                /**
+                 * @description Airspeed of the next point; 3 % above the fastest.
+                 * @example 45
+                 */
+                next_m_s?: number | null;
+                /** @description Derivatives drift linearly with dynamic pressure. */
+                trend?: boolean;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Task"];
+                };
             };
             /** @description Client Error */
             "4XX": {

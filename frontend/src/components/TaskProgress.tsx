@@ -9,18 +9,22 @@ import { ProblemAlert } from "./ProblemAlert";
 interface Props {
   task: Task;
   /** Called once with the id of what was made. */
-  onMade: (made: number) => void;
+  onMade?: (made: number) => void;
+  /** Called once when the task is done, whether it made something or not. */
+  onDone?: () => void;
 }
 
 /** Follows a task to its end; it can be cancelled. */
-export function TaskProgress({ task, onMade }: Props) {
+export function TaskProgress({ task, onMade, onDone }: Props) {
   const now = useQuery(taskQuery(task));
   const cancel = useCancelTask();
   const state = now.data.state;
   const made = now.data.made;
   const goesOn = state === "waiting" || state === "running";
   useEffect(() => {
-    if (state === "done" && made !== null) onMade(made);
+    if (state !== "done") return;
+    onDone?.();
+    if (made !== null) onMade?.(made);
     // Once for each task that is done, however often the page is drawn.
     // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [state, made, task.id]);

@@ -1,19 +1,25 @@
 import { Alert, MultiSelect, NumberInput, Stack, Switch, Table, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { flutterQuery, runsQuery } from "../api/queries";
+import { useState } from "react";
+import { flutterQuery, flutterTaskQuery, runsQuery } from "../api/queries";
 import type { Flutter } from "../api/types";
 import { ButtonLink } from "../components/ButtonLink";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
+import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
+import { TaskProgress } from "../components/TaskProgress";
 import { fixed, percent } from "../lib/format";
 import { integers } from "../lib/urlState";
 import type { FlutterView } from "../views";
 
 const route = getRouteApi("/flutter");
+
+/** More runs than these take seconds: their answer is found as a task. */
+const FEW = 6;
 
 const FIGURES = [
   ["v-omega-zeta", "Frequency and damping over airspeed"],
@@ -34,7 +40,11 @@ export function FlutterPage() {
     next_m_s: view.next,
     trend: view.trend,
   };
-  const answer = useQuery(flutterQuery(question));
+  const many = runs.length > FEW;
+  const task = useQuery(flutterTaskQuery(question, many));
+  const [found, setFound] = useState("");
+  const ready = !many || found === task.data?.id;
+  const answer = useQuery(flutterQuery(question, ready));
   const change = (part: Partial<FlutterView>) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }) });
   return (
@@ -63,14 +73,27 @@ export function FlutterPage() {
           </div>
         ) : (
           <Stack gap="md">
-            <Loaded query={answer} rows={6}>
-              {(data) => <Answer answer={data} />}
-            </Loaded>
-            {FIGURES.map(([kind, title]) => (
-              <div className="panel" style={{ padding: 12 }} key={kind}>
-                <Figure kind={kind} title={title} params={question} />
-              </div>
-            ))}
+            {task.isError && many && <ProblemAlert error={task.error} />}
+            {!ready && task.data !== undefined && (
+              <TaskProgress
+                key={task.data.id}
+                task={task.data}
+                onDone={() => {
+                  setFound(task.data.id);
+                }}
+              />
+            )}
+            {ready && (
+              <Loaded query={answer} rows={6}>
+                {(data) => <Answer answer={data} />}
+              </Loaded>
+            )}
+            {ready &&
+              FIGURES.map(([kind, title]) => (
+                <div className="panel" style={{ padding: 12 }} key={kind}>
+                  <Figure kind={kind} title={title} params={question} />
+                </div>
+              ))}
           </Stack>
         )}
       </div>

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import APIRouter, Depends, Query, status
 
-from flexsid.api.context import TheStore
+from flexsid.api.context import TheContext, TheStore
 from flexsid.api.wire import Json, split_ids
 from flexsid.records.flutter import Flutter
 from flexsid.workflow import flutter as workflow
+from flexsid.workflow.tasks import Report, Task
 
 router = APIRouter(prefix="/flutter", tags=["flutter"])
 
@@ -41,6 +42,17 @@ def _question(
 
 
 TheQuestion = Annotated[workflow.Question, Depends(_question)]
+
+
+@router.post("/answers", response_model=Task, status_code=status.HTTP_202_ACCEPTED)
+def find_flutter(context: TheContext, question: TheQuestion) -> Json:
+    """Begin to find the answer and its figures for many runs; then they are there at once."""
+
+    def work(report: Report) -> None:
+        workflow.foretell(context.store, question, report)
+
+    begun = context.tasks.begin("flutter", work)
+    return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
 
 
 @router.get("", response_model=Flutter)

@@ -89,6 +89,8 @@ def predict_flutter(
             "and come first",
             code="bad-airspeed",
         )
+    if not np.all(np.isfinite(found.aircraft.derivatives.values)):
+        raise NotIdentifiable("the model holds a derivative that is no number; choose other runs")
     locus = follow_roots(found.aircraft, np.linspace(low, high, _POINTS), density)
     growing = np.flatnonzero(np.real(locus.roots[0]) > 0.0)
     crossing = locus.flutter
@@ -102,7 +104,7 @@ def predict_flutter(
         weakest = int(np.argmin(locus.damping().min(axis=0)))
         sentence = (
             f"Stable up to {high:.1f} m/s; the least damping is "
-            f"{100.0 * float(locus.damping()[:, weakest].min()):.1f} % in "
+            f"{100.0 * max(0.0, float(locus.damping()[:, weakest].min())):.1f} % in "
             f"{names[locus.names[weakest]]}."
         )
         return Prediction(locus, None, np.nan, np.nan, spread, sentence)
@@ -137,7 +139,7 @@ def fuse_identified(parts: Sequence[Identified], to: Aeroelastic) -> Identified:
     BadInput
         If the structures differ.
     NotIdentifiable
-        If a covariance is singular.
+        If a covariance is singular, or something is no number.
 
     Notes
     -----
@@ -157,8 +159,15 @@ def fuse_identified(parts: Sequence[Identified], to: Aeroelastic) -> Identified:
                 code="different-structures",
             )
     rows, columns = first.uncertain.rows, first.uncertain.columns
+    if rows.size == 0:  # nothing was estimated: there is nothing to weigh
+        return Identified(to, first.uncertain)
     values = np.stack([part.aircraft.derivatives.values[rows, columns] for part in parts])
     covariances = [part.uncertain.covariance for part in parts]
+    if not (np.all(np.isfinite(values)) and all(np.all(np.isfinite(C)) for C in covariances)):
+        raise NotIdentifiable(
+            "a derivative, or its standard error, is no number; a run did not tell it: hold it"
+            " fixed or leave that run out"
+        )
     mean, covariance = weighted_mean(values, covariances)
     table = to.derivatives.values.copy()
     table[rows, columns] = mean
