@@ -139,6 +139,11 @@ def test_a_name_is_corrected_and_the_reason_kept(client: TestClient, table: Any)
             "bad-axes",
         ),
         ((("deck.bdf", DECK),), {"length_unit": "m"}, "no-shapes"),
+        (
+            (("a.f06", printout((5.0,), [[float("inf"), *BENDING[1:]]])), ("deck.bdf", DECK)),
+            {"length_unit": "m", "generalized_mass": "unknown"},
+            "not-finite",
+        ),
     ],
 )
 def test_what_is_missing_is_asked_for(

@@ -70,6 +70,12 @@ def extract_responses(sources: Sources, answers: ResponseAnswers) -> RawResponse
     factor = units.factor(answers.response_unit, dimension)
     factor /= units.factor(answers.force_unit, "force")
     outputs, references, values, notes = _matrix(source)
+    bad = np.flatnonzero(~(np.abs(values) < 1e50).all(axis=(0, 2)))
+    if bad.size:
+        raise BadInput(
+            f"the responses at {_label(outputs[bad[0]])} are not finite; the file is damaged",
+            code="not-finite",
+        )
     nodes = directions = None
     if any("grid/id" in s.arrays for s in sources.items):
         nodes, directions = _geometry(sources, answers, outputs)

@@ -32,6 +32,7 @@ _TO_BODY = np.array([-1.0, 1.0, -1.0])
 """Half a turn about y takes structural axes (x aft, z up) to body axes; rotations turn alike."""
 _STILL = 2.0 * np.pi * 0.05  # rad/s: below it a mode is a motion of the rigid body
 _COLLINEAR = 0.9
+_LARGEST = 1e50
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -235,6 +236,12 @@ class _Part:
     notes: list[str]
 
 
+def _check_finite(values: np.ndarray, what: str) -> None:
+    """Refuse what is no number of a possible size; a damaged file may hold anything."""
+    if not (np.abs(values) < _LARGEST).all():
+        raise BadInput(f"{what} are not all finite; the file is damaged", code="not-finite")
+
+
 def _at_fuel(
     sources: Sources,
     results: Sequence[Source],
@@ -255,6 +262,9 @@ def _at_fuel(
     numbers = np.asarray(found["shape/number"])
     notes: list[str] = []
     values = np.asarray(found["shape/values"])
+    for name in ("values", "imaginary", "radians", "damping", "mass"):
+        if f"shape/{name}" in found:
+            _check_finite(np.asarray(found[f"shape/{name}"]), f"{best.name}: its mode shapes")
     if "shape/imaginary" in found:
         values, straight = real_shapes(values + 1j * np.asarray(found["shape/imaginary"]))
         bent = numbers[straight < _COLLINEAR]
@@ -323,6 +333,9 @@ def frames_of(files: Sequence[Source]) -> tuple[Frames, np.ndarray, np.ndarray]:
             code="no-nodes",
         )
     joined = {name: np.concatenate(values) for name, values in grids.items()}
+    _check_finite(joined["xyz"], "coordinates of nodes")
+    for points in frames.get("points", ()):
+        _check_finite(points, "points of coordinate systems")
     _, first = np.unique(joined["id"], return_index=True)  # a deck may come twice
     joined = {name: values[first] for name, values in joined.items()}
     known = Frames(joined, {name: np.concatenate(values) for name, values in frames.items()})
