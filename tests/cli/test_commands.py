@@ -18,7 +18,9 @@ import pytest
 from scipy.io import loadmat
 
 from flexsid.cli.main import main
+from flexsid.records.decision import StructureProposal, StructureReference, Vote
 from flexsid.storage.store import Store
+from flexsid.workflow import review
 
 ESTIMATE = ["run", "--maneuver", "1", "--method", "EE", "--modes", "7,9"]
 
@@ -54,6 +56,30 @@ def test_a_run_can_be_printed_as_json_or_left_to_a_server(flown_url: str, capsys
     assert (run["state"], run["method"]) == ("succeeded", "EE")
     assert main([*ESTIMATE, "--database", flown_url]) == 0
     assert "run 3 is queued" in capsys.readouterr().out
+
+
+def test_a_run_takes_a_kept_structure_or_the_approved_one(flown_url: str, capsys) -> None:
+    run = ("run", "--maneuver", "1", "--method", "EE", "--json", "--database", flown_url)
+    assert main([*run, "--structure", "2:1"]) == 0
+    named = json.loads(capsys.readouterr().out)
+    assert (named["structure_id"], named["structure_version"]) == (2, 1)
+    assert main([*run, "--structure", "2", "--modes", "7"]) == 2
+    assert main([*run, "--structure", "99"]) == 1
+    assert main(list(run)) == 0
+    assert json.loads(capsys.readouterr().out.splitlines()[-1])["structure"]["modes"] == []
+    store = Store.open(flown_url)
+    proposal = StructureProposal(
+        title="all",
+        structure=StructureReference(id=1, version=1),
+        limits={},
+        reasoning="enough",
+    )
+    decision = review.propose(store, proposal, "Ann")
+    review.cast_vote(store, decision.id or 0, 1, Vote.APPROVE, "yes", "Bo")
+    store.close()
+    assert main(list(run)) == 0
+    approved = json.loads(capsys.readouterr().out)
+    assert (approved["structure_id"], approved["structure"]["modes"]) == (1, [7])
 
 
 def test_a_run_is_exported(flown_url: str, capsys, tmp_path: Path) -> None:

@@ -90,6 +90,11 @@ def _parser() -> argparse.ArgumentParser:
         "--maneuver", required=True, metavar="ID,ID", help="each is estimated on its own"
     )
     run.add_argument("--method", choices=_METHODS, required=True)
+    run.add_argument(
+        "--structure",
+        metavar="ID[:VERSION]",
+        help="a kept model structure; default: as described below, else the approved baseline",
+    )
     run.add_argument("--modes", default="", metavar="M,N", help="numbers of structural modes")
     run.add_argument("--inputs", default="", metavar="A,B", help="default: all that moved")
     run.add_argument(

@@ -18,7 +18,9 @@ from flexsid.records.run import EstimationRun, Method, Progress, RunSettings, Ru
 from flexsid.settings import Settings
 from flexsid.storage import batches
 from flexsid.storage.store import Store
+from flexsid.workflow.baselines import baseline_of, with_baseline
 from flexsid.workflow.identity import identified
+from flexsid.workflow.structures import get_version
 
 T = TypeVar("T")
 
@@ -65,7 +67,8 @@ def run(settings: Settings, chosen: argparse.Namespace) -> int:
     failed = False
     with opened(settings) as store:
         for done, maneuver in enumerate(maneuvers, start=1):
-            kept = _begin(store, replace(wanted, maneuver_id=maneuver), wait=chosen.wait)
+            one = _with_structure(store, replace(wanted, maneuver_id=maneuver), chosen.structure)
+            kept = _begin(store, one, wait=chosen.wait)
             if len(maneuvers) == 1:
                 say(_table(kept) if kept.error is None else (), kept, as_json=chosen.json)
             else:
@@ -76,6 +79,25 @@ def run(settings: Settings, chosen: argparse.Namespace) -> int:
                 complain(message, kept.error["code"], as_json=chosen.json)
             failed = failed or kept.state is RunState.FAILED
     return 1 if failed else 0
+
+
+def _with_structure(store: Store, wanted: EstimationRun, named: str | None) -> EstimationRun:
+    """Take the kept structure that was named, or, where none was described, the baseline."""
+    described = wanted.structure != Structure(fixed={})
+    if named is None:
+        if described or baseline_of(store, store.maneuvers.get(wanted.maneuver_id)) is None:
+            return wanted
+        return with_baseline(store, wanted)
+    if described:
+        raise BadInput("give --structure, or describe one by --modes and the like, not both")
+    number, *version = numbers(named.replace(":", ",", 1), int, "--structure") or [0]
+    kept = get_version(store, number, *version[:1])
+    return replace(
+        wanted,
+        structure=kept.structure,
+        structure_id=kept.structure_id,
+        structure_version=kept.version,
+    )
 
 
 def _begin(store: Store, wanted: EstimationRun, *, wait: bool) -> EstimationRun:

@@ -56,6 +56,7 @@ export function DecisionComposer({ decision, revision, derivative }: Props) {
   return (
     <Stack gap="xs">
       <Textarea
+        size="xs"
         label={
           derivative === undefined ? (
             "What do you say?"

@@ -117,6 +117,7 @@ export function ProposalForm({ structures, draft, onChange, onSend, ...props }: 
           <Section title="Why">
             <Stack gap="sm">
               <Textarea
+                size="xs"
                 label="Reasoning"
                 minRows={5}
                 autosize
