@@ -33,7 +33,7 @@ from flexsid.sysid.spectra.collinearity import near_dependencies
 from flexsid.sysid.stability.bands import Uncertain
 from flexsid.sysid.stability.prediction import Identified, predict_flutter, weighted_mean
 from flexsid.sysid.stability.speeds import Aeroelastic
-from flexsid.sysid.structure.candidates import Candidate, search_candidates
+from flexsid.sysid.structure.candidates import Candidate, CandidatesFound, search_candidates
 from flexsid.sysid.structure.equation import equation_evidence
 from flexsid.sysid.structure.evidence import Evidence
 from flexsid.sysid.structure.likelihood import reduced
@@ -229,15 +229,22 @@ def _by_likelihood(
     def tell(fitted: int, message: str) -> None:
         report(Progress(iteration=fitted, fraction=min(0.3 + 0.05 * fitted, 0.6), message=message))
 
-    found = search_candidates(
-        experiments,
-        candidates,
-        start,
-        task.thresholds,
-        settings,
-        tell,
-        [one.start for one in first],
-    )
+    def search_from(begin: tuple[str, ...] | None) -> CandidatesFound:
+        values = [one.start for one in first]
+        return search_candidates(
+            experiments, candidates, begin, task.thresholds, settings, tell, values
+        )
+
+    try:
+        found = search_from(start)
+    except NotIdentifiable as reason:
+        if start is None:
+            raise
+        warnings.append(
+            "Began with all terms, for those that equation error chose cannot be fitted: "
+            f"{reason.message}"
+        )
+        found = search_from(None)
     crowding = [one.maneuvers[0].measured.crowding for one in task.maneuvers]
     evidences = [e.thinned(c) for e, c in zip(found.evidences, crowding, strict=True)]
     if max(crowding) > 1.0:

@@ -12,10 +12,11 @@ import numpy as np
 from flexsid.errors import BadInput, Cancelled, Conflict, FlexsidError, UnknownRecord
 from flexsid.records.run import EstimationRun, Method, Progress, RunSettings, RunState
 from flexsid.records.search import SearchCandidate, SearchResult, StructureSearch, TermGroup
-from flexsid.storage import queue
+from flexsid.storage import batches
 from flexsid.storage.store import Store
 from flexsid.workflow.computation import Task, versions
 from flexsid.workflow.estimation import prepare as prepare_run
+from flexsid.workflow.identity import identified
 from flexsid.workflow.recording import trim_removed
 from flexsid.workflow.search_computation import (
     SearchTask,
@@ -202,22 +203,25 @@ def open_as_run(store: Store, search_id: int, number: int, author: str) -> Estim
         if candidate.run_id is not None:
             return store.runs.get(candidate.run_id)
         asked = found.settings
-        run = queue.add(
+        run, _ = batches.add_once(
             store,
-            EstimationRun(
-                maneuver_id=found.maneuver_ids[0],
-                method=found.method,
-                structure=candidate.structure,
-                settings=RunSettings(
-                    band_hz=asked.band_hz,
-                    max_iterations=asked.max_iterations,
-                    noise=asked.noise,
-                    together_with=found.maneuver_ids[1:],
+            identified(
+                store,
+                EstimationRun(
+                    maneuver_id=found.maneuver_ids[0],
+                    method=found.method,
+                    structure=candidate.structure,
+                    settings=RunSettings(
+                        band_hz=asked.band_hz,
+                        max_iterations=asked.max_iterations,
+                        noise=asked.noise,
+                        together_with=found.maneuver_ids[1:],
+                    ),
+                    modal_table_id=found.modal_table_id,
+                    damping_table_id=found.damping_table_id,
+                    prediction_id=found.prediction_id,
+                    author=author,
                 ),
-                modal_table_id=found.modal_table_id,
-                damping_table_id=found.damping_table_id,
-                prediction_id=found.prediction_id,
-                author=author,
             ),
         )
         assert isinstance(found.result, SearchResult)

@@ -158,11 +158,13 @@ def search_candidates(
     if not usable or not evidences:
         raise NotIdentifiable(
             f"the {len(fitted[0].chosen)} terms to start with cannot be fitted to these lines: "
-            f"{fitted[0].estimates[0].message} Start from the terms that equation error chose",
+            f"{fitted[0].estimates[0].message}",
             code="bad-start",
         )
     settled = not path and usable[-1] is fitted[-1]
-    best = fitted[-1] if settled else min(usable, key=lambda one: one.bic)
+    best = fitted[-1]
+    if not settled:
+        best = min(usable, key=lambda one: (not one.converged, one.bic))
     in_best = np.array([name in set(best.chosen) for name in candidates.names])
     selection = selection_at("likelihood", evidences, Walk(in_best), thresholds)
     return CandidatesFound(tuple(fitted), best, selection, evidences)
