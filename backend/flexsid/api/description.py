@@ -86,6 +86,13 @@ _BODIES: dict[str, Any] = {
         "structure": {"modes": [7, 9]},
         "settings": {"prior_spread": 0.5},
     },
+    "request_batch": {
+        "name": "flight 1",
+        "maneuver_ids": [1],
+        "methods": ["EE", "OE"],
+        "structures": [{"structure": {"modes": [7, 9]}}],
+        "from_equation_error": True,
+    },
     "request_search": {
         "maneuver_ids": [1],
         "method": "EE",
