@@ -13345,6 +13345,29 @@ export interface operations {
         };
         requestBody: {
             content: {
+                /**
+                 * @example {
+                 *       "name": "flight 1",
+                 *       "maneuver_ids": [
+                 *         1
+                 *       ],
+                 *       "methods": [
+                 *         "EE",
+                 *         "OE"
+                 *       ],
+                 *       "structures": [
+                 *         {
+                 *           "structure": {
+                 *             "modes": [
+                 *               7,
+                 *               9
+                 *             ]
+                 *           }
+                 *         }
+                 *       ],
+                 *       "from_equation_error": true
+                 *     }
+                 */
                 "application/json": components["schemas"]["BatchRequest"];
             };
         };
