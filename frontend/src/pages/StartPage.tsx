@@ -3,6 +3,7 @@ import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import type { ReactNode } from "react";
 import { maneuverFacetsQuery, maneuversQuery, runFacetsQuery, runListQuery } from "../api/queries";
+import { decisionsQuery } from "../api/reviewQueries";
 import type { RunItem } from "../api/types";
 import { ButtonLink } from "../components/ButtonLink";
 import { GroundTestAlarm } from "../components/GroundTestAlarm";
@@ -30,6 +31,7 @@ export function StartPage() {
         <Step to="/campaign" name="Campaign" fact={count(total, "maneuver")} />
         <Step to="/runs" name="Runs" fact={`${inState("succeeded")} succeeded`} />
         <Step to="/compare" name="Compare" fact="methods, conditions, predictions" />
+        <Step to="/decisions" name="Decide" fact="which structure holds where" />
         <Step to="/flutter" name="Flutter" fact="what the next test point risks" />
       </ol>
       <div className="halves">
@@ -45,6 +47,9 @@ export function StartPage() {
         </Section>
         <Section title="What is wrong" note={count(inState("failed"), "run") + " failed"}>
           <Runs filters={{ state: "failed" }} sort="-finished_at" none="No run has failed." />
+        </Section>
+        <Section title="What waits for review" note="Open proposals of model structures">
+          <Proposals />
         </Section>
         <Section title="What changed" note="Estimated last">
           <Runs
@@ -66,7 +71,7 @@ function activity(running: number, queued: number): string {
 }
 
 interface StepProps {
-  to: "/campaign" | "/runs" | "/compare" | "/flutter";
+  to: "/campaign" | "/runs" | "/compare" | "/decisions" | "/flutter";
   name: string;
   fact: string;
 }
@@ -162,6 +167,31 @@ function Runs({ filters, sort, none }: RunsProps) {
               ) : (
                 dateTime(run.finished_at)
               ),
+          }))}
+        />
+      )}
+    </Loaded>
+  );
+}
+
+function Proposals() {
+  const open = useQuery(decisionsQuery({ state: "open" }));
+  return (
+    <Loaded query={open} rows={2}>
+      {(proposals) => (
+        <Lines
+          none="Nothing waits for a decision."
+          lines={proposals.slice(0, LINES).map((one) => ({
+            key: one.id,
+            what: (
+              <>
+                <Link to="/decisions/$id" params={{ id: one.id }} className="link">
+                  {one.proposal.title}
+                </Link>
+                <span className="quiet">{one.structure_name}</span>
+              </>
+            ),
+            when: dateTime(one.created_at),
           }))}
         />
       )}
