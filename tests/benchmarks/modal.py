@@ -102,11 +102,11 @@ def main() -> None:
         upgrade(url)
         store = Store.open(url)
         aircraft = store.aircraft.add(describe_aircraft(load_truth()))
-        ratios, table = [], None
+        ratios, table, before, n_bytes = [], None, 0, 1
         for seed in range(ROUNDS):
             raw = paper_table(seed)
             plain = write_to_sqlite(Path(folder) / f"plain{seed}.db", raw.shape)
-            before = size_of(file)
+            before, n_bytes = size_of(file), raw.shape.nbytes
             began = time.perf_counter()
             table = keep_structure(store, aircraft, raw)
             ratios.append((time.perf_counter() - began) / plain)
@@ -114,8 +114,8 @@ def main() -> None:
         assert table is not None
         store.close()
         report("import_vs_sqlite3", statistics.median(ratios), "writing the same bytes to SQLite")
-        share = (size_of(file) - before) / raw.shape.nbytes
-        report("size_vs_raw", share, f"{raw.shape.nbytes / 1e6:.0f} MB of single precision")
+        share = (size_of(file) - before) / n_bytes
+        report("size_vs_raw", share, f"{n_bytes / 1e6:.0f} MB of single precision")
         address = "http://127.0.0.1:8000"
         with TestClient(create_app(Settings(database=url)), base_url=address) as client:
             serve(client, table.id)

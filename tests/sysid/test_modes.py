@@ -87,7 +87,7 @@ def test_fuel_weights_left_out_of_flex28_come_back(every):
         np.stack([shapes[r, o] for r, o in zip(kept, mixed, strict=True)]) * sign[..., None]
     )
     for row in np.setdiff1d(np.arange(fuel.size), kept):
-        weights = fuel_weights(fuel[kept], fuel[row])
+        weights = fuel_weights(fuel[kept], float(fuel[row]))
         assert np.abs(weighted(weights, sorted_omega) / omega[row] - 1.0).max() < 0.002
         assert np.diag(modal_assurance(weighted(weights, aligned), shapes[row])).min() > 0.999
 
