@@ -211,3 +211,18 @@ def test_a_maneuver_without_modal_table_is_judged_by_what_is_there(
     assert found.report.not_checked
     assert any("modal table" in reason for reason in found.report.not_checked)
     assert {c.name for c in found.report.channels} == {"bfs", "q"}
+
+
+def test_little_is_found_where_nobody_says_what_was_excited(store: Store):
+    aircraft = add_aircraft(store)
+    assert aircraft.id is not None
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=71))
+    assert flight.id is not None
+    repeated = replace(fly(n_periods=2, seed=5), excitation=None)
+    maneuver = add_maneuver(store, repeated, flight.id)
+    found = quality(store, maneuver.id or 0)
+    assert found.verdict is not Verdict.BAD, found.summary
+    assert found.report.skew_band_hz is not None
+    assert found.report.skew_band_hz[1] == pytest.approx(13.75, abs=0.5)
+    delays = [c.delay_s for c in found.report.channels if c.delay_s is not None]
+    assert np.median(np.abs(delays)) < 2e-3

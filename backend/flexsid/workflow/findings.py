@@ -16,6 +16,7 @@ _SKEW_S = 1e-3
 _SURE_S = 5e-3  # a larger standard error tells nothing that should be undone
 _SCALE = 0.02
 _SIGMAS = 3.0
+_SKEW_SIGMAS = 4.0  # of some fifty channels one stands out of three by chance
 _SATURATED = 0.005  # share of samples
 _CORRELATED = (0.7, 0.9)
 _LEAST_TRIM_S = 1.0
@@ -126,7 +127,10 @@ def _of_redundancy(channels: Sequence[ChannelQuality], reference: str | None) ->
                 f"{c.name} departs from the other sensors by {c.noise_excess:.0f} times its noise."
             )
             yield _finding(_DOUBTFUL, "coherence", text, c.name)
-        if _stands_out(c.delay_s, c.delay_std, _SKEW_S) and (c.delay_std or 0.0) < _SURE_S:
+        if (
+            _stands_out(c.delay_s, c.delay_std, _SKEW_S, _SKEW_SIGMAS)
+            and (c.delay_std or 0.0) < _SURE_S
+        ):
             text = (
                 f"{c.name} is {1e3 * (c.delay_s or 0.0):+.1f} ± {1e3 * (c.delay_std or 0.0):.1f} ms"
                 f" late on {reference}; a delay takes that out."
@@ -179,8 +183,10 @@ def _of_record(maneuver: Maneuver, decay: tuple[str, float] | None) -> Iterator[
         yield _finding(_DOUBTFUL, "record", text)
 
 
-def _stands_out(value: float | None, std: float | None, least: float) -> bool:
-    return value is not None and std is not None and abs(value) > max(least, _SIGMAS * std)
+def _stands_out(
+    value: float | None, std: float | None, least: float, sigmas: float = _SIGMAS
+) -> bool:
+    return value is not None and std is not None and abs(value) > max(least, sigmas * std)
 
 
 def _count(number: int, what: str) -> str:

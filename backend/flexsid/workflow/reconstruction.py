@@ -84,7 +84,7 @@ def smooth(
     start_s, stop_s = _common(store, maneuver, model.outputs)
     count = int((stop_s - start_s) * rate_hz)
     samples = _on_one_clock(store, sensing, (start_s, rate_hz, count), band)
-    smoothed = filter_motion(model, samples, rate_hz, motion, maneuver.duration_s)
+    smoothed = filter_motion(model, samples, rate_hz, motion, sensing.duration_s)
     return start_s + np.arange(count) / rate_hz, smoothed
 
 

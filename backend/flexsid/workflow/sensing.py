@@ -21,6 +21,9 @@ from flexsid.workflow.recording import maneuver_lines
 
 _CLEAR_OF_NYQUIST = 0.4  # of the sampling rate
 _FIRST_LINE = 4.0  # cycles per record, where no lines are known
+_LOWEST_HZ = 0.25  # below lies the phugoid, which the model has not
+_SMOOTHED = 9  # lines over which the power of the surfaces is averaged
+_QUIET = 1e-2  # of their largest power: they did not move there
 _TOO_NOISY = 2.0  # times the noise of a sensor: more modes are moving than the model has
 _ANY_BAND = 100.0  # of the band: no mode is too far above
 
@@ -46,8 +49,8 @@ class Sensing:
 
     @property
     def duration_s(self) -> float:
-        """Length of the record. [s]"""
-        return self.maneuver.duration_s
+        """Length of what the lines were transformed from. [s]"""
+        return _transformed(self.maneuver)
 
     def with_modes(self, numbers: tuple[int, ...]) -> AeroelasticModel:
         """A model of other modes for the same sensors."""
@@ -82,6 +85,8 @@ def sense(store: Store, maneuver: Maneuver, band_hz: tuple[float, float] | None 
     inputs = tuple(name for name in inputs if name in known)
     band = band_hz or _band(maneuver, [channels[name] for name in (*names, *inputs)])
     measured = measure(store, maneuver, aircraft, inputs, outputs, band)
+    if maneuver.excitation is None and band_hz is None:
+        measured = measure(store, maneuver, aircraft, inputs, outputs, _moved(measured))
     top = float(measured.omega[-1])
     fuel = maneuver.condition.fuel_fraction
     near = companion_modes(table, fuel, (), top, len(names))
@@ -91,7 +96,7 @@ def sense(store: Store, maneuver: Maneuver, band_hz: tuple[float, float] | None 
     )
     rate_hz = min(channels[name].rate_hz for name in names)
     levels = np.array([o.terms[0][0].noise_std or np.nan for o in outputs], dtype=float)
-    noise = levels * np.sqrt(maneuver.duration_s / rate_hz)
+    noise = levels * np.sqrt(_transformed(maneuver) / rate_hz)
     return Sensing(maneuver, aircraft, table, every, model, outputs, measured, noise, left_out)
 
 
@@ -145,6 +150,14 @@ def motion_of(sensing: Sensing, modes: Sequence[int] = ()) -> tuple[AeroelasticM
     return model, motion
 
 
+def _transformed(maneuver: Maneuver) -> float:
+    """The whole record of one period, or the periods after the first of several. [s]"""
+    excitation = maneuver.excitation
+    if excitation is None or excitation.n_periods < 2:
+        return maneuver.duration_s
+    return (excitation.n_periods - 1) * excitation.period_s
+
+
 def _reconstruct(sensing: Sensing, model: AeroelasticModel) -> Motion:
     """Weight sensors by their noise, or by their disagreement where that is larger.
 
@@ -157,6 +170,18 @@ def _reconstruct(sensing: Sensing, model: AeroelasticModel) -> Motion:
         return found
     noise = np.maximum(found.noise, least)
     return reconstruct_motion(model, lines.outputs, lines.instruments, noise)
+
+
+def _moved(lines: MeasuredLines) -> tuple[float, float]:
+    """Band in which the surfaces moved, where nobody says what was excited."""
+    power = np.abs(lines.inputs.values) ** 2
+    power = np.sum(power / np.maximum(power.max(axis=0), 1e-300), axis=1)
+    smooth = np.convolve(power, np.ones(_SMOOTHED) / _SMOOTHED, mode="same")
+    # Taking out their filters brings up noise far above: the first pause counts.
+    quiet = np.flatnonzero(smooth[np.argmax(smooth) :] < _QUIET * smooth.max())
+    top = smooth.size - 1 if quiet.size == 0 else int(np.argmax(smooth)) + int(quiet[0])
+    hz = lines.omega / (2.0 * np.pi)
+    return float(min(max(hz[0], _LOWEST_HZ), 0.5 * hz[top])), float(hz[top])
 
 
 def _usable(

@@ -22,6 +22,7 @@ from flexsid.workflow.transforms import load_channels
 _CALIBRATED = (SensorKind.GYRO, SensorKind.VANE)
 _MORE_MODES = 2  # beyond the choice: what they would change widens the errors
 _SETTLED_S = 0.5  # without a known excitation, so much of the record is trim
+_HEARD = 2.0  # times its known noise
 _TELLING = 0.05  # [s]: a standard error above says that nothing is known
 
 
@@ -79,6 +80,9 @@ def sensor_faults(sensing: Sensing) -> SensorFaults:
         except NotIdentifiable:
             break
     coherence = agreement(model, undone.measured.outputs, lines.instruments, motion.noise)
+    # A sensor that hears little but its own noise cannot agree with others.
+    level = np.sqrt(np.mean(np.abs(lines.outputs.pick(names).values) ** 2, axis=0))
+    coherence = np.where(level < _HEARD * sensing.noise, np.nan, coherence)
     excess = motion.noise / sensing.noise
     faults = widened(best, others)
     # The motion is timed by the sensors, and no better than they are.
@@ -87,7 +91,12 @@ def sensor_faults(sensing: Sensing) -> SensorFaults:
 
 
 def _input_skews(sensing: Sensing, motion: Motion, timed_s: float) -> InputSkews | None:
-    """Skews of the surfaces; a mode less or more widens their errors."""
+    """Skews of the surfaces; a mode less or more widens their errors.
+
+    Where nobody says what was excited, regressors are mostly noise, and their bias a delay.
+    """
+    if sensing.maneuver.excitation is None:
+        return None
     count = motion.values.shape[1] - 2
     found: list[InputSkews] = []
     for number in (count, count - 1, count + 1):

@@ -3,6 +3,8 @@ import type { ChannelQuality, StepRequest } from "../api/types";
 
 const NONE = { delay_s: 0, scale: 1, bias: 0, stretches: [] as [number, number][], basis: "" };
 const SIGMAS = 3;
+/** Of some fifty channels one stands out of three by chance. */
+const SKEW_SIGMAS = 4;
 const LEAST_SKEW_S = 1e-3;
 const SURE_S = 5e-3;
 
@@ -11,7 +13,7 @@ export function delaysOf(channels: ChannelQuality[], band: string): StepRequest[
   return channels.flatMap((one) => {
     const { delay_s: delay, delay_std: std } = one;
     if (delay === null || std === null) return [];
-    if (std >= SURE_S || Math.abs(delay) <= Math.max(LEAST_SKEW_S, SIGMAS * std)) return [];
+    if (std >= SURE_S || Math.abs(delay) <= Math.max(LEAST_SKEW_S, SKEW_SIGMAS * std)) return [];
     return [
       {
         ...NONE,

@@ -16,6 +16,7 @@ from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation.equation_error import aerodynamic_coefficients, regressors
 from flexsid.sysid.estimation.reconstruction import Motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.preparation.redundancy import strong_lines
 from flexsid.sysid.signals import FrequencyData
 
 _STEPS = 30
@@ -56,15 +57,17 @@ def find_input_skews(model: AeroelasticModel, motion: Motion, inputs: FrequencyD
     explained. Errors grow where neighbouring lines share residuals.
     """
     u = inputs.pick(model.inputs).values
-    C = aerodynamic_coefficients(model, motion)
-    X = regressors(model, motion, inputs)
+    some = strong_lines(u)
+    omega, u = motion.omega[some], u[some]
+    C = aerodynamic_coefficients(model, motion)[some]
+    X = regressors(model, motion, inputs)[some]
     n_u, n_lines = u.shape[1], u.shape[0]
     if 2 * n_lines < 2 * X.shape[1] or n_u == 0:
         raise NotIdentifiable(
             f"{n_lines} lines are too few for {X.shape[1]} derivatives", code="too-few-lines"
         )
     rest = X[:, : X.shape[1] - n_u]
-    problem = _Problem(motion.omega, rest, u, C)
+    problem = _Problem(omega, rest, u, C)
     delay = np.zeros(n_u)
     weight = np.ones(C.shape[1])
     for _ in range(_STEPS):
@@ -78,7 +81,7 @@ def find_input_skews(model: AeroelasticModel, motion: Motion, inputs: FrequencyD
                 "the coefficients do not tell when the surfaces moved", code="no-redundancy"
             )
         step = np.linalg.solve(normal, gradient)
-        limit = _LARGEST_STEP_RAD / motion.omega[-1]
+        limit = _LARGEST_STEP_RAD / omega[-1]
         step = np.clip(step, -limit, limit)
         delay = delay + step
         if np.max(np.abs(step)) < _SMALL_S:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex, Float, Int
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
@@ -87,9 +87,9 @@ def find_faults(
             "sensors than motions",
             code="no-redundancy",
         )
-    some = slice(None, None, max(1, outputs.omega.size // _ENOUGH_LINES))
-    omega = outputs.omega[some]
-    z = outputs.pick(names).values[some]
+    z = outputs.pick(names).values
+    some = strong_lines(z)
+    omega, z = outputs.omega[some], z[some]
     fixed = names.index(names[0] if reference is None else reference)
     free = _Free(
         np.array([k for k in range(len(names)) if k != fixed]),
@@ -125,6 +125,19 @@ def find_faults(
         scale_std=np.exp(gain) * gain_std,
         band_hz=(float(omega[0] / 2.0 / np.pi), float(omega[-1] / 2.0 / np.pi)),
     )
+
+
+def strong_lines(
+    values: Complex[np.ndarray, "n_omega n_channels"],
+) -> Int[np.ndarray, " n_some"]:
+    """Some lines over the whole band, of neighbours the one with the largest power.
+
+    Where nobody says what was excited, most lines of a record hold little but noise.
+    """
+    power = np.abs(values) ** 2
+    total = np.sum(power / np.maximum(power.mean(axis=0), 1e-300), axis=1)
+    blocks = np.array_split(np.arange(total.size), min(total.size, _ENOUGH_LINES))
+    return np.array([block[np.argmax(total[block])] for block in blocks])
 
 
 @dataclass(frozen=True, slots=True)
