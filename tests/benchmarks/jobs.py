@@ -250,14 +250,11 @@ def server(url: str, dask: str | None, workers: int) -> Iterator[int]:
     command = [sys.executable, "-m", "flexsid.cli.main", "serve", "--database", url]
     process = subprocess.Popen(command, env=environment, cwd=Path.home())
     try:
-        for _ in range(300):
+        client = Client(port)
+        while not _answers(client):
+            assert process.poll() is None
             time.sleep(0.2)
-            try:
-                client = Client(port)
-                client.get("/api/v1/health")
-                break
-            except OSError:
-                assert process.poll() is None
+            client = Client(port)
         ids = [m["id"] for m in client.get("/api/v1/maneuvers?limit=20&search=copy")["items"]]
         warm = client.post("/api/v1/batches", _batch(ids[: 4 * workers], ["EE"], modes=[7]))
         _wait(client, warm["id"])
@@ -265,6 +262,14 @@ def server(url: str, dask: str | None, workers: int) -> Iterator[int]:
     finally:
         process.terminate()
         process.wait()
+
+
+def _answers(client: Client) -> bool:
+    try:
+        client.get("/api/v1/health")
+    except OSError:
+        return False
+    return True
 
 
 def _batch(ids: list[int], methods: list[str], **structure: Any) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 import sqlalchemy as sa
+from sqlalchemy import event
 
 from flexsid.jobs.direct import carry_out
 from flexsid.jobs.dispatcher import Dispatcher
@@ -31,7 +32,7 @@ IsOver = Callable[[int], None]
 
 def _kinds(store: Store, run: EstimationRun) -> list[str]:
     assert run.id is not None
-    return [event.kind for event in run_log.of_run(store, run.id) if event.kind != "said"]
+    return [line.kind for line in run_log.of_run(store, run.id) if line.kind != "said"]
 
 
 def test_what_is_queued_is_carried_out(
@@ -246,8 +247,8 @@ def _fill_disk(store: Store, backend: str) -> Callable[[], None]:
             if statement.startswith("INSERT INTO arrays"):
                 raise sqlite3.OperationalError("database or disk is full")
 
-        sa.event.listen(store.database.engine, "before_cursor_execute", refuse)
-        return lambda: sa.event.remove(store.database.engine, "before_cursor_execute", refuse)
+        event.listen(store.database.engine, "before_cursor_execute", refuse)
+        return lambda: event.remove(store.database.engine, "before_cursor_execute", refuse)
     with store.database.transaction() as connection:
         connection.execute(
             sa.text(

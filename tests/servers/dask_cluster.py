@@ -9,6 +9,7 @@ import sys
 import time
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 from distributed import Client
 
@@ -58,8 +59,9 @@ class Cluster:
     def wait_for(self, workers: int) -> None:
         """Wait until there are so many workers."""
         with Client(self.address, timeout=30, set_as_default=False) as client:
+            asked: Any = client
             deadline = time.monotonic() + 30.0
-            while len(client.nthreads()) != workers:
+            while len(asked.nthreads()) != workers:
                 assert time.monotonic() < deadline
                 time.sleep(0.05)
 

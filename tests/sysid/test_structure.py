@@ -53,7 +53,7 @@ def test_the_number_of_modes_a_condition_needs_is_proposed(make_case, ratio, nee
         assert step.truncated.named()["Cm_alpha"] == pytest.approx(-0.698, abs=0.0005)
     assert study.steps[needed].sufficient
     assert not study.steps[needed - 1].sufficient
-    errors = [step.response_error for step in study.steps]
+    errors = [step.response_error or 0.0 for step in study.steps]
     assert errors == sorted(errors, reverse=True)  # each mode makes the responses better
     assert errors[-1] == pytest.approx(0.0, abs=1e-9)
     assert study.steps[0].pole_error == np.inf  # no pole where SW1B is

@@ -104,6 +104,8 @@ def test_scatter_and_pairs_are_judged_by_chi_square(store, add_result):
     ]
     comparison = compare(store, [run.id for run in runs], [])
     alpha = row(comparison, "Cm_alpha")
+    assert alpha.mean is not None
+    assert alpha.probability is not None
     assert alpha.mean == pytest.approx((-1.0 - 1.1 - 1.6) / 3)
     assert alpha.mean_std_error == pytest.approx(0.1 / 3**0.5)
     assert alpha.chi_square == pytest.approx(

@@ -27,7 +27,6 @@ _CONNECT_S = 10.0
 _LOOK_S = 1.0  # between looks at who is there
 _FETCH_S = 30.0
 _WATCH_S = 0.05  # between looks whether a task is still wanted
-_WAKE = None
 
 
 class ClusterWorkers:
@@ -99,7 +98,7 @@ class ClusterWorkers:
         try:
             said = self._said.get(timeout=timeout) if timeout > 0 else self._said.get_nowait()
             while True:
-                if said is not _WAKE and said[0] in self._futures:
+                if said is not None and said[0] in self._futures:
                     news.append(said)
                     if not isinstance(said[1], Begun | Progressed):
                         del self._futures[said[0]]
@@ -109,7 +108,7 @@ class ClusterWorkers:
 
     def wake(self) -> None:
         """End ``wait``; may be called from any thread."""
-        self._said.put(_WAKE)
+        self._said.put(None)
 
     def close(self) -> None:
         """Let go of all tasks."""
@@ -117,7 +116,7 @@ class ClusterWorkers:
         if self._client is not None:
             self._client.close(timeout=2.0)
 
-    def _connect(self) -> None:
+    def _connect(self) -> Any:
         try:
             from distributed import Client
         except ImportError as error:
@@ -130,6 +129,7 @@ class ClusterWorkers:
                 self._address, timeout=_CONNECT_S, set_as_default=False, name="flexsid"
             )
             self._client.subscribe_topic(self._topic, self._hear)
+            return self._client
         except (OSError, TimeoutError, ValueError) as error:
             self._client = None
             raise FlexsidError(
@@ -145,10 +145,11 @@ class ClusterWorkers:
             return
         self._looked = now
         try:
-            if self._client is None or self._client.status != "running":
+            client = self._client
+            if client is None or client.status != "running":
                 self._give_up_tasks()
-                self._connect()
-            self.count = sum(self._client.nthreads().values())
+                client = self._connect()
+            self.count = sum(client.nthreads().values())
         except (FlexsidError, OSError, TimeoutError) as error:
             _log.warning("the cluster is away: %s", error)
             self.count = 0
@@ -192,9 +193,9 @@ def compute_in_child(compute: Compute, content: bytes, name: tuple[str, Key]) ->
     It ends when the task does, or as soon as nobody waits for it any more.
     """
     from distributed import get_worker
-    from distributed.worker import thread_state
 
-    worker, own = get_worker(), thread_state.key
+    worker = get_worker()
+    own = worker.get_current_task()
     topic, (run_id, attempt) = name
     child = _idle_child(compute)
     child.connection.send_bytes(content)

@@ -135,7 +135,7 @@ def _of(batch_id: int) -> sa.Select[tuple[int]]:
 
 def _members(store: Store, query: sa.Select[tuple[int]]) -> list[int]:
     with store.database.reading() as connection:
-        return list(connection.scalars(query))
+        return [number for (number,) in connection.execute(query).tuples()]
 
 
 def _known(store: Store, wanted: Sequence[EstimationRun]) -> dict[str | None, int]:

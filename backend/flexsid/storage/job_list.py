@@ -129,7 +129,7 @@ def count_states(rows: Iterable[Any]) -> dict[RunState, int]:
     return {state: found.get(state.value, 0) for state in RunState}
 
 
-def _read(store: Store, query: sa.Select[Any]) -> list[Job]:
+def _read(store: Store, query: sa.Executable) -> list[Job]:
     with store.database.reading() as connection:
         return [_job(row) for row in connection.execute(query).mappings()]
 
