@@ -86,10 +86,33 @@ def postgresql() -> Iterator[postgresql_server.Cluster]:
     cluster.remove()
 
 
-@pytest.fixture(params=["sqlite", "postgresql"])
-def backend(request: pytest.FixtureRequest) -> str:
-    """Kind of database; what is said of one must hold for both."""
-    return request.param
+# Where statements are written, asked for, or raced: both databases. Elsewhere a test says
+# something of another floor, and the second database only with ``--every-database``.
+_BOTH = (
+    *("storage/", "jobs/", "api/test_batches.py", "api/test_resources.py", "api/test_decisions.py"),
+    *("api/test_uploads.py", "api/test_model_structures.py", "workflow/test_ingest.py"),
+    *("api/test_searches.py", "workflow/test_recordings.py", "cli/"),
+)
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--every-database", action="store_true", help="run every test on SQLite and PostgreSQL"
+    )
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Say on which databases a test runs, unless it says so itself."""
+    if "backend" not in metafunc.fixturenames:
+        return
+    own = [
+        name for mark in metafunc.definition.iter_markers("parametrize") for name in mark.args[:1]
+    ]
+    if any("backend" in name for name in own):
+        return
+    where = metafunc.definition.path.relative_to(Path(__file__).parent).as_posix()
+    both = metafunc.config.getoption("--every-database") or where.startswith(_BOTH)
+    metafunc.parametrize("backend", ["sqlite", "postgresql"] if both else ["sqlite"])
 
 
 @pytest.fixture

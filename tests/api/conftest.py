@@ -9,6 +9,7 @@ from typing import Any
 from urllib.parse import quote
 
 import pytest
+from fastapi import FastAPI
 from fastapi.testclient import TestClient
 from tests.api.team import Act
 
@@ -18,12 +19,18 @@ from flexsid.settings import Settings
 Serve = Callable[[str], AbstractContextManager[TestClient]]
 
 
+@pytest.fixture(scope="session")
+def app() -> FastAPI:
+    """The application, made once: its hundred routes take longer than most tests."""
+    return create_app(Settings())
+
+
 @pytest.fixture
-def serve() -> Serve:
-    """Start a server on a database, to be used in a ``with``."""
+def serve(app: FastAPI) -> Serve:
+    """Start a server on a database, to be used in a ``with``; one at a time."""
 
     def start(url: str) -> TestClient:
-        app = create_app(Settings(database=url))
+        app.state.settings = Settings(database=url)
         return TestClient(app, base_url="http://127.0.0.1:8000", raise_server_exceptions=False)
 
     return start

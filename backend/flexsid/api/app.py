@@ -85,7 +85,7 @@ def create_app(
     Parameters
     ----------
     settings
-        Which database.
+        Which database; read when the service starts, from ``app.state.settings``.
     load_steps
         Returns how runs are carried out.
     bring_along
@@ -95,6 +95,7 @@ def create_app(
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         anyio.to_thread.current_default_thread_limiter().total_tokens = _THREADS
+        settings: Settings = app.state.settings
         # A template that is none should stop the server, not the first report.
         own = settings.report_template
         template = None if own is None else read_template(own)
@@ -144,6 +145,7 @@ def create_app(
         redoc_url=None,
         generate_unique_id_function=_operation_id,
     )
+    app.state.settings = settings
     api = APIRouter(prefix="/api/v1", responses={"4XX": {"model": Problem}})
     for module in (
         health,

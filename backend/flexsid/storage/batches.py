@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
+from typing import Any
 
 import sqlalchemy as sa
 
@@ -133,9 +134,9 @@ def _of(batch_id: int) -> sa.Select[tuple[int]]:
     return sa.select(batch_runs.c.run_id).where(batch_runs.c.batch_id == batch_id)
 
 
-def _members(store: Store, query: sa.Select[tuple[int]]) -> list[int]:
+def _members(store: Store, query: sa.Select[Any]) -> list[int]:
     with store.database.reading() as connection:
-        return [number for (number,) in connection.execute(query).tuples()]
+        return list(connection.execute(query).scalars())
 
 
 def _known(store: Store, wanted: Sequence[EstimationRun]) -> dict[str | None, int]:
