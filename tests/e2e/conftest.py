@@ -70,7 +70,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return kept
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def server(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Address of a server that runs on its own copy of the campaign."""
     folder = tmp_path_factory.mktemp("server")
@@ -134,7 +134,7 @@ def serving(database: Path, port: int, log: Path) -> Iterator[subprocess.Popen[b
             process.wait(timeout=20)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def compared(server: str) -> list[int]:
     """Runs that succeeded: OE and EE of two maneuvers."""
     return [_estimate(server, maneuver, method) for maneuver in (2, 4) for method in ("OE", "EE")]

@@ -32,7 +32,7 @@ def test_the_view_lives_in_the_address(page: Page):
     expect(page.get_by_test_id("filter-fta")).to_have_value(re.compile("^506"))
     expect(table.locator("th[aria-sort=descending]")).to_have_text(re.compile("V/V"))
     first = table.locator("tbody tr").first
-    label = first.locator("a.link").inner_text()
+    label = first.locator("a.link").first.inner_text()
     first.get_by_role("link", name=label).click()
     expect(page.get_by_role("heading", name=label)).to_be_visible()
     page.go_back()
@@ -61,7 +61,7 @@ def _filter(page: Page) -> None:
     page.get_by_test_id("filter-fta").click()
     page.get_by_role("option", name=re.compile(r"506 \(\d+\)")).click()
     expect(page).to_have_url(re.compile("fta=506"))
-    with page.expect_response(re.compile("/maneuvers.*max_airspeed_ratio=0.7")) as answer:
+    with page.expect_response(re.compile(r"/maneuvers\?.*max_airspeed_ratio=0.7")) as answer:
         page.get_by_test_id("filter-max-ratio").fill("0.7")
     left = len(answer.value.json()["items"])
     assert 0 < left < before

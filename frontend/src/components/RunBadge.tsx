@@ -11,7 +11,7 @@ const COLORS: Record<RunState, string> = {
 };
 
 /** Tint behind text of the page's own color, for contrast in both themes. */
-const tint = (color: string) =>
+export const tint = (color: string) =>
   `light-dark(var(--mantine-color-${color}-1), color-mix(in srgb, var(--mantine-color-${color}-9) 55%, #242424))`;
 
 /** A run's state as color and word. */

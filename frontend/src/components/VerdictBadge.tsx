@@ -1,5 +1,6 @@
 import { Badge } from "@mantine/core";
 import type { Verdict } from "../api/types";
+import { tint } from "./RunBadge";
 
 export const VERDICT_COLORS: Record<Verdict, string> = {
   good: "green",
@@ -11,7 +12,12 @@ export const VERDICT_COLORS: Record<Verdict, string> = {
 export function VerdictBadge({ verdict }: { verdict: Verdict | null }) {
   if (verdict === null) return <span className="quiet">not looked at</span>;
   return (
-    <Badge color={VERDICT_COLORS[verdict]} data-testid={`verdict-${verdict}`}>
+    <Badge
+      bg={tint(VERDICT_COLORS[verdict])}
+      c="var(--mantine-color-text)"
+      tt="none"
+      data-testid={`verdict-${verdict}`}
+    >
       {verdict}
     </Badge>
   );
