@@ -77,7 +77,8 @@ def bring_along(store: Store, name: str) -> None:
 
 def _listening(port: int) -> socket.socket:
     """Take the port first: a server that cannot serve should not start anything."""
-    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    # Named as TCP, or asyncio would leave answers waiting for acknowledgements (40 ms each).
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((_LOOPBACK, port))
