@@ -33,7 +33,7 @@ _POLL_S = 0.5  # runs may also be queued or cancelled by other processes
 _PROGRESS_S = 0.2  # between writes of the progress of one run
 _LOG_S = 2.0  # between lines of what a worker says, in the log of one run
 _LONGEST_S = 3600.0  # unless a run says otherwise
-_EXPECTED_S = 2.0
+_EXPECTED_S = 2.0  # then what a prepared task rests on may have changed
 _SETTLE_S = 2.0  # pages come first when a server has just started
 _START_S = 60.0  # more than a worker process takes to start
 
@@ -219,12 +219,13 @@ class Dispatcher:
         try:
             task = self._task_of(run)
         except DatabaseUnavailable:
-            self._put_back({key})
+            # As news, it waits until the database answers; told at once, it would be forgotten.
+            self._news.append((key, Lost("the database did not answer")))
             raise
         except FlexsidError as error:
-            self._take(key, Failed(error.code, error.message))
+            self._news.append((key, Failed(error.code, error.message)))
         except Exception as error:
-            self._take(key, unexpected(error))
+            self._news.append((key, unexpected(error)))
         else:
             self._ready.append(_Ready(key, task, run.limits or Limits()))
         return True
@@ -232,7 +233,7 @@ class Dispatcher:
     def _task_of(self, run: EstimationRun) -> Any:
         now = time.monotonic()
         for number, (at, _) in list(self._expected.items()):
-            if now - at > _EXPECTED_S:  # what it rests on may have changed
+            if now - at > _EXPECTED_S:
                 del self._expected[number]
         known = self._expected.pop(run.id or 0, None)
         return self._steps.prepare(self._store, run) if known is None else known[1]
