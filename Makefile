@@ -44,20 +44,25 @@ $(BIN)/python:
 		{ echo 'this Python cannot make environments: on Debian install python3-venv'; exit 1; }
 
 # uv is several times faster than pip, but does not read pip's settings: where
-# it cannot be had or finds no index, pip does the same work.
+# it cannot be had or finds no index, pip does the same work. The page's
+# packages are fetched meanwhile; where that fails, building the page says why.
 $(VENV)/.locked: requirements.lock | $(BIN)/python
-	$(say) 'installing the locked Python packages'
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check uv==$(UV_VERSION) || true
-	@$(BIN)/uv pip install --quiet --python $(BIN)/python --require-hashes -r requirements.lock || \
+	$(say) 'installing the locked packages'
+	@$(BIN)/python hatch_build.py --version >/dev/null 2>&1 & \
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check uv==$(UV_VERSION); \
+	$(BIN)/uv pip install --quiet --python $(BIN)/python --require-hashes -r requirements.lock || \
 		{ echo 'uv did not serve; trying pip'; \
-		$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock; }
+		$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock; } || \
+		exit 1; \
+	wait
 	@touch $@
 
 $(VENV)/.installed: $(VENV)/.locked pyproject.toml hatch_build.py $(PAGE)
 	$(say) 'building the page'
 	@$(BIN)/python hatch_build.py
 	$(say) 'installing flexsid'
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+	@$(BIN)/uv pip install --quiet --python $(BIN)/python --no-deps --no-build-isolation --editable . || \
+		$(BIN)/python -m pip install --quiet --disable-pip-version-check \
 		--no-deps --no-build-isolation --editable .
 	@touch $@
 

@@ -18,7 +18,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+try:
+    from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+except ImportError:  # the page alone is built without any package
+    BuildHookInterface = object
 
 ROOT = Path(__file__).resolve().parent
 FRONTEND = ROOT / "frontend"
@@ -46,7 +49,7 @@ def build_page() -> None:
     if page_is_fresh():
         return
     print("flexsid: building the page", file=sys.stderr, flush=True)
-    npm("run", "build")
+    npm("run", "--silent", "build", "--", "--logLevel", "warn")
     (BUILT / ".built-from").write_text(_hash_of_sources())
 
 
@@ -62,7 +65,9 @@ def npm(*arguments: str) -> None:
     lock = hashlib.sha256((FRONTEND / "package-lock.json").read_bytes()).hexdigest()
     installed = FRONTEND / "node_modules" / ".installed-from"
     if not installed.is_file() or installed.read_text() != lock:
-        subprocess.run([*command, "ci"], cwd=FRONTEND, env=environment, check=True)
+        subprocess.run(
+            [*command, "ci", "--loglevel", "error"], cwd=FRONTEND, env=environment, check=True
+        )
         installed.write_text(lock)
     subprocess.run([*command, *arguments], cwd=FRONTEND, env=environment, check=True)
 

@@ -237,12 +237,16 @@ def test_the_server_serves_carries_out_runs_and_stops_at_once(flown_url: str) ->
     server.stdout.close()
 
 
-def test_a_port_that_is_taken_is_said_so(flown_url: str, capsys, monkeypatch) -> None:
+def test_a_port_that_is_taken_is_said_so(
+    flown_url: str, capsys, monkeypatch, tmp_path: Path
+) -> None:
     with closing(socket.socket()) as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         monkeypatch.setenv("FLEXSID_PORT", str(taken.getsockname()[1]))
         assert "FLEXSID_PORT" in refused(capsys, 1, "serve", "--database", flown_url)
+        refused(capsys, 1, "demo", "--database", f"sqlite:///{tmp_path}/new.db")
+    assert not (tmp_path / "new.db").exists(), "flown for nobody"
 
 
 def test_search_prints_terms_with_their_evidence_and_candidates(

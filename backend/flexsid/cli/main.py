@@ -226,10 +226,12 @@ def _serve(settings: Settings, chosen: argparse.Namespace) -> int:
 
 
 def _demo(settings: Settings, chosen: argparse.Namespace) -> int:
-    from flexsid.cli.serve import fill, serve
+    from flexsid.cli.serve import demo, fill
 
+    if not chosen.no_serve:
+        return demo(settings, as_json=chosen.json)
     fill(settings, as_json=chosen.json)
-    return 0 if chosen.no_serve else serve(settings, as_json=chosen.json)
+    return 0
 
 
 def _backup(settings: Settings, chosen: argparse.Namespace) -> int:

@@ -42,19 +42,30 @@ class _Server(uvicorn.Server):
 
 def serve(settings: Settings, *, as_json: bool = False) -> int:
     """Serve until told to stop."""
-    with _listening(settings.port) as listening:
-        app = create_app(settings, bring_along=bring_along)
-        config = uvicorn.Config(
-            app,
-            host=_LOOPBACK,
-            port=settings.port,
-            log_level="warning",
-            access_log=False,
-            timeout_graceful_shutdown=_GRACE_S,
-        )
-        server = _Server(config)
-        server.as_json = as_json
-        server.run(sockets=[listening])
+    with _taken(settings.port) as port:
+        return _serve_on(port, settings, as_json)
+
+
+def demo(settings: Settings, *, as_json: bool = False) -> int:
+    """Fly what is missing of the demonstration campaign, then serve."""
+    with _taken(settings.port) as port:
+        fill(settings, as_json=as_json)
+        return _serve_on(port, settings, as_json)
+
+
+def _serve_on(port: socket.socket, settings: Settings, as_json: bool) -> int:
+    app = create_app(settings, bring_along=bring_along)
+    config = uvicorn.Config(
+        app,
+        host=_LOOPBACK,
+        port=settings.port,
+        log_level="warning",
+        access_log=False,
+        timeout_graceful_shutdown=_GRACE_S,
+    )
+    server = _Server(config)
+    server.as_json = as_json
+    server.run(sockets=[port])
     return 0 if server.started else 1
 
 
@@ -75,20 +86,22 @@ def bring_along(store: Store, name: str) -> None:
         campaign.add_aircraft(store)
 
 
-def _listening(port: int) -> socket.socket:
-    """Take the port first: a server that cannot serve should not start anything."""
+def _taken(port: int) -> socket.socket:
+    """Take the port first: what cannot be served should not be started, nor flown."""
     # Named as TCP, or asyncio would leave answers waiting for acknowledgements (40 ms each).
-    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
-    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    taken = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        listening.bind((_LOOPBACK, port))
+        taken.bind((_LOOPBACK, port))
+        taken.listen()  # who comes early waits instead of being refused
     except OSError as error:
-        listening.close()
+        taken.close()
         raise FlexsidError(
-            f"port {port} cannot be had ({error.strerror}); choose another by FLEXSID_PORT",
+            f"port {port} cannot be had ({error.strerror}); choose another by "
+            "FLEXSID_PORT, or make demo PORT=8010",
             code="port-taken",
         ) from error
-    return listening
+    return taken
 
 
 def _show_progress(fraction: float, message: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -284,14 +285,15 @@ def _flight(store: Store, aircraft: Aircraft, sortie: Sortie) -> Flight:
 
 
 def _fly_all(orders: Sequence[_Order]) -> Iterator[FlownManeuver]:
-    """Fly in two processes, in order; a few maneuvers are not worth starting them."""
+    """Fly in several processes, in order; a few maneuvers are not worth starting them."""
     if len(orders) < 4:
         yield from map(_fly_card, orders)
         return
     context = multiprocessing.get_context("spawn")
-    # One thread each: the matrices are small, and two processes share two cores.
+    # One thread each: the matrices are small. More than four take longer to start than to fly.
+    processes = min(4, os.cpu_count() or 1)
     with ProcessPoolExecutor(
-        max_workers=2, mp_context=context, initializer=threadpool_limits, initargs=(1,)
+        max_workers=processes, mp_context=context, initializer=threadpool_limits, initargs=(1,)
     ) as pool:
         try:
             yield from pool.map(_fly_card, orders)
