@@ -76,7 +76,7 @@ const flight = createRoute({
   path: "/flights/$id",
   params: byId,
   validateSearch: flightView,
-  component: lazyRouteComponent(() => import("./pages/FlightPage"), "FlightPage"),
+  component: page(() => import("./pages/FlightPage"), "FlightPage"),
 });
 
 const quality = createRoute({
@@ -155,7 +155,7 @@ const closedLoop = createRoute({
   getParentRoute: () => root,
   path: "/closed-loop",
   validateSearch: closedLoopView,
-  component: lazyRouteComponent(() => import("./pages/ClosedLoopPage"), "ClosedLoopPage"),
+  component: page(() => import("./pages/ClosedLoopPage"), "ClosedLoopPage"),
 });
 
 const jobs = createRoute({
@@ -204,14 +204,14 @@ const decisions = createRoute({
   getParentRoute: () => root,
   path: "/decisions",
   validateSearch: decisionsView,
-  component: lazyRouteComponent(() => import("./pages/DecisionsPage"), "DecisionsPage"),
+  component: page(() => import("./pages/DecisionsPage"), "DecisionsPage"),
 });
 
 const newDecision = createRoute({
   getParentRoute: () => root,
   path: "/decisions/new",
   validateSearch: newDecisionView,
-  component: lazyRouteComponent(() => import("./pages/NewDecisionPage"), "NewDecisionPage"),
+  component: page(() => import("./pages/NewDecisionPage"), "NewDecisionPage"),
 });
 
 const decision = createRoute({
@@ -219,7 +219,7 @@ const decision = createRoute({
   path: "/decisions/$id",
   params: byId,
   validateSearch: decisionView,
-  component: lazyRouteComponent(() => import("./pages/DecisionPage"), "DecisionPage"),
+  component: page(() => import("./pages/DecisionPage"), "DecisionPage"),
 });
 
 const modelStructure = createRoute({

@@ -143,14 +143,14 @@ def compared(server: str) -> list[int]:
 @pytest.fixture
 def page(browser: Browser, server: str) -> Iterator[Page]:
     """A page that fails the test when the console complains or a request fails."""
-    with _watched_page(browser, server) as page:
+    with watched_page(browser, server) as page:
         yield page
 
 
 @pytest.fixture
 def refused(browser: Browser, server: str) -> Iterator[Page]:
     """The same for tests in which the server is to refuse something (422)."""
-    with _watched_page(browser, server, refused=422) as page:
+    with watched_page(browser, server, refused=422) as page:
         yield page
 
 
@@ -158,14 +158,15 @@ def refused(browser: Browser, server: str) -> Iterator[Page]:
 def two_pages(browser: Browser, own_server: str) -> Iterator[tuple[Page, Page]]:
     """Pages of two browsers that know nothing of each other; stale edits are to be refused."""
     with (
-        _watched_page(browser, own_server, refused=409) as one,
-        _watched_page(browser, own_server, refused=409) as other,
+        watched_page(browser, own_server, refused=409) as one,
+        watched_page(browser, own_server, refused=409) as other,
     ):
         yield one, other
 
 
 @contextmanager
-def _watched_page(browser: Browser, server: str, refused: int | None = None) -> Iterator[Page]:
+def watched_page(browser: Browser, server: str, refused: int | None = None) -> Iterator[Page]:
+    """A page that fails its test when the console complains or an answer is a refusal."""
     complaints: list[str] = []
 
     def heard(said: ConsoleMessage) -> None:

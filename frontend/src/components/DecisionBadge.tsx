@@ -1,5 +1,6 @@
 import { Badge } from "@mantine/core";
 import type { DecisionState } from "../api/types";
+import { tint } from "../lib/tint";
 
 const COLORS: Record<DecisionState, string> = {
   open: "blue",
@@ -12,10 +13,9 @@ const COLORS: Record<DecisionState, string> = {
 
 /** Where a decision stands, as color and word. */
 export function DecisionBadge({ state }: { state: DecisionState }) {
-  const color = COLORS[state];
   return (
     <Badge
-      bg={`light-dark(var(--mantine-color-${color}-1), color-mix(in srgb, var(--mantine-color-${color}-9) 55%, #242424))`}
+      bg={tint(COLORS[state])}
       c="var(--mantine-color-text)"
       tt="none"
       data-testid="decision-state"

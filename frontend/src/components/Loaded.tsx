@@ -1,27 +1,39 @@
 import { Skeleton, Stack } from "@mantine/core";
 import type { UseQueryResult } from "@tanstack/react-query";
 import type { ReactNode } from "react";
+import { PageHead } from "./PageHead";
 import { ProblemAlert } from "./ProblemAlert";
 
 interface Props<T> {
   query: Pick<UseQueryResult<T>, "data" | "error" | "isError" | "refetch">;
   /** Rows of the grey stand-in while loading. */
   rows?: number;
+  /** Title of the page that this is all of, until what was fetched heads it. */
+  page?: string;
   children: (data: T) => ReactNode;
 }
 
 /** The three states of whatever is fetched: loading, failed, there. */
-export function Loaded<T>({ query, rows = 4, children }: Props<T>) {
+export function Loaded<T>({ query, rows = 4, page, children }: Props<T>) {
   // Data that was fetched before stays when a later refresh fails; the frame says so.
   if (query.data !== undefined) return <>{children(query.data)}</>;
+  const head = page !== undefined && <PageHead title={page} />;
   if (query.isError) {
-    return <ProblemAlert error={query.error} onRetry={() => void query.refetch()} />;
+    return (
+      <>
+        {head}
+        <ProblemAlert error={query.error} onRetry={() => void query.refetch()} />
+      </>
+    );
   }
   return (
-    <Stack gap="xs" aria-busy="true" aria-label="Loading">
-      {Array.from({ length: rows }, (_, row) => (
-        <Skeleton key={row} height={22} radius="sm" />
-      ))}
-    </Stack>
+    <>
+      {head}
+      <Stack gap="xs" aria-busy="true" aria-label="Loading">
+        {Array.from({ length: rows }, (_, row) => (
+          <Skeleton key={row} height={22} radius="sm" />
+        ))}
+      </Stack>
+    </>
   );
 }

@@ -1,6 +1,7 @@
 import { Badge, Loader } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
 import type { Method, RunState } from "../api/types";
+import { tint } from "../lib/tint";
 
 const COLORS: Record<RunState, string> = {
   queued: "gray",
@@ -9,10 +10,6 @@ const COLORS: Record<RunState, string> = {
   failed: "red",
   cancelled: "yellow",
 };
-
-/** Tint behind text of the page's own color, for contrast in both themes. */
-export const tint = (color: string) =>
-  `light-dark(var(--mantine-color-${color}-1), color-mix(in srgb, var(--mantine-color-${color}-9) 55%, #242424))`;
 
 /** A run's state as color and word. */
 export function StateBadge({ state }: { state: RunState }) {

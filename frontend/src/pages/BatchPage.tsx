@@ -26,7 +26,7 @@ export function BatchPage() {
   const cancel = useChangeBatch(id, "cancel");
   const retry = useChangeBatch(id, "retry");
   return (
-    <Loaded query={batch}>
+    <Loaded query={batch} page={`Batch ${id}`}>
       {(data) => {
         const again = (data.states.failed ?? 0) + (data.states.cancelled ?? 0);
         const done = (jobs.data ?? []).filter((job) => job.state === "succeeded");

@@ -26,7 +26,11 @@ const route = getRouteApi("/decisions/$id");
 export function DecisionPage() {
   const { id } = route.useParams();
   const decision = useQuery(decisionQuery(id));
-  return <Loaded query={decision}>{(data) => <OneDecision key={id} decision={data} />}</Loaded>;
+  return (
+    <Loaded query={decision} page={`Decision ${id}`}>
+      {(data) => <OneDecision key={id} decision={data} />}
+    </Loaded>
+  );
 }
 
 function OneDecision({ decision }: { decision: Decision }) {

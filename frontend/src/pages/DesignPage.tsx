@@ -39,7 +39,11 @@ type Change = (part: Partial<DesignView>) => void;
 export function DesignPage() {
   const { id } = route.useParams();
   const design = useQuery(designQuery(id));
-  return <Loaded query={design}>{(data) => <OneDesign design={data} />}</Loaded>;
+  return (
+    <Loaded query={design} page={`Design ${id}`}>
+      {(data) => <OneDesign design={data} />}
+    </Loaded>
+  );
 }
 
 function OneDesign({ design }: { design: Design }) {

@@ -30,7 +30,11 @@ const route = getRouteApi("/flights/$id");
 export function FlightPage() {
   const { id } = route.useParams();
   const flight = useQuery(flightQuery(id));
-  return <Loaded query={flight}>{(data) => <OneFlight flight={data} />}</Loaded>;
+  return (
+    <Loaded query={flight} page={`Flight ${id}`}>
+      {(data) => <OneFlight flight={data} />}
+    </Loaded>
+  );
 }
 
 function OneFlight({ flight }: { flight: Flight }) {

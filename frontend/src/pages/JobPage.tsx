@@ -26,7 +26,7 @@ export function JobPage() {
   const job = useQuery(jobQuery(id));
   const log = useQuery(jobLogQuery(id));
   return (
-    <Loaded query={job}>
+    <Loaded query={job} page={`Job ${id}`}>
       {(data) => (
         <>
           <PageHead

@@ -32,7 +32,11 @@ const TAB_NAMES: Record<(typeof MANEUVER_TABS)[number], string> = {
 export function ManeuverPage() {
   const { id } = route.useParams();
   const maneuver = useQuery(maneuverQuery(id));
-  return <Loaded query={maneuver}>{(data) => <OneManeuver maneuver={data} />}</Loaded>;
+  return (
+    <Loaded query={maneuver} page={`Maneuver ${id}`}>
+      {(data) => <OneManeuver maneuver={data} />}
+    </Loaded>
+  );
 }
 
 function OneManeuver({ maneuver }: { maneuver: Maneuver }) {

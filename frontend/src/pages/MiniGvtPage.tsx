@@ -21,7 +21,11 @@ const LOOKS = {
 export function MiniGvtPage() {
   const { id } = route.useParams();
   const test = useQuery(groundTestQuery(id));
-  return <Loaded query={test}>{(data) => <OneTest test={data} />}</Loaded>;
+  return (
+    <Loaded query={test} page="Mini-GVT">
+      {(data) => <OneTest test={data} />}
+    </Loaded>
+  );
 }
 
 function OneTest({ test }: { test: GroundTest }) {

@@ -38,7 +38,11 @@ const route = getRouteApi("/model-structures/$id");
 export function ModelStructurePage() {
   const { id } = route.useParams();
   const record = useQuery(structureQuery(id));
-  return <Loaded query={record}>{(data) => <WithParts key={id} record={data} />}</Loaded>;
+  return (
+    <Loaded query={record} page={`Structure ${id}`}>
+      {(data) => <WithParts key={id} record={data} />}
+    </Loaded>
+  );
 }
 
 function WithParts({ record }: { record: ModelStructure }) {

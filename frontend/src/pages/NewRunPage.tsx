@@ -32,7 +32,7 @@ export function NewRunPage() {
   const { like, structure, version } = route.useSearch();
   const maneuver = useQuery(maneuverQuery(id));
   return (
-    <Loaded query={maneuver}>
+    <Loaded query={maneuver} page="New run">
       {(data) => (
         <WithTables key={`${id} ${like} ${structure} ${version}`} maneuver={data} like={like} />
       )}

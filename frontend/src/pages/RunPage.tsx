@@ -35,7 +35,11 @@ const TAB_NAMES: Record<(typeof RUN_TABS)[number], string> = {
 export function RunPage() {
   const { id } = route.useParams();
   const run = useQuery(runQuery(id));
-  return <Loaded query={run}>{(data) => <OneRun run={data} />}</Loaded>;
+  return (
+    <Loaded query={run} page={`Run ${id}`}>
+      {(data) => <OneRun run={data} />}
+    </Loaded>
+  );
 }
 
 function OneRun({ run }: { run: Run }) {

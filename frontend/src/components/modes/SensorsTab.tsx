@@ -122,7 +122,7 @@ function Share({ value }: { value: number | null }) {
   return (
     <span
       style={{
-        background: `color-mix(in srgb, var(--mantine-color-blue-5) ${String(strength)}%, transparent)`,
+        background: `color-mix(in srgb, light-dark(var(--mantine-color-blue-5), var(--mantine-color-blue-9)) ${String(strength)}%, transparent)`,
         padding: "1px 6px",
         borderRadius: 3,
       }}
