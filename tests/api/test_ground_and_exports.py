@@ -33,9 +33,41 @@ def test_a_table_has_gaps_where_there_is_no_number_and_no_formulas():
     spec = spec_of(np.array([1.0, np.nan, 3.0]))
     spec["data"][0]["name"] = "=cmd()"
     rows = list(csv.reader(io.StringIO(comma_separated(spec))))
-    assert rows[0] == ["curve", "x_axis", "y_axis", "x", "y", "error"]
+    assert rows[0] == ["curve", "x_axis", "y_axis", "x", "y", "error", "x_error", "z"]
     assert [row[4] for row in rows[1:]] == ["1.0", "", "3.0"]
     assert rows[1][0] == "'=cmd()"
+
+
+def test_a_map_names_its_cells_and_values():
+    cells = column(np.arange(400.0).reshape(4, 100))
+    labels = ["<i>q</i>", "=az", "R&amp;D", "wing"]
+    trace = {"type": "heatmap", "x": column(np.arange(100.0)), "y": labels, "z": cells}
+    (curve,) = curves({"data": [trace], "layout": {}})
+    assert curve.columns["y"][::100].tolist() == ["q", "=az", "R&D", "wing"]
+    np.testing.assert_array_equal(curve.columns["z"], np.arange(400.0))
+    rows = list(csv.DictReader(io.StringIO(comma_separated({"data": [trace], "layout": {}}))))
+    assert [rows[100][key] for key in ("x", "y", "z", "error")] == ["0.0", "'=az", "100.0", ""]
+
+
+def test_a_map_between_modes_names_them():
+    named = {"tickvals": [0, 1], "ticktext": ["SW1B", "SW1T"]}
+    trace = {"type": "heatmap", "x": [0, 1], "y": [0, 1], "z": [[1.0, None], [0.2, 1.0]]}
+    spec = {"data": [trace], "layout": {"xaxis": named, "yaxis": named}}
+    (curve,) = curves(spec)
+    assert curve.columns["x"].tolist() == ["SW1B", "SW1T", "SW1B", "SW1T"]
+    assert comma_separated(spec).splitlines()[3].endswith(",SW1B,SW1T,,,0.2")
+
+
+def test_a_bar_across_is_a_column_too():
+    trace = {"x": [1.0], "y": ["run 1"], "error_x": {"type": "data", "array": [0.25]}}
+    (curve,) = curves({"data": [trace], "layout": {}})
+    assert curve.columns["x_error"].tolist() == [0.25]
+
+
+@pytest.mark.parametrize("form", ["csv", "mat"])
+@pytest.mark.parametrize("kind", ["residual?run_id=1", "signal-to-noise?maneuver_id=1"])
+def test_maps_are_files_too(client, kind, form):
+    assert client.get(f"/api/v1/figures/{kind}&format={form}").status_code == 200
 
 
 def test_every_figure_is_a_file_too(client, tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import csv
+import html
 import io
 import re
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ import numpy as np
 from flexsid.figures.spec import Spec
 
 _MARKUP = re.compile(r"<[^>]*>")
+_COLUMNS = ("x", "y", "error", "x_error", "z")
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,51 +28,60 @@ class Curve:
 
 
 def curves(spec: Spec) -> list[Curve]:
-    """All traces of a figure with finished columns x, y and, where drawn, error and z."""
+    """All traces of a figure with columns x, y and, where drawn, error, x_error and z."""
     layout = spec["layout"]
     return [
         Curve(_name(trace), (_title(layout, trace, "x"), _title(layout, trace, "y")), found)
         for trace in spec["data"]
-        if (found := _columns(trace))
+        if (found := _columns(trace, layout))
     ]
 
 
 def comma_separated(spec: Spec) -> str:
-    """One row per point: curve, axes, x, y, error and text; a heatmap one row per cell."""
+    """One row per point: curve, axes and columns as drawn; a map one row per cell, with its z."""
     out = io.StringIO(newline="")
     writer = csv.writer(out)
-    writer.writerow(["curve", "x_axis", "y_axis", "x", "y", "error"])
+    writer.writerow(["curve", "x_axis", "y_axis", *_COLUMNS])
     for curve in curves(spec):
-        x, y = curve.columns["x"], curve.columns["y"]
-        error = curve.columns.get("error", np.full(len(y), np.nan))
-        for point in zip(x.tolist(), y.tolist(), error.tolist(), strict=False):
+        nothing = np.full(len(curve.columns["y"]), np.nan)
+        columns = (curve.columns.get(name, nothing).tolist() for name in _COLUMNS)
+        for point in zip(*columns, strict=True):
             writer.writerow([*map(_safe, (curve.name, *curve.axes)), *map(_cell, point)])
     return out.getvalue()
 
 
 def _safe(text: str) -> str:
     """Text that no spreadsheet takes for a formula."""
-    return f"'{text}" if text[:1] in ("=", "+", "-", "@") else text
+    return f"'{text}" if text.lstrip()[:1] in ("=", "+", "-", "@") else text
 
 
 def _cell(value: Any) -> Any:
+    if isinstance(value, str):
+        return _safe(value)
     return "" if isinstance(value, float) and not np.isfinite(value) else value
 
 
-def _columns(trace: Spec) -> dict[str, np.ndarray]:
+def _columns(trace: Spec, layout: Spec) -> dict[str, np.ndarray]:
     if trace.get("y") is None:
         return {}
     if "z" in trace:
-        x, y = np.asarray(trace["x"]), np.asarray(trace["y"])
-        z = _array(trace["z"]).reshape(len(y), len(x))
-        return {"x": np.tile(x, len(y)), "y": np.repeat(y, len(x)), "error": z.ravel()}
+        x, y = (_ticked(_array(trace[letter]), _axis(layout, trace, letter)) for letter in "xy")
+        return {"x": np.tile(x, len(y)), "y": np.repeat(y, len(x)), "z": _array(trace["z"]).ravel()}
     y = _array(trace["y"])
     x = _array(trace["x"]) if trace.get("x") is not None else np.arange(len(y))
     found = {"x": x, "y": y}
-    bars = trace.get("error_y") or {}
-    if bars.get("array") is not None and bars.get("symmetric", True):
-        found["error"] = _array(bars["array"])
+    for name, key in (("error", "error_y"), ("x_error", "error_x")):
+        bars = trace.get(key) or {}
+        if bars.get("array") is not None and bars.get("symmetric", True):
+            found[name] = _array(bars["array"])
     return found
+
+
+def _ticked(places: np.ndarray, axis: Spec) -> np.ndarray:
+    """What is written at the places of a map, where that is not the place itself."""
+    if list(axis.get("tickvals", ())) != places.tolist():
+        return places
+    return np.array([_plain(str(words)) for words in axis["ticktext"]])
 
 
 def _array(values: Any) -> np.ndarray:
@@ -80,7 +91,7 @@ def _array(values: Any) -> np.ndarray:
     try:
         return np.array(values, dtype=float)  # None becomes NaN
     except (TypeError, ValueError):
-        return np.array([str(value) for value in values])
+        return np.array([_plain(str(value)) for value in values])
 
 
 def _name(trace: Spec) -> str:
@@ -94,10 +105,15 @@ def _name(trace: Spec) -> str:
 
 
 def _title(layout: Spec, trace: Spec, letter: str) -> str:
-    number = str(trace.get(f"{letter}axis", letter))[1:]
-    found = layout.get(f"{letter}axis{number}", {}).get("title", {})
+    found = _axis(layout, trace, letter).get("title", {})
     return _plain(found.get("text", "")) if isinstance(found, dict) else ""
 
 
+def _axis(layout: Spec, trace: Spec, letter: str) -> Spec:
+    number = str(trace.get(f"{letter}axis", letter))[1:]
+    return layout.get(f"{letter}axis{number}", {})
+
+
 def _plain(text: str) -> str:
-    return _MARKUP.sub(" ", text).strip()
+    """Words without markup, as their author wrote them."""
+    return html.unescape(_MARKUP.sub(" ", text)).strip()

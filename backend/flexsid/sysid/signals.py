@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexsid.errors import BadInput
+
 
 @dataclass(frozen=True, slots=True)
 class TimeHistory:
@@ -54,3 +56,28 @@ class FrequencyResponse:
     std: Float[np.ndarray, "n_omega n_y n_u"] | None = None
     noise_gain: Complex[np.ndarray, "n_omega n_lines"] | None = None
     condition: Float[np.ndarray, " n_omega"] | None = None
+
+
+def check_signal(values: np.ndarray, names: tuple[str, ...]) -> None:
+    """Refuse channels without signal or with numbers that are none.
+
+    Raises
+    ------
+    BadInput
+        Naming the first such channel.
+    """
+    if np.isfinite(values).all() and all(np.count_nonzero(values, axis=0).tolist()):
+        return
+    for column, name in enumerate(names):
+        if not np.isfinite(values[:, column]).all():
+            raise BadInput(
+                f"the spectrum of '{name}' is not finite; check the recording for gaps",
+                code="not-finite",
+                channel=name,
+            )
+        if not values[:, column].any():
+            raise BadInput(
+                f"channel '{name}' carries no signal at the lines of the fit; leave it out",
+                code="no-signal",
+                channel=name,
+            )

@@ -30,7 +30,20 @@ class OutputDefinition:
 
 
 def flight_condition(aircraft: Aircraft, condition: Condition) -> FlightCondition:
-    """Condition of a maneuver with the aircraft's reference dimensions."""
+    """Condition of a maneuver with the aircraft's reference dimensions.
+
+    Raises
+    ------
+    BadInput
+        If the aircraft stood: without airspeed nothing aerodynamic can be told.
+    """
+    if not condition.dynamic_pressure_pa > 0.0 or not condition.airspeed_m_s > 0.0:
+        raise BadInput(
+            f"the record was taken at an airspeed of {condition.airspeed_m_s:g} m/s; a model of "
+            "the flying aircraft needs a maneuver that was flown (ground records are compared as "
+            "mini-GVT)",
+            code="no-airspeed",
+        )
     polar = aircraft.polar
     return FlightCondition(
         airspeed=condition.airspeed_m_s,

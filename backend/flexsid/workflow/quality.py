@@ -35,7 +35,7 @@ from flexsid.workflow.recording import Conditioning
 from flexsid.workflow.sensing import sense
 from flexsid.workflow.skews import SensorFaults, biases, sensor_faults
 
-_VERSION = 5  # of what is looked at: a higher one looks again at every maneuver
+_VERSION = 6  # of what is looked at: a higher one looks again at every maneuver
 _MOST_LISTED = 50
 
 
@@ -87,7 +87,12 @@ def assess(store: Store, maneuver: Maneuver, content: str) -> ManeuverQuality:
     channels = read_channels(store.database, maneuver.id)
     steps = conditioning_of(store, maneuver.id)
     stretches = {
-        name: _artefacts(channel, samples, steps.get(name, Conditioning()).stretches)
+        name: _artefacts(
+            channel,
+            samples,
+            _moving(maneuver, channel),
+            steps.get(name, Conditioning()).stretches,
+        )
         for name, (channel, samples) in channels.items()
     }
     signal = _signal_to_noise(store, maneuver, [c for c, _ in channels.values()], missing)
@@ -125,8 +130,24 @@ def _keep(store: Store, found: ManeuverQuality) -> ManeuverQuality:
         return store.qualities.add(found)
 
 
+def _moving(maneuver: Maneuver, channel: Channel) -> slice | None:
+    """Samples of a channel during which the excitation moves what it measures."""
+    excitation = maneuver.excitation
+    if excitation is None:
+        return None
+    if channel.role is Role.INPUT and not excitation.harmonics.get(channel.name):
+        return None
+    begin = excitation.start_s - channel.start_s
+    end = begin + excitation.n_periods * excitation.period_s
+    first, stop = (round(at * channel.rate_hz) for at in (begin, end))
+    return slice(max(first, 0), min(stop, channel.n_samples))
+
+
 def _artefacts(
-    channel: Channel, samples: np.ndarray, repaired: Sequence[tuple[int, int]]
+    channel: Channel,
+    samples: np.ndarray,
+    moving: slice | None,
+    repaired: Sequence[tuple[int, int]],
 ) -> tuple[FoundStretch, ...]:
     """Faults of samples that nobody repaired; a command is digital and rests, a condition slow."""
     if channel.role in (Role.COMMAND, Role.CONDITION):
@@ -138,7 +159,7 @@ def _artefacts(
             stop=stretch.stop,
             start_s=channel.start_s + stretch.first / channel.rate_hz,
         )
-        for stretch in find_artefacts(np.asarray(samples, dtype=float))
+        for stretch in find_artefacts(np.asarray(samples, dtype=float), moving)
         if not any(first <= stretch.first and stretch.stop <= stop for first, stop in repaired)
     )
 

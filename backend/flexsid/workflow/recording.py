@@ -202,8 +202,10 @@ def trim_removed(
     excitation = maneuver.excitation
     begin = maneuver.start_s if excitation is None else excitation.start_s
     trim = round((begin - start_s) * rate_hz)
-    steady = samples[:trim] if trim >= _TRIM_S * rate_hz else samples
-    return samples - steady.mean(axis=0)
+    # From the first sample on, so that a channel that never moves is exactly zero.
+    moved = samples - samples[:1]
+    steady = moved[:trim] if trim >= _TRIM_S * rate_hz else moved
+    return moved - steady.mean(axis=0)
 
 
 def _held_level(

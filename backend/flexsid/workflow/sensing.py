@@ -18,6 +18,7 @@ from flexsid.workflow.measurement import MeasuredLines
 from flexsid.workflow.models import OutputDefinition, build_model, define_outputs
 from flexsid.workflow.modes import AircraftModes, companion_modes, find_modal_tables, load_modes
 from flexsid.workflow.recording import maneuver_lines
+from flexsid.workflow.transforms import load_channels
 
 _CLEAR_OF_NYQUIST = 0.4  # of the sampling rate
 _FIRST_LINE = 4.0  # cycles per record, where no lines are known
@@ -74,15 +75,19 @@ def sense(store: Store, maneuver: Maneuver, band_hz: tuple[float, float] | None 
     table = load_modes(store, modal, damping)
     channels = {c.name: c for c in store.channels.find(maneuver_id=maneuver.id)}
     names, left_out = _usable(aircraft, channels, table)
+    inputs = tuple(c.name for c in channels.values() if c.role is Role.INPUT)
+    known = {surface.name for surface in aircraft.surfaces}
+    inputs = tuple(name for name in inputs if name in known)
+    for name in _still(store, maneuver, (*names, *inputs)):
+        left_out[name] = "it holds one value all the time"
+    names = tuple(name for name in names if name not in left_out)
+    inputs = tuple(name for name in inputs if name not in left_out)
     if not names:
         raise BadInput(
             "no channel of this maneuver belongs to a sensor whose place in the structure is known",
             code="no-sensors",
         )
     outputs = define_outputs(aircraft, names)
-    inputs = tuple(c.name for c in channels.values() if c.role is Role.INPUT)
-    known = {surface.name for surface in aircraft.surfaces}
-    inputs = tuple(name for name in inputs if name in known)
     band = band_hz or _band(maneuver, [channels[name] for name in (*names, *inputs)])
     measured = measure(store, maneuver, aircraft, inputs, outputs, band)
     if maneuver.excitation is None and band_hz is None:
@@ -198,6 +203,13 @@ def _usable(
         else:
             names.append(sensor.name)
     return tuple(names), left_out
+
+
+def _still(store: Store, maneuver: Maneuver, names: Sequence[str]) -> list[str]:
+    """Channels that never move: nothing can be told from them, nor of their noise."""
+    assert maneuver.id is not None
+    recorded = load_channels(store, maneuver.id, names)
+    return [channel.name for channel, samples in recorded if not np.ptp(samples) > 0.0]
 
 
 def _band(maneuver: Maneuver, channels: Sequence[Channel]) -> tuple[float, float] | None:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.sysid.estimation.experiment import Experiment
-from flexsid.sysid.estimation.output_error import check_finite
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.signals import FrequencyResponse
+from flexsid.sysid.signals import FrequencyResponse, check_signal
 
 
 def frequency_response_error(
@@ -43,7 +42,7 @@ def frequency_response_error(
         unit[:, model.inputs.index(column)] = 1.0
         rows = [response.outputs.index(output) for output in model.outputs]
         values = response.values[:, rows, 0]
-        check_finite(values, model.outputs)
+        check_signal(values, model.outputs)
         omega.append(response.omega)
         inputs.append(unit)
         measured.append(values)

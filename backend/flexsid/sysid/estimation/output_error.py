@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexsid.errors import BadInput
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.signals import FrequencyData, check_signal
 
 
 def output_error(
@@ -46,8 +45,8 @@ def output_error(
     """
     u = inputs.pick(model.inputs).values
     z = outputs.pick(model.outputs).values
-    check_finite(u, model.inputs)
-    check_finite(z, model.outputs)
+    check_signal(u, model.inputs)
+    check_signal(z, model.outputs)
     return Experiment(
         name=name,
         model=model,
@@ -59,28 +58,3 @@ def output_error(
         group_names=(name,),
         edges_s=edges_s,
     )
-
-
-def check_finite(values: np.ndarray, names: tuple[str, ...]) -> None:
-    """Refuse channels without signal or with numbers that are none.
-
-    Raises
-    ------
-    BadInput
-        Naming the first such channel.
-    """
-    if np.isfinite(values).all() and all(np.count_nonzero(values, axis=0).tolist()):
-        return
-    for column, name in enumerate(names):
-        if not np.isfinite(values[:, column]).all():
-            raise BadInput(
-                f"the spectrum of '{name}' is not finite; check the recording for gaps",
-                code="not-finite",
-                channel=name,
-            )
-        if not values[:, column].any():
-            raise BadInput(
-                f"channel '{name}' carries no signal at the lines of the fit; leave it out",
-                code="no-signal",
-                channel=name,
-            )

@@ -16,7 +16,7 @@ from jaxtyping import Complex, Float, Int
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.signals import FrequencyData, check_signal
 
 _WORST_CONDITION = 1e8
 _ITERATIONS = 20
@@ -61,6 +61,8 @@ def reconstruct_motion(
 
     Raises
     ------
+    BadInput
+        If the noise is not known and an output carries no signal.
     NotIdentifiable
         If the sensors cannot tell the modes apart.
 
@@ -72,6 +74,8 @@ def reconstruct_motion(
     z = outputs.pick(model.outputs).values
     P = instruments[:, :, None] * model.sensors.response(outputs.omega)
     n_y, n_r = P.shape[1:]
+    if noise is None:
+        check_signal(z, model.outputs)  # a sensor without any would seem to have no noise either
     if n_y < n_r:
         raise NotIdentifiable(
             f"{n_y} outputs cannot give {n_r} motions (alpha, q and "

@@ -37,13 +37,18 @@ class Stretch:
     stop: int
 
 
-def find_artefacts(samples: Float[np.ndarray, " n_samples"]) -> tuple[Stretch, ...]:
+def find_artefacts(
+    samples: Float[np.ndarray, " n_samples"], moving: slice | None = None
+) -> tuple[Stretch, ...]:
     """Find what no sensor of a moving aircraft records.
 
     Parameters
     ----------
     samples
         As recorded, in the native unit: a rounding would hide equal samples.
+    moving
+        Samples during which what is measured is known to move, so that a value held then
+        is no rest; None where that is not known.
 
     Notes
     -----
@@ -53,11 +58,14 @@ def find_artefacts(samples: Float[np.ndarray, " n_samples"]) -> tuple[Stretch, .
     more often than at any value next to it.
     """
     x = np.asarray(samples, dtype=float)
-    if x.size < 3 * _STILL or np.ptp(x) == 0.0:
+    if x.size < 3 * _STILL:
         return ()
+    if np.ptp(x) == 0.0:
+        whole = Stretch(kind=Artefact.DROPOUT, first=0, stop=x.size)
+        return () if moving is None else (whole,)
     first, stop = _equal_runs(x)
     saturated = _saturated(x, first, stop)
-    held = _held(x, first, stop) & ~saturated
+    held = _held(x, first, stop, moving) & ~saturated
     taken = _inside(x.size, first[held | saturated], stop[held | saturated])
     spikes = _spikes(x) & ~ndimage.binary_dilation(taken, iterations=2)
     found = [
@@ -180,14 +188,20 @@ def _saturated(x: Float[np.ndarray, " n"], first: np.ndarray, stop: np.ndarray) 
     return found
 
 
-def _held(x: Float[np.ndarray, " n"], first: np.ndarray, stop: np.ndarray) -> np.ndarray:
+def _held(
+    x: Float[np.ndarray, " n"], first: np.ndarray, stop: np.ndarray, moving: slice | None
+) -> np.ndarray:
     """Which runs of equal samples are far longer than runs usually are here.
 
-    Rest at either end of a record is trim.
+    Rest at either end of a record is trim, but for what lies in ``moving``.
     """
-    length = np.where((first > 0) & (stop < x.size), stop - first, 0)
+    begin, end = (0, 0) if moving is None else (moving.start, moving.stop)
+    at_ends = np.maximum(np.minimum(stop, end) - np.maximum(first, begin), 0)
+    length = np.where((first > 0) & (stop < x.size), stop - first, at_ends)
     usual = float(np.percentile(length, 95))
     long = length >= max(_STILL, 5.0 * usual)
+    if moving is not None:
+        return long
     return long if length[long].sum() <= x.size // 2 else np.zeros_like(long)
 
 

@@ -146,6 +146,12 @@ def _full_model(store: Store, question: OrderQuestion) -> _Full:
     )
     moved = {sensor.point for sensor in aircraft.sensors if sensor.point in modes.table.points}
     seen = [s.name for s in aircraft.sensors if s.point in moved or s.point in modes.table.gauges]
+    if not seen:
+        raise BadInput(
+            f"no sensor of {aircraft.name} has a place in the modal table {modal.name!r}; take one "
+            "with shapes at the sensors",
+            code="no-sensors",
+        )
     outputs = define_outputs(aircraft, default_outputs(aircraft, seen))
     chosen = at_fuel.select(tuple(order))
     model = build_model(aircraft, condition, chosen, inputs, outputs)
