@@ -13,6 +13,7 @@ from flexsid.sysid.estimation.delays import find_delays
 from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.parameters import select_parameters
+from flexsid.sysid.model.reduction import residualize
 from flexsid.sysid.signals import FrequencyData
 
 
@@ -47,6 +48,25 @@ def test_full_density_with_few_lines_is_shrunk_and_agrees(make_case):
     assert full.outcome is Outcome.CONVERGED
     apart = np.abs(full.values - diagonal.values) / diagonal.std_errors
     assert np.sqrt(np.mean(apart**2)) < 1.0
+
+
+@pytest.mark.parametrize("ratio", [0.65, 0.95])
+def test_a_full_density_bears_with_modes_that_were_left_out(make_case, ratio):
+    """What they do to all sensors at once counts as noise there, and hardly biases the rest."""
+    case, small = make_case(8, ratio), make_case(4, ratio)
+    omega = np.linspace(OMEGA[0], OMEGA[-1], 260)
+    u, y = case.spectra(3, omega)
+    z = add_noise(y, 0.002, np.random.default_rng(4))
+    experiment = small.experiment(u, z, omega)
+    keep = small.truth.modes
+    expected = residualize(case.truth, case.model.modes, case.model.condition, keep).values.ravel()
+    off = {}
+    for kind in ("diagonal", "full"):
+        found = maximize([experiment], small.free(), FitSettings(noise=kind))
+        assert found.outcome is Outcome.CONVERGED
+        assert len(found.steps) - 1 <= 40
+        off[kind] = float(np.median(np.abs(found.values / expected - 1.0)))
+    assert off["full"] < 0.5 * off["diagonal"]
 
 
 def test_several_maneuvers_share_their_derivatives(make_case):

@@ -74,3 +74,32 @@ def test_gradients_of_single_outputs_add_up(line_model):
     _, g = form.equations(sensitivity, nu, weights)
     parts = form.output_gradients(sensitivity, nu, weights)
     assert np.allclose(parts.sum(axis=(0, 2)), g, rtol=1e-10, atol=1e-10 * np.abs(g).max())
+
+
+def test_how_a_full_density_follows_equals_differences(line_model):
+    model, theta = line_model
+    response = model.respond(theta)
+    n_lines = model.experiment.omega.size
+    measured, group = model.experiment.measured, (np.arange(n_lines) >= 20).astype(int)
+
+    def density(at: np.ndarray) -> list[np.ndarray]:
+        nu = measured - model.respond(at).outputs
+        return [nu[group == g].T @ nu[group == g].conj() for g in range(2)]
+
+    rng = np.random.default_rng(6)
+    half = rng.normal(size=(2, *response.outputs.shape[1:] * 2))
+    blocks = half @ half.transpose(0, 2, 1) + np.eye(half.shape[1])
+    weights = LineMatrix(blocks.astype(complex), group)
+    sensitivity = model.sensitivity(theta, response)
+    nu = measured - response.outputs
+    parts = NormalForm(model).matrix_gradients(sensitivity, nu, weights)
+    for index in range(theta.size):
+        step = 1e-5 * max(abs(theta[index]), 1e-2)
+        shift = step * np.eye(theta.size)[index]
+        for part, W, after, before in zip(
+            parts, blocks, density(theta + shift), density(theta - shift), strict=True
+        ):
+            whitener = np.linalg.cholesky(W).T
+            expected = -whitener @ (after - before) @ whitener.T / (4.0 * step)
+            found = part[index].view(complex).reshape(expected.shape)
+            assert np.abs(found - expected).max() < 1e-5 * np.abs(expected).max()

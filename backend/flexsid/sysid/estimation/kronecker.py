@@ -115,6 +115,35 @@ class NormalForm:
             )
         return parts
 
+    def matrix_gradients(
+        self,
+        sensitivity: Sensitivity,
+        residuals: Complex[np.ndarray, "n_omega n_y"],
+        weights: LineMatrix,
+    ) -> list[Float[np.ndarray, "n_theta n_pairs"]]:
+        """Half of how the sum of nu nu^H of every group falls with theta, whitened by W.
+
+        Hermitian matrices, written as one row of real numbers for each parameter.
+        """
+        model, own = self.model, self.model.own_outputs
+        n_y, n_r = sensitivity.forces.shape[1:]
+        n_pairs = model.pair_rows.size
+        parts = []
+        for matrix, lines in zip(weights.blocks, weights.block_lines(), strict=True):
+            whitener = np.linalg.cholesky(matrix).conj().T
+            nu = (residuals[lines] @ whitener.T).conj()
+            forces = np.matmul(whitener, sensitivity.forces[lines]).reshape(-1, n_y * n_r)
+            moved = sensitivity.variables[:, None, lines] * nu.T
+            spread = (forces.T @ moved.reshape(-1, nu.shape[0]).T).reshape(n_y, n_r, -1, n_y)
+            cross = np.empty((model.order.size, n_y, n_y), dtype=complex)
+            picked = spread[:, model.pair_rows, model.pair_columns]
+            cross[model.order[:n_pairs]] = picked.transpose(1, 0, 2) * model.scale[:, None, None]
+            single = sensitivity.own[:, lines] @ nu
+            cross[model.order[n_pairs:]] = whitener[:, own].T[:, :, None] * single[:, None, :]
+            half = 0.5 * (cross + cross.conj().transpose(0, 2, 1))
+            parts.append(half.reshape(model.order.size, -1).view(float))
+        return parts
+
     def _ordered(
         self, N: Float[np.ndarray, "n_theta n_theta"]
     ) -> Float[np.ndarray, "n_theta n_theta"]:

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from scipy.linalg import lapack
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation import noise
@@ -23,10 +22,17 @@ from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.line_model import LineModel, Response, Sensitivity
 from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.steps import (
+    curvatures,
+    damped_step,
+    gradient_is_small,
+    size_in_std_errors,
+)
 
 Report = Callable[[int, float], None]
 _AS_EXPECTED = 0.75  # of what the curvature promises: good enough to look no further
 _CONVERGING = 0.3  # share of the step before: smaller ones shrink for good
+_QUICK = 4  # iterations that may pass before a fit counts as slow
 _NEAR = 20  # standard errors: steps below count as near the optimum
 
 
@@ -151,15 +157,15 @@ class _Problem:
         damping = 1e-4
         outcome = Outcome.ITERATION_LIMIT
         for iteration in range(1, self.settings.max_iterations + 1):
-            near = steps[-1].step < _NEAR
+            near, slow = steps[-1].step < _NEAR, iteration > _QUICK
             around = self.expand(state, [S.inverse() for S in state.densities])
-            found = self._step(state, around, damping, near=near)
+            found = self._step(state, around, damping, near=near, slow=slow)
             if found is None:
-                small = _gradient_is_small(around.N, around.g)
+                small = gradient_is_small(around.N, around.g)
                 outcome = Outcome.CONVERGED if small else Outcome.DIVERGED
                 break
             trial, damping = found
-            size = _size_in_std_errors(around.N, trial.theta - state.theta)
+            size = size_in_std_errors(around.N, trial.theta - state.theta)
             state = trial
             steps.append(Step(iteration, state.cost, size))
             report(iteration, state.cost)
@@ -183,38 +189,38 @@ class _Problem:
         return _Expansion(N, g, weights, sensitivities)
 
     def followed(self, state: _State, around: _Expansion) -> Float[np.ndarray, "n_theta any"]:
-        """What letting a diagonal S follow takes off the curvature, as columns of a square.
+        """What letting S follow takes off the curvature, as columns of a square.
 
-        With S concentrated out the cost is sum M ln c_o, whose curvature lacks
-        2/M g_o g_o^T of every output o. Without this term the relaxation of S
-        converges only linearly where the model is of too low an order.
+        With S concentrated out the cost is sum M ln |S|, whose curvature lacks
+        2/M tr(H_i H_j) of the whitened matrices H_i = dS/dtheta_i; of a diagonal S,
+        2/M g_o g_o^T of every output o. Without this term the relaxation of S converges
+        only linearly where the model is of too low an order.
         """
         columns = [np.empty((state.theta.size, 0))]
         for form, sensitivity, nu, W in zip(
             self.forms, around.sensitivities, state.residuals, around.weights, strict=True
         ):
-            if W.is_diagonal:
-                gradients = form.output_gradients(sensitivity, nu, W)
-                counts = np.bincount(W.block)
-                columns.extend(gradients * np.sqrt(2.0 / counts)[:, None, None])
+            counts = np.bincount(W.block)
+            if not W.is_diagonal and noise.shrinkage(int(counts.min()), nu.shape[1]) > 0.0:
+                continue  # a shrunk S is no minimum of the cost
+            gradients = form.output_gradients if W.is_diagonal else form.matrix_gradients
+            parts = gradients(sensitivity, nu, W)
+            columns.extend(np.sqrt(2.0 / n) * g for n, g in zip(counts, parts, strict=True))
         return np.concatenate(columns, axis=1)
 
     def _step(
-        self, state: _State, around: _Expansion, damping: float, *, near: bool
+        self, state: _State, around: _Expansion, damping: float, *, near: bool, slow: bool
     ) -> tuple[_State, float] | None:
         """Best trial with the least damping that lowers the cost.
 
-        With S concentrated out the curvature is exact near the optimum; far from it either
-        matrix may lead further, so both are tried.
+        With S concentrated out the curvature is exact near the optimum; far from it another
+        may lead further, so that several are tried.
         """
-        candidates = [around.N]
         followed = self.followed(state, around)
-        if followed.size:
-            candidates.insert(0, around.N - followed @ followed.T)
         while damping < 1e9:
             best = state
-            for matrix in candidates:
-                delta = _damped_step(matrix, around, damping)
+            for matrix in curvatures(around.N, followed, slow=slow):
+                delta = damped_step(matrix, np.diag(around.N), around.g, damping)
                 if delta is None:
                     continue
                 trial = self.at(state.theta + delta)
@@ -295,28 +301,8 @@ def _prior(
     return mean, information
 
 
-def _damped_step(matrix: np.ndarray, around: _Expansion, damping: float) -> np.ndarray | None:
-    """Solve with the diagonal raised, None where the matrix is still not positive.
-
-    Cholesky's rounding does not depend on how the parameters are scaled.
-    """
-    damped = matrix.copy(order="F")
-    damped.ravel("K")[:: len(damped) + 1] += damping * np.diag(around.N)
-    factor, info = lapack.dpotrf(damped, lower=False, overwrite_a=True, clean=False)
-    return None if info != 0 else lapack.dpotrs(factor, around.g, lower=False)[0]
-
-
-def _size_in_std_errors(N: np.ndarray, delta: np.ndarray) -> float:
-    """Largest step against a lower bound of its standard error, correlation ignored."""
-    return float(np.max(np.abs(delta) * np.sqrt(2.0 * np.diag(N))))
-
-
 def _left_to_go(steps: Sequence[Step]) -> float:
     """Standard errors still to go if steps keep shrinking as the last one did."""
     last, before = steps[-1].step, steps[-2].step
     rate = last / before if np.isfinite(before) and before > 0 else 1.0
     return last * rate / (1.0 - rate) if rate < _CONVERGING else last
-
-
-def _gradient_is_small(N: np.ndarray, g: np.ndarray) -> bool:
-    return bool(np.max(np.abs(g) / np.sqrt(np.maximum(np.diag(N), 1e-300))) < 1e-2)
