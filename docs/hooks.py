@@ -75,7 +75,7 @@ def _client() -> str:
         [
             "# Python client",
             "",
-            "`pip install flexsid[client]`; see [Work from a notebook](../how-to/notebook.md).",
+            "The workbench over HTTP; see [Work from a notebook](../how-to/notebook.md).",
             "",
             "::: flexsid.client.workbench.Workbench",
             "",
