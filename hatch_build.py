@@ -66,7 +66,10 @@ def npm(*arguments: str) -> None:
     installed = FRONTEND / "node_modules" / ".installed-from"
     if not installed.is_file() or installed.read_text() != lock:
         subprocess.run(
-            [*command, "ci", "--loglevel", "error", "--no-update-notifier"], cwd=FRONTEND, env=environment, check=True
+            [*command, "ci", "--loglevel", "error", "--no-update-notifier"],
+            cwd=FRONTEND,
+            env=environment,
+            check=True,
         )
         installed.write_text(lock)
     subprocess.run([*command, *arguments], cwd=FRONTEND, env=environment, check=True)
