@@ -2,7 +2,8 @@
 
 With J = G_i w_j the normal matrix is N[(i,j),(i',j')] = Re sum_k A_ii' conj(w_j) w_j',
 A = G^H W G. The real part of a sum of complex products is one real matrix product of
-their interleaved parts, so nothing complex is ever multiplied out.
+their interleaved parts, so nothing complex is ever multiplied out; as A and w w^H are
+Hermitian, half of each is enough.
 """
 
 from __future__ import annotations
@@ -23,15 +24,15 @@ class NormalForm:
         self.model = model
         n_r, n_w = model.rows.size, model.columns.size
         n_w += int(np.count_nonzero(model.pair_columns >= n_w))
-        upper = np.triu_indices(n_r)
-        self._upper = upper[0] * n_r + upper[1]
+        self._upper = _upper_places(n_r)
         pairs = (tuple(model.pair_rows.tolist()), tuple(model.pair_columns.tolist()))
         self._places = _places_of_pairs(*pairs, n_r, n_w)
         self._scales = np.outer(model.scale, model.scale)
         # Kept, because asking the system for that much memory anew takes as long as filling it.
         self._weighted = np.empty(model.sensors.shape, dtype=complex)
-        self._outer = np.empty((n_w, n_w, model.s.size), dtype=complex)
-        self._in_order = bool(np.all(np.diff(model.order) > 0))
+        self._outer = np.empty((n_w * (n_w + 1) // 2, model.s.size), dtype=complex)
+        self._blocks = np.empty((2, self._upper.size, model.s.size), dtype=complex)
+        self._in_order = bool((model.order[1:] > model.order[:-1]).all())
 
     def equations(
         self,
@@ -70,9 +71,9 @@ class NormalForm:
         weighted = weights.times(G, out=self._weighted)
         np.conjugate(weighted, out=weighted)
         A = np.matmul(weighted.transpose(0, 2, 1), G).reshape(G.shape[0], -1)
-        blocks = np.ascontiguousarray(A.T[self._upper])
-        np.multiply(w[:, None, :], w.conj(), out=self._outer)
-        sums = _real_products(blocks, self._outer.reshape(-1, w.shape[1]))
+        self._blocks[0] = A.T[self._upper]
+        np.conjugate(self._blocks[0], out=self._blocks[1])
+        sums = _real_products(self._blocks.reshape(-1, w.shape[1]), self._outer_products(w))
         p, own = model.pair_rows.size, model.own_outputs
         N = np.empty((p + own.size,) * 2)
         np.multiply(sums.ravel()[self._places], self._scales, out=N[:p, :p])
@@ -109,10 +110,11 @@ class NormalForm:
             ).reshape(n_y, n_r, -1)
             picked = spread[:, model.pair_rows, model.pair_columns] * model.scale
             part[model.order[:n_pairs]] = picked.T
-            E = sensitivity.own[:, lines]
-            part[model.order[n_pairs:], own] = np.real(
-                np.einsum("ek,ek->e", E.conj(), pull[own][:, lines])
-            )
+            if own.size:
+                E = sensitivity.own[:, lines]
+                part[model.order[n_pairs:], own] = np.real(
+                    np.einsum("ek,ek->e", E.conj(), pull[own][:, lines])
+                )
         return parts
 
     def matrix_gradients(
@@ -143,6 +145,18 @@ class NormalForm:
             half = 0.5 * (cross + cross.conj().transpose(0, 2, 1))
             parts.append(half.reshape(model.order.size, -1).view(float))
         return parts
+
+    def _outer_products(
+        self, w: Complex[np.ndarray, "n_w n_omega"]
+    ) -> Complex[np.ndarray, "n_pairs n_omega"]:
+        """w_j conj(w_j') for j <= j', row by row."""
+        conjugate = w.conj()
+        first = 0
+        for j, variable in enumerate(w):
+            last = first + len(w) - j
+            np.multiply(variable, conjugate[j:], out=self._outer[first:last])
+            first = last
+        return self._outer
 
     def _ordered(
         self, N: Float[np.ndarray, "n_theta n_theta"]
@@ -178,12 +192,24 @@ def _places_of_pairs(
 ) -> np.ndarray:
     """Where the sum of A_ii' conj(w_j) w_j' of every pair of parameters is kept.
 
-    Only i <= i' is computed; the rest follows from A being Hermitian.
+    Only i <= i' and j <= j' are computed, with A and with its conjugate below it; the rest
+    follows from both being Hermitian.
     """
     rows, columns = np.array(pair_rows, dtype=int), np.array(pair_columns, dtype=int)
-    number = np.zeros((n_r, n_r), dtype=int)
-    number[np.triu_indices(n_r)] = np.arange(n_r * (n_r + 1) // 2)
-    number = np.maximum(number, number.T) * n_w**2
-    across = columns * n_w
-    place = np.where(rows[:, None] <= rows, across[:, None] + columns, columns[:, None] + across)
-    return number[rows][:, rows] + place
+    blocks, products = _numbers_of_pairs(n_r), _numbers_of_pairs(n_w)
+    turned = (rows[:, None] - rows) * (columns[:, None] - columns) < 0
+    block = blocks[np.ix_(rows, rows)] + np.where(turned, n_r * (n_r + 1) // 2, 0)
+    return block * (n_w * (n_w + 1) // 2) + products[np.ix_(columns, columns)]
+
+
+def _numbers_of_pairs(n: int) -> np.ndarray:
+    """Number of each pair among those of an upper triangle, whichever comes first."""
+    number = np.zeros((n, n), dtype=int)
+    number[np.triu_indices(n)] = np.arange(n * (n + 1) // 2)
+    return np.maximum(number, number.T)
+
+
+@lru_cache(maxsize=32)
+def _upper_places(n: int) -> np.ndarray:
+    """Where the upper triangle stands in a flattened matrix."""
+    return np.flatnonzero(np.triu(np.ones((n, n), dtype=bool)))

@@ -185,7 +185,8 @@ class _Problem:
             sensitivity = form.model.sensitivity(state.theta, response)
             sensitivities.append(sensitivity)
             n_part, g_part = form.equations(sensitivity, nu, W)
-            N, g = N + n_part, g + g_part
+            N += n_part
+            g += g_part
         return _Expansion(N, g, weights, sensitivities)
 
     def followed(self, state: _State, around: _Expansion) -> Float[np.ndarray, "n_theta any"]:

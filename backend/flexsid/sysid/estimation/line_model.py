@@ -64,6 +64,7 @@ class LineModel:
         self.s = 1j * experiment.omega
         self.sensors = experiment.instruments[:, :, None] * model.sensors.response(experiment.omega)
         self.dynamics = model.known_dynamics(experiment.omega)
+        self._powers = np.stack([np.ones_like(experiment.omega), experiment.omega], axis=1)
         self.rows = model.row_factors()
         self.columns = model.column_factors()
         self._inputs = np.ascontiguousarray(experiment.inputs.T)
@@ -75,8 +76,8 @@ class LineModel:
         self._scales = [(k, e.output) for k, e in extras if e.kind == "scale"]
         own = [(k, e) for k, e in extras if e.kind not in ("omega", "zeta")]
         self.own_outputs = np.array([e.output for _, e in own], dtype=int)
-        self.pair_rows = np.append(parameters.rows, [2 + e.mode for _, e in self._modal]).astype(
-            int
+        self.pair_rows = np.array(
+            [*parameters.rows.tolist(), *(2 + e.mode for _, e in self._modal)], dtype=int
         )
         beyond = self.columns.size + np.arange(len(self._modal))
         self.pair_columns = np.append(parameters.columns, beyond).astype(int)
@@ -84,14 +85,20 @@ class LineModel:
         self.scale = np.append(known, np.ones(len(self._modal)))
         self.order = np.array([*range(first), *(k for k, _ in self._modal), *(k for k, _ in own)])
         self._own = own
+        # Kept, because asking the system for that much memory anew takes as long as filling it.
+        self._forces = np.empty(self.sensors.shape, dtype=complex)
 
     def respond(self, theta: Float[np.ndarray, " n_theta"]) -> Response:
         """Outputs at theta: one small solve per line."""
         n_r = self.dynamics.shape[1]
         n = n_r - 2
         forces = self.rows[:, None] * self.parameters.table(theta).values * self.columns
-        K = self.dynamics - forces[:, :n_r]
-        np.imag(K)[:, :, 2:] -= self.experiment.omega[:, None, None] * forces[:, n_r : n_r + n]
+        by_power = np.zeros((2, n_r, n_r), dtype=complex)
+        by_power[0] = forces[:, :n_r]
+        by_power[1, :, 2:] = 1j * forces[:, n_r : n_r + n]
+        K = (self._powers @ by_power.view(float).reshape(2, -1)).view(complex)
+        K = K.reshape(self.dynamics.shape)
+        np.subtract(self.dynamics, K, out=K)
         if self._modal:
             self._retune(theta, K)
         load = self.experiment.inputs @ forces[:, n_r + n :].T
@@ -106,8 +113,8 @@ class LineModel:
         return Response(motion, outputs, unit_motion, sensors, delayed)
 
     def sensitivity(self, theta: Float[np.ndarray, " n_theta"], response: Response) -> Sensitivity:
-        """Factored sensitivities of the outputs around a response."""
-        forces = np.matmul(response.sensors, response.unit_motion)
+        """Factored sensitivities of the outputs; the next call overwrites them."""
+        forces = np.matmul(response.sensors, response.unit_motion, out=self._forces)
         if response.delayed is not None:
             forces *= response.delayed[:, :, None]
         motion = response.motion.T

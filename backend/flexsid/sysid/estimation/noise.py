@@ -57,16 +57,19 @@ class LineMatrix:
         out: Complex[np.ndarray, "n_omega n_y n_k"] | None = None,
     ) -> Complex[np.ndarray, "n_omega n_y n_k"]:
         """Matrix product at every line, into ``out`` where it is given."""
-        if self.is_diagonal:
-            return np.multiply(values, self.of_lines()[:, :, None], out=out)
-        if self.blocks.shape[0] == self.block.size:
-            return np.matmul(self.blocks, values, out=out)
         result = np.empty(values.shape, dtype=complex) if out is None else out
-        n_y, n_k = values.shape[1:]
+        if self.is_diagonal:
+            # Real and imaginary parts times a real number: half the work of complex products.
+            parts = np.ascontiguousarray(values).reshape(len(values), -1).view(float)
+            weighted = result.reshape(parts.shape[0], -1).view(float)
+            for diagonal, lines in zip(self.blocks, self.block_lines(), strict=True):
+                factors = np.repeat(diagonal, 2 * values.shape[2])
+                np.multiply(parts[lines], factors, out=weighted[lines])
+            return result
+        if self.blocks.shape[0] == self.block.size:
+            return np.matmul(self.blocks, values, out=result)
         for matrix, lines in zip(self.blocks, self.block_lines(), strict=True):
-            # The lines of a block side by side: one product instead of one for each line.
-            beside = values[lines].transpose(1, 0, 2).reshape(n_y, -1)
-            result[lines] = (matrix @ beside).reshape(n_y, -1, n_k).transpose(1, 0, 2)
+            np.matmul(matrix, values[lines], out=result[lines])
         return result
 
     def block_lines(self) -> list[slice]:
@@ -83,8 +86,8 @@ def group_powers(
     """Mean square of every output over the lines of each group."""
     if n_groups == 1:
         parts = np.ascontiguousarray(values).view(float)
-        sums = np.full(len(parts), 1.0 / len(parts)) @ (parts * parts)
-        return sums.reshape(1, -1, 2).sum(axis=2)
+        sums = np.einsum("kc,kc->c", parts, parts)
+        return sums.reshape(1, -1, 2).sum(axis=2) / len(parts)
     member = (group == np.arange(n_groups)[:, None]) / np.bincount(group, minlength=n_groups)[
         :, None
     ]
@@ -156,14 +159,16 @@ def smoothed_density(
     densities, block = [], np.empty(group.size, dtype=int)
     for g in range(n_groups):
         lines = np.flatnonzero(group == g)
-        first = np.arange(0, lines.size, _SEGMENT)
-        ends = np.append(first[1:], lines.size)
-        nu = residuals[lines]
-        sums = [nu[a:b].T @ nu[a:b].conj() for a, b in zip(first, ends, strict=True)]
-        at = np.arange(first.size)
+        segment = np.arange(lines.size) // _SEGMENT
+        sizes = np.bincount(segment)
+        nu = np.zeros((sizes.size * _SEGMENT, residuals.shape[1]), dtype=complex)
+        nu[: lines.size] = residuals[lines]
+        nu = nu.reshape(sizes.size, _SEGMENT, -1)
+        sums = nu.transpose(0, 2, 1) @ nu.conj()
+        at = np.arange(sizes.size)
         near = np.abs(at[:, None] - at) <= _NEIGHBOURS
-        share = near / (near @ (ends - first))[:, None]
-        block[lines] = sum(len(d) for d in densities) + np.arange(lines.size) // _SEGMENT
-        flat = np.stack(sums).reshape(first.size, -1).view(float)
-        densities.append((share @ flat).view(complex).reshape(-1, *sums[0].shape))
+        share = near / (near @ sizes)[:, None]
+        block[lines] = sum(len(d) for d in densities) + segment
+        smooth = share @ sums.reshape(sizes.size, -1).view(float)
+        densities.append(smooth.view(complex).reshape(sums.shape))
     return LineMatrix(np.concatenate(densities), block)
