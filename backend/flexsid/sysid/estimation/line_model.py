@@ -67,6 +67,7 @@ class LineModel:
         self._powers = np.stack([np.ones_like(experiment.omega), experiment.omega], axis=1)
         self.rows = model.row_factors()
         self.columns = model.column_factors()
+        self._factors = self.rows[:, None] * self.columns
         self._inputs = np.ascontiguousarray(experiment.inputs.T)
         first = parameters.rows.size
         extras = list(enumerate(parameters.extras, start=first))
@@ -81,7 +82,7 @@ class LineModel:
         )
         beyond = self.columns.size + np.arange(len(self._modal))
         self.pair_columns = np.append(parameters.columns, beyond).astype(int)
-        known = self.rows[parameters.rows] * self.columns[parameters.columns]
+        known = self._factors[parameters.rows, parameters.columns]
         self.scale = np.append(known, np.ones(len(self._modal)))
         self.order = np.array([*range(first), *(k for k, _ in self._modal), *(k for k, _ in own)])
         self._own = own
@@ -92,12 +93,11 @@ class LineModel:
         """Outputs at theta: one small solve per line."""
         n_r = self.dynamics.shape[1]
         n = n_r - 2
-        forces = self.rows[:, None] * self.parameters.table(theta).values * self.columns
-        by_power = np.zeros((2, n_r, n_r), dtype=complex)
-        by_power[0] = forces[:, :n_r]
-        by_power[1, :, 2:] = 1j * forces[:, n_r : n_r + n]
-        K = (self._powers @ by_power.view(float).reshape(2, -1)).view(complex)
-        K = K.reshape(self.dynamics.shape)
+        forces = self._factors * self.parameters.table(theta).values
+        by_power = np.zeros((2, n_r, n_r, 2))  # of omega: 0 is real, 1 is imaginary
+        by_power[0, :, :, 0] = forces[:, :n_r]
+        by_power[1, :, 2:, 1] = forces[:, n_r : n_r + n]
+        K = (self._powers @ by_power.reshape(2, -1)).view(complex).reshape(self.dynamics.shape)
         np.subtract(self.dynamics, K, out=K)
         if self._modal:
             self._retune(theta, K)

@@ -44,7 +44,7 @@ def damped_step(
 
 def size_in_std_errors(N: np.ndarray, delta: np.ndarray) -> float:
     """Largest step against a lower bound of its standard error, correlation ignored."""
-    return float(np.max(np.abs(delta) * np.sqrt(2.0 * np.diag(N))))
+    return float((np.abs(delta) * np.sqrt(2.0 * N.diagonal())).max())
 
 
 def gradient_is_small(N: np.ndarray, g: np.ndarray) -> bool:

@@ -30,9 +30,11 @@ class SensorRows:
         self, omega: Float[np.ndarray, " n_omega"]
     ) -> Complex[np.ndarray, "n_omega n_y n_r"]:
         """Output per unit motion at each frequency. [output unit]"""
-        s = 1j * np.asarray(omega, dtype=float)
-        powers = np.stack([1.0 / s, np.ones_like(s), s, s * s], axis=1)
-        return np.tensordot(powers, self.polynomial, axes=(1, 0))
+        w = np.asarray(omega, dtype=float)
+        powers = np.stack([1.0 / w, np.ones_like(w), w, w * w], axis=1)
+        turned = np.array([-1j, 1.0, 1j, -1.0])[:, None] * self.polynomial.reshape(4, -1)
+        answer = (powers @ turned.view(float)).view(complex)
+        return answer.reshape(w.size, *self.polynomial.shape[1:])
 
     def rigid_only(self) -> SensorRows:
         """The same sensors blind to the structure (C_e = 0, Fig. 11)."""
