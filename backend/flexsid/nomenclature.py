@@ -48,6 +48,7 @@ _DISPLAY: dict[str, tuple[str, float]] = {
     "rad": ("deg", 180.0 / pi),
     "rad/s": ("deg/s", 180.0 / pi),
     "rad/s2": ("deg/s²", 180.0 / pi),
+    "1/s2": ("1/s²", 1.0),
     "strain": ("µε", 1e6),
     "kg*m2": ("kg·m²", 1.0),
     "kg/m3": ("kg/m³", 1.0),

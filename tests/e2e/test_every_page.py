@@ -98,6 +98,8 @@ def test_a_page_is_whole_for_everybody(
 
 def _walk(page: Page, name: str, address: str) -> None:
     axe = _axe()
+    if name != "start":  # who says nothing about himself is asked before he may propose
+        page.add_init_script("localStorage.setItem('flexsid.analyst', 'Bo')")
     page.goto(address)
     _settled(page)
     for theme in ("light", "dark"):
@@ -114,6 +116,7 @@ def _walk(page: Page, name: str, address: str) -> None:
         if theme == "light":
             page.set_viewport_size({"width": WIDTHS[0], "height": 900})
             page.get_by_test_id("theme-toggle").click()
+            page.mouse.move(0, 0)
 
 
 def _axe() -> str:
@@ -123,11 +126,16 @@ def _axe() -> str:
     return (Path(package.__file__).parent / "axe.min.js").read_text()
 
 
+_FIGURES_FIT = """() => [...document.querySelectorAll(".js-plotly-plot")].every(
+    (plot) => plot.offsetParent === null || plot._fullLayout.width === plot.clientWidth)"""
+
+
 def _settled(page: Page) -> None:
     """Nothing is loading, and every figure is drawn."""
     expect(page.get_by_role("heading", level=1)).to_be_visible()
     expect(page.locator("[aria-busy=true]")).to_have_count(0, timeout=60_000)
     expect(page.locator("[data-drawn=false]")).to_have_count(0, timeout=60_000)
+    page.wait_for_function(_FIGURES_FIT)
 
 
 def _fits(page: Page, where: str) -> None:
@@ -159,4 +167,4 @@ def _violations(page: Page, axe: str) -> list[str]:
 
 def _shoot(page: Page, name: str) -> None:
     SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-    page.screenshot(path=SCREENSHOTS / f"{name}.png")
+    page.screenshot(path=SCREENSHOTS / f"{name}.png", full_page=True)

@@ -7,7 +7,17 @@ from typing import Literal
 import numpy as np
 
 from flexsid.figures import quantities, style
-from flexsid.figures.spec import Spec, axis, column, empty, layout_key, rows, title, vertical_mark
+from flexsid.figures.spec import (
+    Spec,
+    axis,
+    column,
+    empty,
+    layout_key,
+    rows,
+    stagger,
+    title,
+    vertical_mark,
+)
 from flexsid.records.views import Bode, Response
 
 View = Literal["bode", "nichols", "nyquist"]
@@ -94,17 +104,14 @@ def _layout(outputs: tuple[str, ...], value: Bode, per_output: int) -> Spec:
                 "range": [0, 1.05],
             }
     layout["shapes"], layout["annotations"] = [], []
-    for place, mode in enumerate(value.modes):
+    for mode in value.modes:
         shape, name = vertical_mark(mode.frequency_hz, quantities.text(mode.name), log=True)
         if mode.run_id is not None:
             shape["line"] |= {"color": style.VERMILION, "dash": "dash"}
-            # the same mode, in vacuo and in flight, is close by: its name stands lower
-            name |= {
-                "font": {"size": 11, "color": style.VERMILION},
-                "yshift": -14 * (1 + place % 3),
-            }
+            name["font"] = {"size": 11, "color": style.VERMILION}
         layout["shapes"].append(shape)
         layout["annotations"].append(name)
+    stagger(layout["annotations"])
     return layout
 
 

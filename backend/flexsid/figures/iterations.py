@@ -27,8 +27,8 @@ def iterations(value: Convergence) -> Spec:
         ),
     }
     layout: Spec = {
-        "xaxis": {**title("Iteration [1]"), "rangemode": "tozero", "tickformat": "d"},
-        "yaxis": {**title("Cost J [1]"), "tickformat": ".5~g"},
+        "xaxis": {**title("Iteration [1]"), "rangemode": "tozero", "dtick": 1 + len(steps) // 10},
+        "yaxis": {**title("Cost J [1]"), "tickformat": ".8~g"},
         "showlegend": False,
         "meta": {"rows": 1},
     }

@@ -19,6 +19,9 @@ _REFERENCE = (
 )
 
 
+_NAME_WIDTH, _NAME_HEIGHT = 0.12, 0.06  # of a name, as shares of the figure
+
+
 def poles(value: PoleMap) -> Spec:
     """Draw the upper half plane; right of the dashed line a mode is unstable."""
     if not any(group.poles for group in value.groups):
@@ -26,13 +29,14 @@ def poles(value: PoleMap) -> Spec:
     references = iter(_REFERENCE)
     repeats: Counter[str] = Counter()
     data = []
+    names = iter(_names(value))
     for group in value.groups:
         if group.method is None:
             look = next(references)
         else:
             look = style.of_method(group.method.value, repeats[group.method.value])
             repeats[group.method.value] += 1
-        data.append(_trace(group, look))
+        data.append(_trace(group, look, next(names)))
     layout: Spec = {
         "xaxis": {**title("Real part [rad/s]"), "zeroline": False},
         "yaxis": {**title("Imaginary part [rad/s]"), "rangemode": "tozero"},
@@ -49,7 +53,28 @@ def poles(value: PoleMap) -> Spec:
     return {"data": data, "layout": layout}
 
 
-def _trace(group: PoleGroup, look: tuple[str, str]) -> Spec:
+def _names(value: PoleMap) -> list[list[str]]:
+    """Names beside the poles; of those of one mode that lie close together, one bears it."""
+    every = [pole for group in value.groups for pole in group.poles]
+    wide = np.ptp([pole.real for pole in every]) * _NAME_WIDTH
+    high = np.ptp([pole.imag for pole in every]) * _NAME_HEIGHT
+    named: list[Pole] = []
+    names = []
+    for group in value.groups:
+        names.append([])
+        for pole in group.poles:
+            close = any(
+                abs(pole.real - other.real) <= wide and abs(pole.imag - other.imag) <= high
+                for other in named
+                if other.name == pole.name
+            )
+            names[-1].append("" if close else text(pole.name))
+            if not close:
+                named.append(pole)
+    return names
+
+
+def _trace(group: PoleGroup, look: tuple[str, str], names: list[str]) -> Spec:
     colour, symbol = look
     trace: Spec = {
         "type": "scatter",
@@ -57,7 +82,7 @@ def _trace(group: PoleGroup, look: tuple[str, str]) -> Spec:
         "name": text(group.label),
         "x": column([pole.real for pole in group.poles]),
         "y": column([pole.imag for pole in group.poles]),
-        "text": [text(pole.name) for pole in group.poles],
+        "text": names,
         "textposition": "top right",
         "marker": {
             "color": colour,

@@ -14,6 +14,8 @@ Spec = dict[str, Any]
 
 _LONG = 64
 _GAP = 0.035
+_LETTER = 0.008  # width of a letter in a figure, as a share of it
+_LINE_PX = 14
 
 
 def column(
@@ -88,6 +90,18 @@ def vertical_mark(x: float, text: str, *, log: bool = False) -> tuple[Spec, Spec
         "font": {"size": 11},
     }  # fmt: skip
     return shape, annotation
+
+
+def stagger(names: list[Spec]) -> None:
+    """Write the names of vertical marks below each other where side by side they would overlap."""
+    names.sort(key=lambda name: name["x"])
+    reach = names[-1]["x"] - names[0]["x"] if names else 0.0
+    ends: list[float] = []  # of what is written so far, by line
+    for name in names:
+        line = next((k for k, end in enumerate(ends) if end <= name["x"]), len(ends))
+        end = name["x"] + _LETTER * len(name["text"]) * reach
+        ends[line : line + 1] = [end]
+        name["yshift"] = -_LINE_PX * line
 
 
 def empty(text: str) -> Spec:

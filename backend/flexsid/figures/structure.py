@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.figures import style
-from flexsid.figures.spec import Spec, column, empty, rows, title, vertical_mark
+from flexsid.figures.spec import Spec, column, empty, rows, stagger, title, vertical_mark
 from flexsid.records.modal_views import (
     AssuranceMatrix,
     ModelOrder,
@@ -65,9 +65,9 @@ def modes_against_fuel(value: ModesAgainstFuel) -> Spec:
         )  # fmt: skip
     layout: Spec = {
         "meta": {"rows": 3},
-        "xaxis": {**title("fuel fraction [1]"), "anchor": "y2"},
-        "yaxis": {**title("frequency [Hz]"), "domain": top, "rangemode": "tozero"},
-        "yaxis2": {**title("damping [%]"), "domain": bottom, "rangemode": "tozero"},
+        "xaxis": {**title("Fuel fraction [1]"), "anchor": "y2"},
+        "yaxis": {**title("Frequency [Hz]"), "domain": top, "rangemode": "tozero"},
+        "yaxis2": {**title("Damping ratio [%]"), "domain": bottom, "rangemode": "tozero"},
     }
     return {"data": data, "layout": layout}
 
@@ -134,7 +134,7 @@ def model_order(value: ModelOrder, names: tuple[str, ...]) -> Spec:
         key = "yaxis" if place == 0 else f"yaxis{place + 1}"
         layout[key] = {**title(name), "domain": domains[place], "automargin": True}
     layout["xaxis"] = {
-        **title("structural modes kept"),
+        **title("Structural modes kept"),
         "anchor": f"y{len(chosen)}" if len(chosen) > 1 else "y",
         "tickmode": "array",
         "tickvals": counts,
@@ -171,9 +171,9 @@ def reduced_responses(value: ReducedResponses) -> Spec:
              "hovertemplate": f"{name}<br>%{{x:.2f}} Hz<br>%{{y:.0f}}°<extra></extra>"}
         )  # fmt: skip
     layout: Spec = {
-        "xaxis": {**title("frequency [Hz]"), "type": "log", "anchor": "y2"},
+        "xaxis": {**title("Frequency [Hz]"), "type": "log", "anchor": "y2"},
         "yaxis": {**title(f"|{value.output}/{value.input}| [dB, {value.unit}]"), "domain": top},
-        "yaxis2": {**title("phase [deg]"), "domain": bottom},
+        "yaxis2": {**title("Phase [deg]"), "domain": bottom},
     }
     return {"data": data, "layout": layout}
 
@@ -209,12 +209,13 @@ def stabilisation(value: Stabilisation) -> Spec:
              "hovertemplate": hover}
         )  # fmt: skip
     marks = [vertical_mark(float(hertz), f"{hertz:.2f}") for hertz in value.mode_hz]
+    stagger([annotation for _, annotation in marks])
     layout: Spec = {
         "meta": {"rows": 3},
-        "xaxis": title("frequency [Hz]"),
-        "yaxis": title("order of the model"),
-        "yaxis2": {**title(f"mean {value.quantity}/force [dB]"), "overlaying": "y",
-                   "side": "right", "showgrid": False},
+        "xaxis": title("Frequency [Hz]"),
+        "yaxis": title("Order of the model"),
+        "yaxis2": {**title(f"Mean {value.quantity}/force [dB]"), "overlaying": "y",
+                   "side": "right", "showgrid": False, "tickmode": "auto"},
         "shapes": [shape for shape, _ in marks],
         "annotations": [annotation for _, annotation in marks],
     }  # fmt: skip

@@ -30,7 +30,8 @@ def warnings_of(estimate: Estimate) -> tuple[str, ...]:
     if pairs.size:
         worst = pairs[np.argsort(-correlation[pairs[:, 0], pairs[:, 1]])]
         found.append(
-            f"{len(pairs)} pairs of parameters are correlated above {CORRELATED}: "
+            f"{len(pairs)} {'pair' if len(pairs) == 1 else 'pairs'} of parameters "
+            f"{'is' if len(pairs) == 1 else 'are'} correlated above {CORRELATED}: "
             + _some(np.array([f"{names[i]} with {names[j]}" for i, j in worst]))
             + "."
         )

@@ -51,7 +51,7 @@ const ERRORS: Column<AllocatedError>[] = [
   { key: "name", header: "Derivative", render: (row) => <DerivativeName name={row.name} /> },
   ...WAYS.map(([way, header]) => ({
     key: way,
-    header: `σ, ${header.toLowerCase()}`,
+    header: `σ, ${header.charAt(0) === "D" ? header : header.toLowerCase()}`,
     unit: "%",
     numeric: true,
     render: (row: AllocatedError) => fixed(100 * row[way], 1),

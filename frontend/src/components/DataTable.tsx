@@ -6,6 +6,8 @@ export interface Column<Row> {
   unit?: string;
   /** Numbers stand at the right so that their digits line up. */
   numeric?: boolean;
+  /** Sentences go over several lines; whatever else there is stays on one. */
+  wraps?: boolean;
   /** Name by which this column is sorted; without one it is not sortable. */
   sort?: string;
   render: (row: Row) => ReactNode;
@@ -56,7 +58,7 @@ export function DataTable<Row>(props: Props<Row>) {
               data-selected={isSelected?.(row) === true ? "true" : undefined}
             >
               {columns.map((column) => (
-                <td key={column.key} className={column.numeric === true ? "end" : undefined}>
+                <td key={column.key} className={classOf(column)}>
                   {column.render(row)}
                 </td>
               ))}
@@ -66,6 +68,11 @@ export function DataTable<Row>(props: Props<Row>) {
       </table>
     </div>
   );
+}
+
+function classOf<Row>(column: Column<Row>): string | undefined {
+  if (column.numeric === true) return "end";
+  return column.wraps === true ? "wraps" : undefined;
 }
 
 interface HeaderProps<Row> {

@@ -36,6 +36,7 @@ export function FoundManeuvers({ flightId, items, onLook }: Props) {
     {
       key: "excitation",
       header: "Excitation",
+      wraps: true,
       render: (one) => (one.excitation === null ? "no multisine recognised" : lines(one)),
     },
     { key: "basis", header: "Found by", render: (one) => one.basis },

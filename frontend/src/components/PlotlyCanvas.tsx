@@ -1,6 +1,6 @@
 import { useEffect, useRef, useState } from "react";
 import type { FigureSpec } from "../api/types";
-import { inUnits, themedLayout, windowed } from "../lib/figureLayout";
+import { inUnits, themedData, themedLayout, windowed } from "../lib/figureLayout";
 import type { FigureEvents, PlotlyHandle } from "./figureEvents";
 
 interface Props extends FigureEvents {
@@ -60,7 +60,7 @@ export function PlotlyCanvas({ spec, scheme, height, revision, window, ...props 
       const { data, layout } = structuredClone(spec);
       const drawn = await Plotly.react(
         target,
-        data,
+        themedData(data, scheme),
         windowed(themedLayout(layout, scheme, height, revision), window),
         CONFIG,
       );

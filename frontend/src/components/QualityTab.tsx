@@ -4,7 +4,7 @@ import { qualityQuery } from "../api/queries";
 import type { ManeuverQuality } from "../api/types";
 import { useTakeCorrections } from "../api/commands";
 import { calibrationsOf, delaysOf, repairsOf } from "./corrections";
-import { count, fixed, percent } from "../lib/format";
+import { count, fixed, percent, significant } from "../lib/format";
 import { ConditioningSteps } from "./ConditioningSteps";
 import { Facts } from "./ConditionFacts";
 import { Figure } from "./Figure";
@@ -178,7 +178,7 @@ function Condition({ quality }: { quality: ManeuverQuality }) {
                   <td>{one.name}</td>
                   {[one.mean, one.std, one.smallest, one.largest, one.drift].map((value, place) => (
                     <td className="end numbers" key={place}>
-                      {fixed(value, 4)}
+                      {significant(value)}
                     </td>
                   ))}
                   <td>{one.unit}</td>

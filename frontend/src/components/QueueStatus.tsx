@@ -21,7 +21,11 @@ export function QueueStatus({ status }: { status: Status }) {
       />
       <Fact
         label="Empty in about"
-        value={status.remaining_s === null ? "–" : duration(status.remaining_s)}
+        value={
+          status.remaining_s === null || status.remaining_s <= 0
+            ? "–"
+            : duration(status.remaining_s)
+        }
       />
     </Group>
   );

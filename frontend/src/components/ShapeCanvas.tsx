@@ -20,7 +20,7 @@ const INK = {
 const SECONDS = 1.6;
 const NEAR = 14;
 
-/** One mode drawn in lines: undeformed grey, deformed black; drag turns it, the wheel zooms. */
+/** One mode drawn in lines: undeformed faint, deformed strong; drag turns it, the wheel zooms. */
 export function ShapeCanvas({ shape, scale, playing, camera, onCamera, height = 420 }: Props) {
   const scheme = useComputedColorScheme("light");
   const canvas = useRef<HTMLCanvasElement>(null);

@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { figureHeight, inUnits, themedLayout, windowed } from "./figureLayout";
+import { figureHeight, inUnits, themedData, themedLayout, windowed } from "./figureLayout";
 
 it("adds the theme without overruling the server", () => {
   const layout = themedLayout(
@@ -11,6 +11,24 @@ it("adds the theme without overruling the server", () => {
   expect(layout).toMatchObject({ height: 300, uirevision: "same", paper_bgcolor: "rgba(0,0,0,0)" });
   expect(layout.xaxis).toMatchObject({ type: "log", gridcolor: "red", automargin: true });
   expect(layout.yaxis2).toMatchObject({ title: { text: "q", standoff: 8 } });
+});
+
+it("keeps points of a dark scale visible on the dark page", () => {
+  const points = { type: "scatter", marker: { colorscale: "Cividis", size: 7 } };
+  const area = { type: "heatmap", colorscale: "Cividis" };
+  expect(themedData([points, area], "light")).toEqual([points, area]);
+  const [bright, same] = themedData([points, area], "dark");
+  expect(bright).toMatchObject({
+    marker: {
+      colorscale: [
+        [0, "#7d93c4"],
+        [0.5, "#b5ae93"],
+        [1, "#fee838"],
+      ],
+      size: 7,
+    },
+  });
+  expect(same).toBe(area);
 });
 
 it("grows with the rows that the server counts", () => {

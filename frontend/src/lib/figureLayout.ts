@@ -63,6 +63,26 @@ export function windowed(layout: Layout, window: [number, number] | undefined): 
   return { ...layout, xaxis: { ...(layout.xaxis as Layout), range, autorange: false } };
 }
 
+/** Scales of color whose dark end would vanish on the dark page, begun where it is seen. */
+const BRIGHT: Record<string, [number, string][]> = {
+  Cividis: [
+    [0, "#7d93c4"],
+    [0.5, "#b5ae93"],
+    [1, "#fee838"],
+  ],
+};
+
+/** Points colored by a scale, visible on either page; areas keep their scale. */
+export function themedData(data: Layout[], scheme: "light" | "dark"): Layout[] {
+  if (scheme === "light") return data;
+  return data.map((trace) => {
+    const marker = trace.marker;
+    if (!isObject(marker) || typeof marker.colorscale !== "string") return trace;
+    const bright = BRIGHT[marker.colorscale];
+    return bright === undefined ? trace : { ...trace, marker: { ...marker, colorscale: bright } };
+  });
+}
+
 export function themedLayout(
   layout: Layout,
   scheme: "light" | "dark",

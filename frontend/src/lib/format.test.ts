@@ -37,3 +37,8 @@ describe("numbers", () => {
     expect(elapsed(at(0), null)).toBe("–");
   });
 });
+
+it("writes what rounds to nothing without a sign", () => {
+  expect(fixed(-0.0004, 3)).toBe("0.000");
+  expect(fixed(-0.0006, 3)).toBe("−0.001");
+});

@@ -5,7 +5,9 @@ const NONE = "\u2013";
 
 type Maybe = number | null | undefined;
 
-const signed = (text: string) => text.replace("-", MINUS);
+// What rounds to nothing has no sign.
+const signed = (text: string) =>
+  Number(text) === 0 ? text.replace("-", "") : text.replace("-", MINUS);
 
 /** Fixed decimals; a dash where there is no number. */
 export function fixed(value: Maybe, decimals: number): string {

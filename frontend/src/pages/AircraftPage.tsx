@@ -166,7 +166,7 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
                         .map((fuel) => percent(fuel))
                         .join(" to "),
                   },
-                  { key: "note", header: "Note", render: (one) => one.note },
+                  { key: "note", header: "Note", wraps: true, render: (one) => one.note },
                 ]}
                 rows={all}
                 rowKey={(one) => one.id}

@@ -131,11 +131,12 @@ function Listed({ items }: { items: DecisionItem[] }) {
         />
       ),
     },
-    { key: "range", header: "For", render: (one) => limitsText(one.proposal.limits) },
+    { key: "range", header: "For", wraps: true, render: (one) => limitsText(one.proposal.limits) },
     { key: "by", header: "By", render: (one) => one.authors.join(", ") },
     {
       key: "votes",
       header: "Votes",
+      wraps: true,
       render: (one) =>
         Object.entries(one.votes)
           .map(([name, vote]) => `${name}: ${vote.replace("-", " ")}`)
@@ -162,7 +163,7 @@ function Listed({ items }: { items: DecisionItem[] }) {
 function Baselines({ aircraftId }: { aircraftId: number }) {
   const baselines = useQuery(baselinesQuery(aircraftId));
   const columns: Column<Baseline>[] = [
-    { key: "range", header: "For", render: (one) => limitsText(one.limits) },
+    { key: "range", header: "For", wraps: true, render: (one) => limitsText(one.limits) },
     {
       key: "structure",
       header: "Structure",

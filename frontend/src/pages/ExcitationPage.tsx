@@ -48,6 +48,7 @@ const DESIGN_COLUMNS: Column<Design>[] = [
   {
     key: "inputs",
     header: "Inputs",
+    wraps: true,
     render: (design) => design.wish.inputs.map((own) => own.name).join(", "),
   },
   {

@@ -13,11 +13,18 @@ const route = getRouteApi("/glossary");
 
 const columns: Column<GlossaryEntry>[] = [
   { key: "symbol", header: "Symbol", render: (one) => <code>{one.symbol}</code> },
-  { key: "label", header: "In tables", render: (one) => one.label },
+  { key: "label", header: "In tables", render: (one) => <Subscripts text={one.label} /> },
   { key: "unit", header: "Unit stored", render: (one) => one.unit },
   { key: "display_unit", header: "Unit shown", render: (one) => one.display_unit },
-  { key: "meaning", header: "Meaning", render: (one) => one.meaning },
+  { key: "meaning", header: "Meaning", wraps: true, render: (one) => one.meaning },
 ];
+
+/** `V_f` with its index below the line. */
+function Subscripts({ text }: { text: string }) {
+  return text
+    .split(/_(\w+)/)
+    .map((part, place) => (place % 2 === 1 ? <sub key={place}>{part}</sub> : part));
+}
 
 /** What every symbol of the workbench stands for, with its unit. */
 export function GlossaryPage() {

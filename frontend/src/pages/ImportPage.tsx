@@ -21,7 +21,7 @@ export function ImportPage() {
       <PageHead
         title="Import"
         trail={[
-          <Link key="campaign" to="/campaign">
+          <Link key="campaign" to="/campaign" className="link">
             Campaign
           </Link>,
         ]}

@@ -17,7 +17,7 @@ const COLUMNS: Column<RunEvent>[] = [
   { key: "at", header: "When", render: (line) => dateTime(line.at) },
   { key: "kind", header: "What", render: (line) => line.kind },
   { key: "attempt", header: "Attempt", numeric: true, render: (line) => line.attempt || "–" },
-  { key: "message", header: "Detail", render: (line) => line.message },
+  { key: "message", header: "Detail", wraps: true, render: (line) => line.message },
 ];
 
 /** What happened to a job, line by line. */

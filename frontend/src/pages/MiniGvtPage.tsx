@@ -119,6 +119,14 @@ function Tracked() {
       <Loaded query={tests}>
         {(items) => (
           <Table className="numbers" fz="sm">
+            <Table.Thead>
+              <Table.Tr>
+                <Table.Th>Flight</Table.Th>
+                <Table.Th>Mode</Table.Th>
+                <Table.Th ta="right">Left over [%]</Table.Th>
+                <Table.Th>Verdict</Table.Th>
+              </Table.Tr>
+            </Table.Thead>
             <Table.Tbody>
               {items.flatMap((test) =>
                 test.peaks.map((peak) => (

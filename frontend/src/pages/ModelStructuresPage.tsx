@@ -99,7 +99,7 @@ function Listed({ structures, aircraft }: Props) {
       numeric: true,
       render: (one) => dateTime(one.changed_at ?? one.created_at),
     },
-    { key: "note", header: "Note", render: (one) => one.note },
+    { key: "note", header: "Note", wraps: true, render: (one) => one.note },
   ];
   return (
     <div className="panel">

@@ -110,6 +110,7 @@ const columns: Column<QualityItem>[] = [
   {
     key: "summary",
     header: "In words",
+    wraps: true,
     render: (one) => (
       <span style={{ display: "block", maxWidth: 460, whiteSpace: "normal" }}>
         {one.summary ?? "–"}

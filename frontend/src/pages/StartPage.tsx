@@ -35,32 +35,36 @@ export function StartPage() {
         <Step to="/flutter" name="Flutter" fact="what the next test point risks" />
       </ol>
       <div className="halves">
-        <Section title="What runs" note={activity(inState("running"), inState("queued"))}>
-          <Runs filters={{ state: "running" }} sort="-id" none="Nothing is being estimated." />
-          {inState("queued") > 0 && (
-            <Text size="sm" mt="xs">
-              <Link to="/jobs" className="link">
-                {count(inState("queued"), "job")} waiting
-              </Link>
-            </Text>
-          )}
-        </Section>
-        <Section title="What is wrong" note={count(inState("failed"), "run") + " failed"}>
-          <Runs filters={{ state: "failed" }} sort="-finished_at" none="No run has failed." />
-        </Section>
-        <Section title="What waits for review" note="Open proposals of model structures">
-          <Proposals />
-        </Section>
-        <Section title="What changed" note="Estimated last">
-          <Runs
-            filters={{ state: "succeeded" }}
-            sort="-finished_at"
-            none="Nothing has been estimated yet."
-          />
-        </Section>
-        <Section title="New in the campaign" note="Imported last">
-          <NewManeuvers />
-        </Section>
+        <div className="stack">
+          <Section title="What runs" note={activity(inState("running"), inState("queued"))}>
+            <Runs filters={{ state: "running" }} sort="-id" none="Nothing is being estimated." />
+            {inState("queued") > 0 && (
+              <Text size="sm" mt="xs">
+                <Link to="/jobs" className="link">
+                  {count(inState("queued"), "job")} waiting
+                </Link>
+              </Text>
+            )}
+          </Section>
+          <Section title="What waits for review" note="Open proposals of model structures">
+            <Proposals />
+          </Section>
+          <Section title="New in the campaign" note="Imported last">
+            <NewManeuvers />
+          </Section>
+        </div>
+        <div className="stack">
+          <Section title="What is wrong" note={count(inState("failed"), "run") + " failed"}>
+            <Runs filters={{ state: "failed" }} sort="-finished_at" none="No run has failed." />
+          </Section>
+          <Section title="What changed" note="Estimated last">
+            <Runs
+              filters={{ state: "succeeded" }}
+              sort="-finished_at"
+              none="Nothing has been estimated yet."
+            />
+          </Section>
+        </div>
       </div>
     </>
   );
@@ -101,7 +105,11 @@ function NextStep() {
       </ButtonLink>
     );
   }
-  const [last] = done;
+  // What can be told apart is worth comparing: another method, or a prediction.
+  const hasCompany = (run: RunItem) =>
+    run.prediction_id !== null ||
+    done.some((other) => other.id !== run.id && other.maneuver_id === run.maneuver_id);
+  const last = done.find(hasCompany) ?? done[0];
   const together = done.filter((run) => run.maneuver_id === last?.maneuver_id);
   return (
     <>

@@ -106,7 +106,7 @@ function columnsOf(correct: (mode: ModeAtFuel) => void): Column<ModeAtFuel>[] {
       numeric: true,
       render: (row) => fixed(row.followed, 3),
     },
-    { key: "reason", header: "Why", render: (row) => row.reason },
+    { key: "reason", header: "Why", wraps: true, render: (row) => row.reason },
     {
       key: "correct",
       header: "",

@@ -156,6 +156,7 @@ const COLUMNS: Column<Step>[] = [
   {
     key: "poles",
     header: "Poles",
+    wraps: true,
     render: (row) =>
       row.poles
         .map(([re = 0, im = 0]) => {

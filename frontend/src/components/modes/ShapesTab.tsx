@@ -91,7 +91,7 @@ export function ShapesTab({ table, usable, view, onChange }: TableProps) {
         )}
       </div>
       <Text size="xs" className="quiet">
-        Undeformed grey, deformed black; sensors are dots and tell φ and ν (per unit η, body axes)
+        Undeformed faint, deformed strong; sensors are dots and tell φ and ν (per unit η, body axes)
         when pointed at. Drag or arrow keys turn, wheel or + and − zoom.
       </Text>
     </Stack>
