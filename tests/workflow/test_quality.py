@@ -71,6 +71,25 @@ def test_a_sound_maneuver_is_good_and_looked_at_once(store: Store, keep):
     assert {a.name for a in condition.averages} >= {"airspeed", "fuel_fraction", "thrust"}
 
 
+def test_a_fault_of_one_sensor_does_not_put_skews_on_others(store: Store, keep):
+    """No mode explains a spike, and modes that chase it would untime all sensors."""
+
+    def spoil(name: str, x: np.ndarray, rate_hz: float) -> np.ndarray:
+        if name == "az_cf":
+            x = x.copy()
+            x[round(15.0 * rate_hz)] += 2.5
+        return late(x, rate_hz, 0.009) if name == "az_mar" else x
+
+    found = quality(store, keep(spoil).id)
+    skewed = {f.channel for f in found.report.findings if f.about == "skew"}
+    assert skewed == {"az_mar"}
+    channels = {c.name: c for c in found.report.channels}
+    delay, std = channels["az_mar"].delay_s, channels["az_mar"].delay_std
+    assert delay is not None
+    assert std is not None
+    assert abs(delay - 0.009) < 3.0 * std < 3e-3
+
+
 def test_skews_scale_factors_and_biases_on_every_channel_come_back(store: Store, keep):
     rng = np.random.default_rng(3)
     delays: dict[str, float] = {}

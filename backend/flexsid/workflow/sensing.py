@@ -25,7 +25,8 @@ _FIRST_LINE = 4.0  # cycles per record, where no lines are known
 _LOWEST_HZ = 0.25  # below lies the phugoid, which the model has not
 _SMOOTHED = 9  # lines over which the power of the surfaces is averaged
 _QUIET = 1e-2  # of their largest power: they did not move there
-_TOO_NOISY = 2.0  # times the noise of a sensor: more modes are moving than the model has
+_TOO_NOISY = 1.3  # times the noise of a sensor: more modes are moving than the model has
+_NO_BETTER = 1.15  # times the least disagreement that more modes leave
 _ANY_BAND = 100.0  # of the band: no mode is too far above
 
 
@@ -114,7 +115,7 @@ def motion_of(sensing: Sensing, modes: Sequence[int] = ()) -> tuple[AeroelasticM
         The sensors.
     modes
         Numbers of the modes; none to begin with those near the band and to add higher ones
-        while a sensor disagrees with the others by more than its noise.
+        while a sensor disagrees with the others by more than its noise and they explain it.
 
     Returns
     -------
@@ -141,18 +142,38 @@ def motion_of(sensing: Sensing, modes: Sequence[int] = ()) -> tuple[AeroelasticM
             numbers = numbers[:-1]
             model = sensing.with_modes(numbers)
     known = np.isfinite(sensing.noise)
-    while known.any() and len(numbers) < len(sensing.modes):
-        excess = float(np.max(motion.noise[known] / sensing.noise[known]))
-        if excess <= _TOO_NOISY:
-            break
-        more = sensing.modes[: len(numbers) + 1]
+    if not known.any():
+        return model, motion
+    tried = [(model, motion)]
+    while _disagreement(sensing, motion).max() > _TOO_NOISY and len(numbers) < len(sensing.modes):
+        numbers = sensing.modes[: len(numbers) + 1]
         try:
-            richer = sensing.with_modes(more)
-            motion = _reconstruct(sensing, richer)
+            model = sensing.with_modes(numbers)
+            motion = _reconstruct(sensing, model)
         except NotIdentifiable:
             break
-        numbers, model = more, richer
-    return model, motion
+        tried.append((model, motion))
+    return _fewest(sensing, tried)
+
+
+def _disagreement(sensing: Sensing, motion: Motion) -> np.ndarray:
+    """Disagreement over noise, of the sensors whose noise is known."""
+    known = np.isfinite(sensing.noise)
+    return motion.noise[known] / sensing.noise[known]
+
+
+def _fewest(
+    sensing: Sensing, tried: Sequence[tuple[AeroelasticModel, Motion]]
+) -> tuple[AeroelasticModel, Motion]:
+    """The fewest modes from which on more explain nothing.
+
+    A sensor that is at fault disagrees however many modes there are, and those that only
+    chase its fault take away what tells all others apart.
+    """
+    excess = np.array([_disagreement(sensing, motion) for _, motion in tried])
+    least = np.minimum.accumulate(excess[::-1], axis=0)[::-1]
+    enough = np.all(excess <= np.maximum(_TOO_NOISY, _NO_BETTER * least), axis=1)
+    return tried[int(np.argmax(enough))]
 
 
 def _transformed(maneuver: Maneuver) -> float:

@@ -11,6 +11,7 @@ from flexsid.records.aircraft import Sensor, SensorKind
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import Motion
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.preparation.biases import Bias, climb_angle, gyro_bias, vane_bias
 from flexsid.sysid.preparation.input_skews import InputSkews, find_input_skews
 from flexsid.sysid.preparation.redundancy import Faults, agreement, find_faults, widened
@@ -21,6 +22,7 @@ from flexsid.workflow.transforms import load_channels
 
 _CALIBRATED = (SensorKind.GYRO, SensorKind.VANE)
 _MORE_MODES = 2  # beyond the choice: what they would change widens the errors
+_NEAR_BAND = 2.6  # of the highest line: modes further above follow the others at once
 _SETTLED_S = 0.5  # without a known excitation, so much of the record is trim
 _HEARD = 2.0  # times its known noise
 _TELLING = 0.05  # [s]: a standard error above says that nothing is known
@@ -58,7 +60,12 @@ def sensor_faults(sensing: Sensing) -> SensorFaults:
     if all(kind in _CALIBRATED for kind in kinds.values()):
         scaled = ()
     reference = _reference(sensing)
-    first = find_faults(sensing.model, lines.outputs, lines.instruments, reference, scaled)
+    least = np.where(np.isfinite(sensing.noise), sensing.noise, 0.0)
+
+    def find(model: AeroelasticModel) -> Faults:
+        return find_faults(model, lines.outputs, lines.instruments, reference, scaled, least)
+
+    first = find(sensing.model)
     seen = np.where(first.delay_std < _TELLING, first.delay_s, 0.0)
     straight = np.exp(1j * np.outer(lines.omega, seen)) / first.scale
     values = lines.outputs.pick(names).values * straight
@@ -67,16 +74,14 @@ def sensor_faults(sensing: Sensing) -> SensorFaults:
     model, motion = motion_of(undone)
     count = len(model.modes.numbers)
     same = model.modes.numbers == sensing.model.modes.numbers
-    best = (
-        first if same else find_faults(model, lines.outputs, lines.instruments, reference, scaled)
-    )
+    best = first if same else find(model)
     others = []
     for more in range(1, _MORE_MODES + 1):
         if count + more > len(sensing.modes):
             break
         richer = sensing.with_modes(sensing.modes[: count + more])
         try:
-            others.append(find_faults(richer, lines.outputs, lines.instruments, reference, scaled))
+            others.append(find(richer))
         except NotIdentifiable:
             break
     coherence = agreement(model, undone.measured.outputs, lines.instruments, motion.noise)
@@ -97,15 +102,19 @@ def _input_skews(sensing: Sensing, motion: Motion, timed_s: float) -> InputSkews
     """
     if sensing.maneuver.excitation is None:
         return None
-    count = motion.values.shape[1] - 2
+    lines = sensing.measured
+    numbers = sensing.modes[: motion.values.shape[1] - 2]
+    near = sensing.with_modes(numbers).modes.omega < _NEAR_BAND * lines.omega[-1]
+    count = int(np.sum(near))
     found: list[InputSkews] = []
     for number in (count, count - 1, count + 1):
-        if not 0 <= number <= len(sensing.modes):
+        if not 0 <= number <= len(numbers):
             continue
-        model = sensing.with_modes(sensing.modes[:number])
         try:
-            moved = motion if number == count else motion_of(sensing, sensing.modes[:number])[1]
-            found.append(find_input_skews(model, moved, sensing.measured.inputs))
+            model = sensing.with_modes(numbers[:number])
+            found.append(
+                find_input_skews(model, motion.first(number), lines.inputs, lines.input_noise)
+            )
         except (NotIdentifiable, np.linalg.LinAlgError):
             if number == count:
                 return None

@@ -1,8 +1,9 @@
 """Time skews of the measured surfaces against the motion that they cause.
 
 Redundancy times sensors against each other; surfaces have none. But the coefficients that
-the motion tells are sums over motion and surfaces with real derivatives (Eq. 23), and a
-surface that was recorded late leaves a residual that no real derivative explains.
+the motion tells are sums over motion and surfaces with real derivatives (Eq. 23). A surface
+that was recorded late by tau leaves tau times its derivative as that of its rate, and all
+coefficients must agree on tau.
 """
 
 from __future__ import annotations
@@ -13,16 +14,21 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.errors import NotIdentifiable
-from flexsid.sysid.estimation.equation_error import aerodynamic_coefficients, regressors
+from flexsid.sysid.estimation.equation_error import (
+    MotionNoise,
+    aerodynamic_coefficients,
+    regressors,
+)
 from flexsid.sysid.estimation.reconstruction import Motion
+from flexsid.sysid.estimation.regression import Disturbance, regress
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.derivatives import coefficients
 from flexsid.sysid.preparation.redundancy import strong_lines
 from flexsid.sysid.signals import FrequencyData
 
-_STEPS = 30
-_LARGEST_STEP_RAD = 0.3
+_STEPS = 8
 _SMALL_S = 1e-7
-_NEIGHBOURS = 8
+_IN_BAND = 1.3  # of the highest line: modes further above are known by little but their stiffness
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +40,13 @@ class InputSkews:
     delay_std: Float[np.ndarray, " n_u"]
 
 
-def find_input_skews(model: AeroelasticModel, motion: Motion, inputs: FrequencyData) -> InputSkews:
-    """Find the delays with which real derivatives explain most of all coefficients.
+def find_input_skews(
+    model: AeroelasticModel,
+    motion: Motion,
+    inputs: FrequencyData,
+    noise: Float[np.ndarray, "n_omega n_u"] | None = None,
+) -> InputSkews:
+    """Find the delays on which the derivatives of all coefficients agree.
 
     Parameters
     ----------
@@ -45,6 +56,8 @@ def find_input_skews(model: AeroelasticModel, motion: Motion, inputs: FrequencyD
         Reconstructed from sensors whose delays are undone.
     inputs
         Surface deflections, known instruments undone. [rad s]
+    noise
+        Variance of the inputs' spectra, none by default. [rad2 s2]
 
     Raises
     ------
@@ -53,81 +66,85 @@ def find_input_skews(model: AeroelasticModel, motion: Motion, inputs: FrequencyD
 
     Notes
     -----
-    Derivatives are projected out (Kaufman 1975); coefficients count by how well they are
-    explained. Errors grow where neighbouring lines share residuals.
+    Errors of the motion are taken out of each regression as in equation error. Standard
+    errors grow where the coefficients disagree (Birge, Phys. Rev. 40, 1932).
     """
     u = inputs.pick(model.inputs).values
+    n_u = u.shape[1]
+    if n_u == 0:
+        raise NotIdentifiable("no surface was recorded", code="no-input")
     some = strong_lines(u)
-    omega, u = motion.omega[some], u[some]
-    C = aerodynamic_coefficients(model, motion)[some]
-    X = regressors(model, motion, inputs)[some]
-    n_u, n_lines = u.shape[1], u.shape[0]
-    if 2 * n_lines < 2 * X.shape[1] or n_u == 0:
-        raise NotIdentifiable(
-            f"{n_lines} lines are too few for {X.shape[1]} derivatives", code="too-few-lines"
-        )
-    rest = X[:, : X.shape[1] - n_u]
-    problem = _Problem(omega, rest, u, C)
+    seen = Motion(motion.omega[some], motion.values[some], motion.covariance[some], motion.noise)
+    equations = _Equations.of(model, seen, None if noise is None else noise[some])
     delay = np.zeros(n_u)
-    weight = np.ones(C.shape[1])
+    information, excess = np.eye(n_u), 1.0
     for _ in range(_STEPS):
-        residual, slopes = problem.linearise(delay)
-        weight = 1.0 / np.maximum(np.mean(residual**2, axis=0), 1e-300)
-        normal = np.einsum("kru,krv,r->uv", slopes, slopes, weight)
-        gradient = np.einsum("kru,kr,r->u", slopes, residual, weight)
-        size = np.sqrt(np.diag(normal))
-        if not np.all(size > 0) or np.linalg.cond(normal / np.outer(size, size)) > 1e10:
-            raise NotIdentifiable(
-                "the coefficients do not tell when the surfaces moved", code="no-redundancy"
-            )
-        step = np.linalg.solve(normal, gradient)
-        limit = _LARGEST_STEP_RAD / omega[-1]
-        step = np.clip(step, -limit, limit)
+        turned = u[some] * np.exp(1j * seen.omega[:, None] * delay)
+        step, information, excess = equations.step(FrequencyData(seen.omega, turned, model.inputs))
         delay = delay + step
         if np.max(np.abs(step)) < _SMALL_S:
             break
-    return InputSkews(model.inputs, delay, problem.std(delay, weight))
+    variance = np.diag(np.linalg.inv(information))
+    return InputSkews(model.inputs, delay, np.sqrt(max(1.0, excess) * variance))
 
 
 @dataclass(frozen=True, slots=True)
-class _Problem:
-    """Coefficients (n_omega, n_rows), motion columns and inputs at the lines."""
+class _Equations:
+    """Coefficients (n_omega, n_rows) of the rows in use, each with the errors of its regressors."""
 
-    omega: Float[np.ndarray, " n_omega"]
-    rest: Complex[np.ndarray, "n_omega n_rest"]
-    u: Complex[np.ndarray, "n_omega n_u"]
+    model: AeroelasticModel
+    motion: Motion
     C: Complex[np.ndarray, "n_omega n_rows"]
+    rows: tuple[int, ...]
+    errors: tuple[Disturbance, ...]
 
-    def linearise(self, delay: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Residuals (2 n_omega, n_rows), and how each falls with each delay (..., n_u)."""
-        turned = self.u * np.exp(1j * self.omega[:, None] * delay)
-        X = _real(np.concatenate([self.rest, turned], axis=1))
-        q, r = np.linalg.qr(X / np.linalg.norm(X, axis=0))
-        z = _real(self.C)
-        inside = q.T @ z
-        theta = np.linalg.solve(r, inside) / np.linalg.norm(X, axis=0)[:, None]
-        residual = z - q @ inside
-        gains = theta[self.rest.shape[1] :]
-        change = _real(1j * self.omega[:, None] * turned)[:, None, :] * gains.T[None]
-        flat = change.reshape(change.shape[0], -1)
-        flat = flat - q @ (q.T @ flat)
-        return residual, flat.reshape(change.shape)
+    @classmethod
+    def of(
+        cls,
+        model: AeroelasticModel,
+        motion: Motion,
+        noise: Float[np.ndarray, "n_omega n_u"] | None,
+    ) -> _Equations:
+        top = _IN_BAND * motion.omega[-1]
+        rows = (0, 1, *(2 + k for k, own in enumerate(model.modes.omega) if own < top))
+        motion_noise = MotionNoise(model, motion)
+        n_u = len(model.inputs)
+        p = 2 + 2 * len(model.modes.numbers) + n_u
+        of_inputs = np.zeros((motion.omega.size, p + n_u))
+        if noise is not None:
+            of_inputs[:, p - n_u : p] = noise
+            of_inputs[:, p:] = noise * motion.omega[:, None] ** 2
+        errors = []
+        for row in rows:
+            known = motion_noise.of_row(row, np.zeros(p), np.arange(p))
+            spread = of_inputs[:, :, None] * np.eye(p + n_u)
+            spread[:, :p, :p] += known.regressors
+            cross = np.zeros((motion.omega.size, p + n_u))
+            cross[:, :p] = known.cross
+            errors.append(Disturbance(spread, cross, known.dependent))
+        return cls(model, motion, aerodynamic_coefficients(model, motion), rows, tuple(errors))
 
-    def std(self, delay: np.ndarray, weight: np.ndarray) -> Float[np.ndarray, " n_u"]:
-        """Standard errors, for residuals that neighbouring lines share too."""
-        residual, slopes = self.linearise(delay)
-        normal = np.einsum("kru,krv,r->uv", slopes, slopes, weight)
-        inverse = np.linalg.inv(normal)
-        score = np.einsum("kru,kr,r->ku", slopes, residual, weight)
-        n = self.omega.size
-        score = score[:n] + score[n:]
-        meat = score.T @ score
-        for lag in range(1, min(_NEIGHBOURS, n - 1) + 1):
-            shared = (1.0 - lag / (_NEIGHBOURS + 1.0)) * (score[lag:].T @ score[:-lag])
-            meat += shared + shared.T
-        coloured = np.diag(inverse @ meat @ inverse)
-        return np.sqrt(np.maximum(np.diag(inverse), coloured))
-
-
-def _real(values: np.ndarray) -> np.ndarray:
-    return np.concatenate([np.real(values), np.imag(values)])
+    def step(self, inputs: FrequencyData) -> tuple[np.ndarray, np.ndarray, float]:
+        """Further delay, what tells it, and by how much the rows disagree on it."""
+        n_u = len(inputs.names)
+        X = regressors(self.model, self.motion, inputs)
+        X = np.concatenate([X, 1j * inputs.omega[:, None] * inputs.values], axis=1)
+        names = coefficients(self.model.modes.numbers)
+        gains, rates, weights = [], [], []
+        for row, error in zip(self.rows, self.errors, strict=True):
+            labels = tuple(f"{names[row]}_{k}" for k in range(X.shape[1]))
+            found = regress(X, self.C[:, row], labels, error)
+            gains.append(found.values[-2 * n_u : -n_u])
+            rates.append(found.values[-n_u:])
+            weights.append(np.linalg.inv(found.covariance[-n_u:, -n_u:]))
+        theta, rate, weight = np.array(gains), np.array(rates), np.array(weights)
+        information = np.einsum("ru,ruv,rv->uv", theta, weight, theta)
+        size = np.sqrt(np.diag(information))
+        if not np.all(size > 0) or np.linalg.cond(information / np.outer(size, size)) > 1e10:
+            raise NotIdentifiable(
+                "the coefficients do not tell when the surfaces moved", code="no-redundancy"
+            )
+        step = np.linalg.solve(information, np.einsum("ru,ruv,rv->u", theta, weight, rate))
+        apart = rate - theta * step
+        chi_square = float(np.einsum("ru,ruv,rv->", apart, weight, apart))
+        return step, information, chi_square / ((len(self.rows) - 1) * n_u)

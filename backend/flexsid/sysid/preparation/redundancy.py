@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
+from scipy import linalg
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
@@ -25,6 +26,7 @@ _SMALL = 1e-3  # of a standard error: steps below change nothing
 _LARGEST_STEP_RAD = 0.3  # at the highest line: beyond that a delay may slip by a whole turn
 _NEIGHBOURS = 8  # lines whose residuals a missing mode makes alike
 _ENOUGH_LINES = 160
+_LEAST_SHARE = 0.1  # of signal in what tells a delay: below, it may be none
 _OWN_SAY = 0.5  # of a sensor in what is reconstructed of it: from here on it judges itself
 
 
@@ -52,6 +54,7 @@ def find_faults(
     instruments: Complex[np.ndarray, "n_omega n_y"],
     reference: str | None = None,
     scaled: Sequence[str] = (),
+    least: Float[np.ndarray, " n_y"] | None = None,
 ) -> Faults:
     """Find delays and scale factors on which all sensors agree about the motion.
 
@@ -67,6 +70,9 @@ def find_faults(
         Output that the others are timed against; the first by default.
     scaled
         Outputs whose scale factors are free; the others carry the scale.
+    least
+        Noise that every output has at least; without it a sensor may be fitted exactly.
+        [output unit * s]
 
     Raises
     ------
@@ -109,11 +115,13 @@ def find_faults(
         delay, gain = free.spread(value, len(names))
         seen = instruments[some] * np.exp(-1j * omega[:, None] * delay + gain)
         update = reconstruct_motion(model, FrequencyData(omega, z, names), seen).noise
+        if least is not None:
+            update = np.maximum(update, least)
         if np.max(np.abs(np.log(update / sigma))) < 0.05:
             break
         sigma = update
     value = _converge(problem, free, value, sigma)
-    std = np.sqrt(np.diag(_covariance(problem, free, value, sigma, names)))
+    std = np.sqrt(_variance(problem, free, value, sigma, names))
     delay, gain = free.spread(value, len(names))
     delay_std, gain_std = free.spread(std, len(names))
     return Faults(
@@ -155,6 +163,12 @@ class _Free:
     def channels(self) -> np.ndarray:
         return np.concatenate([self.delays, self.gains])
 
+    def factor(self, omega: np.ndarray) -> np.ndarray:
+        """Slope of each line over itself, (n_omega, n_free)."""
+        factor = np.ones((omega.size, self.count), dtype=complex)
+        factor[:, : self.delays.size] = -1j * omega[:, None]
+        return factor
+
     def spread(self, value: np.ndarray, n_y: int) -> tuple[np.ndarray, np.ndarray]:
         delay, gain = np.zeros(n_y), np.zeros(n_y)
         delay[self.delays] = value[: self.delays.size]
@@ -181,9 +195,7 @@ class _Problem:
         q, _ = np.linalg.qr(weighted / np.where(size > 0, size, 1.0)[:, None, :])
         z = self.z / sigma
         seen = np.matmul(q, np.matmul(q.conj().transpose(0, 2, 1), z[:, :, None]))[:, :, 0]
-        factor = np.ones((self.omega.size, free.count), dtype=complex)
-        factor[:, : free.delays.size] = -1j * self.omega[:, None]
-        return z - seen, factor * seen[:, free.channels], q
+        return z - seen, free.factor(self.omega) * seen[:, free.channels], q
 
 
 def _normal(
@@ -227,43 +239,72 @@ def _converge(
     return value
 
 
-def _covariance(
+def _variance(
     problem: _Problem,
     free: _Free,
     value: np.ndarray,
     sigma: np.ndarray,
     names: tuple[str, ...],
-) -> Float[np.ndarray, "n_free n_free"]:
+) -> Float[np.ndarray, " n_free"]:
+    """Variance of each delay and log gain.
+
+    The motion is reconstructed from noisy sensors, and their noise turned by a delay looks
+    like information. On average it is none: it is taken out of what the delays are told by,
+    and left in what they scatter by.
+    """
     residual, slope, q = problem.project(free, value, sigma)
     normal, _ = _normal(free, slope, q, residual)
-    scale = np.sqrt(np.maximum(np.diag(normal), 0.0))
-    if not scale.all() or np.linalg.cond(normal / np.outer(scale, scale)) > 1e12:
-        weak = names[free.channels[int(np.argmin(scale))]]
+    size = np.sqrt(np.maximum(np.diag(normal), 0.0))
+    if not size.all() or np.linalg.cond(normal / np.outer(size, size)) > 1e12:
+        weak = names[free.channels[int(np.argmin(size))]]
         raise NotIdentifiable(
             f"the other sensors do not tell the delay or scale factor of '{weak}'",
             code="no-redundancy",
             channel=weak,
         )
-    inverse = np.linalg.inv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
-    # The whitened residuals have unit variance per line by the choice of sigma.
-    plain = 0.5 * inverse
+    signal = normal - _of_noise(problem, free, q)
+    share, axes = linalg.eigh(signal / np.outer(size, size), normal / np.outer(size, size))
+    told = axes / np.maximum(share, _LEAST_SHARE) / size[:, None]
+    bread = told @ (axes / size[:, None]).T
     score = np.real(slope.conj() * residual[:, free.channels])
     meat = score.T @ score
     for lag in range(1, min(_NEIGHBOURS, score.shape[0] - 1) + 1):
         shared = (1.0 - lag / (_NEIGHBOURS + 1.0)) * (score[lag:].T @ score[:-lag])
         meat += shared + shared.T
-    coloured = inverse @ meat @ inverse
-    ratio = np.sqrt(np.maximum(1.0, np.diag(coloured) / np.diag(plain)))
-    return plain * np.outer(ratio, ratio)
+    # The whitened residuals have unit variance per line by the choice of sigma.
+    return np.maximum(0.5 * np.sum(told**2, axis=1), np.diag(bread @ meat @ bread))
+
+
+def _of_noise(problem: _Problem, free: _Free, q: np.ndarray) -> Float[np.ndarray, "n_free n_free"]:
+    """What unit noise of all sensors adds to the normal matrix on average."""
+    rows = q[:, free.channels]
+    shared = np.matmul(rows, rows.conj().transpose(0, 2, 1))
+    same = free.channels[:, None] == free.channels
+    power = shared.transpose(0, 2, 1) * (same - shared)
+    factor = free.factor(problem.omega)
+    return np.real(np.einsum("kp,kpr,kr->pr", factor.conj(), power, factor))
 
 
 def widened(faults: Faults, others: Sequence[Faults]) -> Faults:
-    """Standard errors that also hold what other choices of modes would have given."""
-    delay_std, scale_std = faults.delay_std**2, faults.scale_std**2
+    """Standard errors that also hold what other choices of modes would have given.
+
+    What their own larger errors explain of the difference counts once.
+    """
+    delay, scale = faults.delay_std**2, faults.scale_std**2
     if others:
-        delay_std = delay_std + np.max([(o.delay_s - faults.delay_s) ** 2 for o in others], axis=0)
-        scale_std = scale_std + np.max([(o.scale - faults.scale) ** 2 for o in others], axis=0)
-    return replace(faults, delay_std=np.sqrt(delay_std), scale_std=np.sqrt(scale_std))
+        delay = delay + np.max(
+            [_apart(faults.delay_s, delay, o.delay_s, o.delay_std**2) for o in others], axis=0
+        )
+        scale = scale + np.max(
+            [_apart(faults.scale, scale, o.scale, o.scale_std**2) for o in others], axis=0
+        )
+    return replace(faults, delay_std=np.sqrt(delay), scale_std=np.sqrt(scale))
+
+
+def _apart(one: np.ndarray, variance: np.ndarray, other: np.ndarray, its: np.ndarray) -> np.ndarray:
+    """Squared difference beyond what the more uncertain of two estimates scatters more by."""
+    more = np.where(np.isfinite(its) & np.isfinite(variance), its - variance, 0.0)
+    return np.maximum((other - one) ** 2 - np.maximum(more, 0.0), 0.0)
 
 
 def agreement(
