@@ -204,12 +204,16 @@ export const compareView = view((search) => ({
 }));
 export type CompareView = ReturnType<typeof compareView>;
 
+/** What becomes of modes that runs left out, where they are not carried as predicted. */
+export const OTHERS = ["residualized"] as const;
+
 export const flutterView = view((search) => ({
   runs: integers(search.runs),
   /** Fuel in percent, altitude [m] and next airspeed [m/s], where not the fastest point's. */
   fuel: number(search.fuel),
   altitude: number(search.altitude),
   next: number(search.next),
+  others: oneOf(search.others, OTHERS),
   /** Derivatives drift linearly with dynamic pressure. */
   trend: flag(search.trend),
 }));
@@ -263,6 +267,7 @@ export const closedLoopView = view((search) => ({
   /** Fuel in percent and altitude [m], where not the fastest point's. */
   fuel: number(search.fuel),
   altitude: number(search.altitude),
+  others: oneOf(search.others, OTHERS),
 }));
 export type ClosedLoopView = ReturnType<typeof closedLoopView>;
 

@@ -17,7 +17,7 @@ from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import derivative_names
 from flexsid.workflow.estimation import compute, keep, prepare
-from flexsid.workflow.flutter import Question, flutter, flutter_map, flutter_roots
+from flexsid.workflow.flutter import Others, Question, flutter, flutter_map, flutter_roots
 
 ESTIMATED = (7, 9, 11, 12)
 PREDICTED = (15, 17, 18, 22)
@@ -78,6 +78,25 @@ def test_the_next_point_is_answered_with_its_margin(store: Store, runs):
     assert answer.equivalents == (), "two points are no line with an error"
     assert answer.separation is not None
     assert 1.0 < answer.separation < 4.0
+
+
+def test_modes_that_runs_left_out_are_carried_as_predicted(store: Store, runs):
+    truth = load_truth().flutter_speed_at(FUEL)
+    carried = flutter(store, Question(run_ids=runs["without"]))
+    assert carried.airspeed_m_s == pytest.approx(truth, rel=0.005)
+    assert "15, 17, 18, 22 as predicted by Panel code, in a second fit" in carried.sentence
+    best, bare = carried.structures
+    assert (best.held_modes, best.source, best.left_out_modes) == (PREDICTED, "Panel code", ())
+    assert (bare.held_modes, bare.source, bare.left_out_modes) == ((), None, PREDICTED)
+    assert best.preferred
+    assert best.airspeed_m_s is not None
+    assert bare.airspeed_m_s is not None
+    assert carried.spread_m_s == pytest.approx(abs(bare.airspeed_m_s - best.airspeed_m_s))
+    alone = flutter(store, Question(run_ids=runs["without"], others=Others.RESIDUALIZED))
+    assert alone.airspeed_m_s == bare.airspeed_m_s
+    assert "15, 17, 18, 22 left out" in alone.sentence
+    assert abs(best.airspeed_m_s - truth) < abs(bare.airspeed_m_s - truth)
+    assert [one.source for one in alone.structures] == [None]
 
 
 def test_everything_is_drawn(store: Store, runs):

@@ -20,7 +20,7 @@ from flexsid.sysid.excitation import designer
 from flexsid.workflow.excitation import MEDIA, export_design, wish_for
 from flexsid.workflow.flown import flown_inputs
 from flexsid.workflow.flown import keep_flown as keep_flown_inputs
-from flexsid.workflow.flutter import Question, flutter
+from flexsid.workflow.flutter import Others, Question, flutter
 
 _LEVELS = (0.5, 1.0, 2.0)  # of the medium amplitude
 
@@ -91,16 +91,13 @@ def foretell(settings: Settings, chosen: argparse.Namespace) -> int:
         fuel=chosen.fuel,
         altitude_m=chosen.altitude,
         next_m_s=chosen.next,
+        others=Others(chosen.others),
     )
     with opened(settings) as store:
         answer = flutter(store, question)
     lines = [answer.next_point, answer.sentence]
     for structure in answer.structures:
-        held = f", {' '.join(map(str, structure.held_modes))} predicted"
-        lines.append(
-            f"modes {' '.join(map(str, structure.modes))}{held if structure.held_modes else ''}: "
-            f"{structure.sentence}"
-        )
+        lines.append(f"modes {' '.join(map(str, structure.modes))}: {structure.sentence}")
     say(lines, answer, as_json=chosen.json)
     return 0
 

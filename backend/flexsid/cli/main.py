@@ -185,6 +185,12 @@ def _parser() -> argparse.ArgumentParser:
     flutter.add_argument("runs", metavar="RUN,RUN", help="ids of runs that succeeded")
     flutter.add_argument("--fuel", type=float, metavar="SHARE", help="default: the fastest point's")
     flutter.add_argument("--altitude", type=float, metavar="M", help="standard atmosphere")
+    flutter.add_argument(
+        "--others",
+        choices=("predicted", "residualized"),
+        default="predicted",
+        help="modes the runs left out: carried as predicted, or their static response only",
+    )
     flutter.add_argument("--next", type=float, metavar="M/S", help="airspeed of the next point")
     return parser
 

@@ -11,13 +11,17 @@ import numpy as np
 class StructureForecast:
     """Flutter speed of all runs of one model structure, fused.
 
-    ``held_modes`` carry predicted derivatives only; ``airspeed_m_s`` is None where the model
-    stays stable.
+    ``held_modes`` carry predicted derivatives only, ``source`` names the prediction where they
+    were carried in a second fit; ``left_out_modes`` are known to a prediction but not to the
+    model, whose derivatives hold their static response. ``airspeed_m_s`` is None where the
+    model stays stable.
     """
 
     run_ids: tuple[int, ...]
     modes: tuple[int, ...]
     held_modes: tuple[int, ...]
+    left_out_modes: tuple[int, ...]
+    source: str | None
     airspeed_m_s: float | None
     airspeed_std_m_s: float | None
     frequency_rad_s: float | None

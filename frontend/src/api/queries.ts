@@ -370,6 +370,7 @@ export interface FlutterQuestion {
   fuel?: number;
   altitude_m?: number;
   next_m_s?: number;
+  others?: "residualized";
   trend?: boolean;
 }
 

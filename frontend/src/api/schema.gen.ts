@@ -6516,6 +6516,12 @@ export interface components {
             fuel: number;
         };
         /**
+         * Others
+         * @description What becomes of the modes that a run left out.
+         * @enum {string}
+         */
+        Others: "predicted" | "residualized";
+        /**
          * OutputQuality
          * @description Fit of one output of one block: R2, Theil's inequality, probability of white residuals.
          */
@@ -8390,8 +8396,10 @@ export interface components {
          * StructureForecast
          * @description Flutter speed of all runs of one model structure, fused.
          *
-         *     ``held_modes`` carry predicted derivatives only; ``airspeed_m_s`` is None where the model
-         *     stays stable.
+         *     ``held_modes`` carry predicted derivatives only, ``source`` names the prediction where they
+         *     were carried in a second fit; ``left_out_modes`` are known to a prediction but not to the
+         *     model, whose derivatives hold their static response. ``airspeed_m_s`` is None where the
+         *     model stays stable.
          */
         StructureForecast: {
             /** Run Ids */
@@ -8400,6 +8408,10 @@ export interface components {
             modes: number[];
             /** Held Modes */
             held_modes: number[];
+            /** Left Out Modes */
+            left_out_modes: number[];
+            /** Source */
+            source: string | null;
             /** Airspeed M S */
             airspeed_m_s: number | null;
             /** Airspeed Std M S */
@@ -14690,6 +14702,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Modes the runs left out: as predicted, or their static response. */
+                others?: components["schemas"]["Others"];
                 /** @description Derivatives drift linearly with dynamic pressure. */
                 trend?: boolean;
             };
@@ -14742,6 +14756,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Modes the runs left out: as predicted, or their static response. */
+                others?: components["schemas"]["Others"];
                 /** @description Derivatives drift linearly with dynamic pressure. */
                 trend?: boolean;
             };
@@ -14796,6 +14812,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Modes the runs left out: as predicted, or their static response. */
+                others?: components["schemas"]["Others"];
                 /** @description Derivatives drift linearly with dynamic pressure. */
                 trend?: boolean;
             };
@@ -15742,6 +15760,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Modes the runs left out: as predicted, or their static response. */
+                others?: components["schemas"]["Others"];
                 /** @description Derivatives drift linearly with dynamic pressure. */
                 trend?: boolean;
             };
@@ -15798,6 +15818,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Modes the runs left out: as predicted, or their static response. */
+                others?: components["schemas"]["Others"];
                 /** @description Derivatives drift linearly with dynamic pressure. */
                 trend?: boolean;
             };
@@ -15854,6 +15876,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Modes the runs left out: as predicted, or their static response. */
+                others?: components["schemas"]["Others"];
                 /** @description Derivatives drift linearly with dynamic pressure. */
                 trend?: boolean;
             };
@@ -15910,6 +15934,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Modes the runs left out: as predicted, or their static response. */
+                others?: components["schemas"]["Others"];
                 /** @description Derivatives drift linearly with dynamic pressure. */
                 trend?: boolean;
             };
@@ -15968,6 +15994,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Modes the runs left out: as predicted, or their static response. */
+                others?: components["schemas"]["Others"];
                 /** @description Derivatives drift linearly with dynamic pressure. */
                 trend?: boolean;
             };
@@ -16026,6 +16054,8 @@ export interface operations {
                  * @example 45
                  */
                 next_m_s?: number | null;
+                /** @description Modes the runs left out: as predicted, or their static response. */
+                others?: components["schemas"]["Others"];
                 /** @description Derivatives drift linearly with dynamic pressure. */
                 trend?: boolean;
             };

@@ -3,6 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { closedLoopQuery, controllersQuery, runsQuery } from "../api/queries";
 import type { ClosedLoopAnswer, MarginRow } from "../api/types";
+import { CarrySwitch } from "../components/CarrySwitch";
 import { NewController } from "../components/NewController";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
@@ -67,6 +68,7 @@ export function ClosedLoopPage() {
     run_ids: (view.runs ?? []).join(","),
     fuel: view.fuel === undefined ? undefined : view.fuel / 100,
     altitude_m: view.altitude,
+    others: view.others,
   };
   const answer = useQuery(closedLoopQuery(question, controller));
   const change = (part: Partial<ClosedLoopView>) =>
@@ -77,7 +79,17 @@ export function ClosedLoopPage() {
       <PageHead
         title="Closed loop"
         trail={[
-          <Link to="/flutter" search={{ runs: view.runs }} className="link" key="flutter">
+          <Link
+            to="/flutter"
+            search={{
+              runs: view.runs,
+              fuel: view.fuel,
+              altitude: view.altitude,
+              others: view.others,
+            }}
+            className="link"
+            key="flutter"
+          >
             Flutter
           </Link>,
         ]}
@@ -129,6 +141,12 @@ export function ClosedLoopPage() {
             value={view.altitude ?? ""}
             onChange={(value) => {
               change({ altitude: typeof value === "number" ? value : undefined });
+            }}
+          />
+          <CarrySwitch
+            others={view.others}
+            onChange={(others) => {
+              change({ others });
             }}
           />
           <NewController

@@ -5,6 +5,7 @@ import { useState } from "react";
 import { flutterQuery, flutterTaskQuery, runsQuery } from "../api/queries";
 import type { Flutter } from "../api/types";
 import { ButtonLink } from "../components/ButtonLink";
+import { CarrySwitch } from "../components/CarrySwitch";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
@@ -38,6 +39,7 @@ export function FlutterPage() {
     fuel: view.fuel === undefined ? undefined : view.fuel / 100,
     altitude_m: view.altitude,
     next_m_s: view.next,
+    others: view.others,
     trend: view.trend,
   };
   const many = runs.length > FEW;
@@ -57,7 +59,16 @@ export function FlutterPage() {
           </Link>,
         ]}
         actions={
-          <ButtonLink variant="default" to="/closed-loop" search={{ runs: view.runs }}>
+          <ButtonLink
+            variant="default"
+            to="/closed-loop"
+            search={{
+              runs: view.runs,
+              fuel: view.fuel,
+              altitude: view.altitude,
+              others: view.others,
+            }}
+          >
             With a controller
           </ButtonLink>
         }
@@ -143,6 +154,12 @@ function Choices({ view, answer, onChange }: ChoicesProps) {
           onChange({ next: typed(value) });
         }}
       />
+      <CarrySwitch
+        others={view.others}
+        onChange={(others) => {
+          onChange({ others });
+        }}
+      />
       <Switch
         label="Derivatives drift with dynamic pressure"
         description="A straight line through each, where a structure has three points or more"
@@ -192,7 +209,7 @@ function Answer({ answer }: { answer: Flutter }) {
       </Alert>
       <Section
         title="Model structures"
-        note="The largest is preferred; how the others differ widens the interval"
+        note="Bold is preferred; how the others differ widens the interval"
       >
         <Structures answer={answer} />
       </Section>
@@ -214,13 +231,23 @@ function Answer({ answer }: { answer: Flutter }) {
   );
 }
 
+function othersOf(one: Flutter["structures"][number]): string {
+  const held = one.held_modes.join(" ");
+  const from = one.source === null ? "as the runs hold them" : `as predicted by ${one.source}`;
+  const told = [
+    held && `${held} ${from}`,
+    one.left_out_modes.length > 0 && `${one.left_out_modes.join(" ")} left out`,
+  ];
+  return told.filter(Boolean).join(", ") || "–";
+}
+
 function Structures({ answer }: { answer: Flutter }) {
   return (
     <Table className="numbers" fz="sm" data-testid="structures">
       <Table.Thead>
         <Table.Tr>
           <Table.Th>Modes estimated</Table.Th>
-          <Table.Th>From prediction</Table.Th>
+          <Table.Th>Other modes</Table.Th>
           <Table.Th ta="right">Runs</Table.Th>
           <Table.Th ta="right">Flutter ±2σ [m/s]</Table.Th>
           <Table.Th ta="right">Frequency [rad/s]</Table.Th>
@@ -230,7 +257,7 @@ function Structures({ answer }: { answer: Flutter }) {
         {answer.structures.map((one) => (
           <Table.Tr key={one.run_ids.join()} fw={one.preferred ? 600 : undefined}>
             <Table.Td>{one.modes.join(" ") || "rigid only"}</Table.Td>
-            <Table.Td>{one.held_modes.join(" ") || "–"}</Table.Td>
+            <Table.Td>{othersOf(one)}</Table.Td>
             <Table.Td ta="right">{one.run_ids.length}</Table.Td>
             <Table.Td ta="right">
               {one.airspeed_m_s === null

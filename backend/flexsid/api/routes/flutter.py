@@ -28,6 +28,10 @@ def _question(
         float | None,
         Query(ge=0.1, le=1000.0, description="Airspeed of the next point; 3 % above the fastest."),
     ] = None,
+    others: Annotated[
+        workflow.Others,
+        Query(description="Modes the runs left out: as predicted, or their static response."),
+    ] = workflow.Others.PREDICTED,
     trend: Annotated[
         bool, Query(description="Derivatives drift linearly with dynamic pressure.")
     ] = False,
@@ -37,6 +41,7 @@ def _question(
         fuel=fuel,
         altitude_m=altitude_m,
         next_m_s=next_m_s,
+        others=others,
         trend=trend,
     )
 
