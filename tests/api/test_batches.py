@@ -9,13 +9,15 @@ import pytest
 from fastapi.testclient import TestClient
 
 API = "/api/v1"
-RUN = {"maneuver_id": 1, "method": "EE", "structure": {"modes": [7, 9]}}
+SETTINGS = {"max_iterations": 90}  # other than those of the run that is there
+RUN = {"maneuver_id": 1, "method": "EE", "structure": {"modes": [7, 9]}, "settings": SETTINGS}
 BATCH = {
     "name": "campaign",
     "maneuver_ids": [1],
     "methods": ["OE", "EE", "FRE"],
     "structures": [{"structure": {"modes": [7, 9]}}, {"structure": {"modes": [7]}}],
     "from_equation_error": True,
+    "settings": SETTINGS,
 }
 
 

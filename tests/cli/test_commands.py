@@ -55,6 +55,8 @@ def test_a_run_can_be_printed_as_json_or_left_to_a_server(flown_url: str, capsys
     run = json.loads(capsys.readouterr().out)
     assert (run["state"], run["method"]) == ("succeeded", "EE")
     assert main([*ESTIMATE, "--database", flown_url]) == 0
+    assert "run 2: EE of maneuver 1, converged" in capsys.readouterr().out, "the same run"
+    assert main([*ESTIMATE[:-1], "7", "--database", flown_url]) == 0
     assert "run 3 is queued" in capsys.readouterr().out
 
 
@@ -220,7 +222,7 @@ def test_the_server_serves_carries_out_runs_and_stops_at_once(flown_url: str) ->
     assert server.stdout is not None
     assert f"http://127.0.0.1:{port}" in server.stdout.readline()
     # A run that another process leaves in the database is carried out, too.
-    assert main([*ESTIMATE, "--database", flown_url]) == 0
+    assert main([*ESTIMATE[:-1], "7", "--database", flown_url]) == 0
     deadline = time.monotonic() + 60
     store = Store.open(flown_url)
     while store.runs.get(2).state.value != "succeeded":

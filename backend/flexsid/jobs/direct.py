@@ -12,6 +12,7 @@ from flexsid.jobs.steps import Steps
 from flexsid.records.run import EstimationRun, Progress
 from flexsid.storage import queue
 from flexsid.storage.store import Store
+from flexsid.workflow.identity import identified
 
 _log = logging.getLogger(__name__)
 
@@ -27,7 +28,7 @@ def carry_out(
         If it was cancelled, or a server that started meanwhile took it over.
     """
     with store.transaction():  # no server sees it queued
-        kept = queue.add(store, wanted)
+        kept = queue.add(store, identified(store, wanted))
         run = queue.claim(store, kept.id, owner=this_process())
     assert run is not None
     assert run.id is not None

@@ -53,6 +53,24 @@ def change_maneuvers(
     return _change(store, maneuvers, maneuver_tags, ids, action, tag, "maneuver", active)
 
 
+def refuse_deleted(store: Store, maneuver_ids: Sequence[int]) -> None:
+    """Refuse to begin something new with maneuvers that were deleted.
+
+    Raises
+    ------
+    Conflict
+        Naming the first.
+    """
+    gone = maneuvers.c.deleted_at.is_not(None)
+    with store.database.reading() as connection:
+        deleted = set(connection.scalars(sa.select(maneuvers.c.id).where(gone)))
+    for number in maneuver_ids:
+        if number in deleted:
+            raise Conflict(
+                f"maneuver {number} was deleted; restore it first", code="deleted", id=number
+            )
+
+
 def change_runs(
     store: Store, ids: Sequence[int], action: Action, tag: str | None = None
 ) -> tuple[int, ...]:

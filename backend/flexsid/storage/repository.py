@@ -193,7 +193,7 @@ class Repository(Generic[R]):
         if "foreign key" in reason.lower():
             return UnknownRecord(f"the {self._noun} refers to a record that does not exist")
         if "unique" in reason.lower():
-            return Conflict(f"this {self._noun} already exists ({reason})", code="already-exists")
+            return Conflict(f"this {self._noun} already exists", code="already-exists")
         return Conflict(f"the {self._noun} cannot be kept: {reason}")
 
 

@@ -9,26 +9,41 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 
 from flexsid import __version__
-from flexsid.errors import UnknownRecord
+from flexsid.errors import BadInput, UnknownRecord
 from flexsid.records.run import EstimationRun
+from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.content import hash_of, maneuver_hashes, record_hash
 from flexsid.storage.store import Store
+from flexsid.workflow.modes import find_modal_tables
+
+Tables = tuple[int | None, int | None]
 
 
 class Identities:
-    """Gives runs their hashes; reads what many runs share once."""
+    """Gives runs their hashes; reads what many runs share once.
+
+    Raises
+    ------
+    Conflict
+        If a maneuver was deleted.
+    """
 
     def __init__(self, store: Store, maneuver_ids: tuple[int, ...]) -> None:
+        refuse_deleted(store, maneuver_ids)
         self._store = store
         self._maneuvers = maneuver_hashes(store, maneuver_ids)
         self._assumed: dict[tuple[int, int | None, int | None, int | None], str] = {}
+        self._tables: dict[tuple[int, int | None, int | None], Tables] = {}
 
     def knows(self, maneuver_id: int) -> bool:
         """Whether there is such a maneuver."""
         return maneuver_id in self._maneuvers
 
     def of(self, run: EstimationRun, start_hash: str | None = None) -> EstimationRun:
-        """Return a run with its hashes.
+        """Return a run with its hashes, and with the modal tables that it takes by name.
+
+        A table that is imported later must not change what a run says of itself, and one
+        that a run takes must not be deleted.
 
         Parameters
         ----------
@@ -41,6 +56,7 @@ class Identities:
         for number in involved:
             if number not in self._maneuvers:
                 raise UnknownRecord(f"there is no maneuver {number}")
+        run = self._with_tables(run)
         data = hash_of([[self._maneuvers[n][1] for n in involved], self._assumptions(run)])
         settings = asdict(run.settings)
         settings["start_run_id"] = start_hash or settings["start_run_id"]
@@ -49,18 +65,32 @@ class Identities:
         asked = [run.method.value, asdict(run.structure), kept, settings, __version__]
         return replace(run, data_hash=data, input_hash=hash_of([data, asked]))
 
+    def _with_tables(self, run: EstimationRun) -> EstimationRun:
+        aircraft = self._maneuvers[run.maneuver_id][0]
+        key = (aircraft, run.modal_table_id, run.damping_table_id)
+        if key not in self._tables:
+            try:
+                modal, damping = find_modal_tables(self._store, *key)
+            except BadInput:  # the run itself will fail with it
+                self._tables[key] = key[1:]
+            else:
+                # A table is its own source of damping where there is no other.
+                self._tables[key] = (modal.id, (damping or modal).id)
+        modal_id, damping_id = self._tables[key]
+        return replace(run, modal_table_id=modal_id, damping_table_id=damping_id)
+
     def _assumptions(self, run: EstimationRun) -> str:
-        """Hash of aircraft, tables and predictions: those named, or all that may be chosen from."""
+        """Hash of aircraft, tables and predictions: the one named, or all to choose from."""
         aircraft = self._maneuvers[run.maneuver_id][0]
         key = (aircraft, run.modal_table_id, run.damping_table_id, run.prediction_id)
         if key not in self._assumed:
-            tables = [t.id for t in self._store.modal_tables.find(aircraft_id=aircraft) if t.id]
+            tables = [t for t in (run.modal_table_id, run.damping_table_id) if t is not None]
             predictions = [p.id for p in self._store.predictions.find(aircraft_id=aircraft) if p.id]
             named = None if run.prediction_id is None else [run.prediction_id]
             self._assumed[key] = hash_of(
                 [
                     record_hash(self._store, "aircraft", [aircraft]),
-                    [run.modal_table_id, run.damping_table_id],
+                    tables,
                     record_hash(self._store, "modal_tables", tables),
                     record_hash(self._store, "predictions", named or predictions),
                 ]

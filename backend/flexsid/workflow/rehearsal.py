@@ -23,6 +23,7 @@ from flexsid.sysid.simulation.rehearsal import Rehearsed, rehearse
 from flexsid.workflow.controllers import controller_at
 from flexsid.workflow.excitation import multisine_of
 from flexsid.workflow.foresight import Circumstances, circumstances, expected_errors
+from flexsid.workflow.identity import identified
 from flexsid.workflow.keeping import largest_correlation
 from flexsid.workflow.models import define_outputs, output_instrument
 
@@ -140,16 +141,19 @@ def rehearse_design(
             )
         run = queue.add(
             store,
-            EstimationRun(
-                maneuver_id=maneuver.id or 0,
-                method=at.run.method,
-                structure=replace(
-                    at.run.structure, inputs=at.model.inputs, outputs=at.model.outputs
+            identified(
+                store,
+                EstimationRun(
+                    maneuver_id=maneuver.id or 0,
+                    method=at.run.method,
+                    structure=replace(
+                        at.run.structure, inputs=at.model.inputs, outputs=at.model.outputs
+                    ),
+                    settings=replace(at.run.settings, together_with=(), start_run_id=None),
+                    modal_table_id=at.run.modal_table_id,
+                    damping_table_id=at.run.damping_table_id,
+                    prediction_id=at.run.prediction_id,
                 ),
-                settings=replace(at.run.settings, together_with=(), start_run_id=None),
-                modal_table_id=at.run.modal_table_id,
-                damping_table_id=at.run.damping_table_id,
-                prediction_id=at.run.prediction_id,
             ),
         )
         return store.rehearsals.add(

@@ -13,6 +13,7 @@ from flexsid.errors import BadInput, Cancelled, Conflict, FlexsidError, UnknownR
 from flexsid.records.run import EstimationRun, Method, Progress, RunSettings, RunState
 from flexsid.records.search import SearchCandidate, SearchResult, StructureSearch, TermGroup
 from flexsid.storage import batches
+from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.store import Store
 from flexsid.workflow.computation import Task, versions
 from flexsid.workflow.estimation import prepare as prepare_run
@@ -81,7 +82,10 @@ def add_search(store: Store, wanted: StructureSearch) -> StructureSearch:
     ------
     BadInput
         As ``prepare_search``.
+    Conflict
+        If a maneuver was deleted.
     """
+    refuse_deleted(store, (*wanted.maneuver_ids, *wanted.settings.validate_on))
     prepare_search(store, wanted)
     return store.searches.add(replace(wanted, state=RunState.QUEUED))
 

@@ -18,7 +18,7 @@ async def list_nomenclature(
     names: Annotated[
         str | None,
         Query(
-            max_length=10_000,
+            max_length=4_000,
             description="Channels, derivatives or symbols, separated by commas; else the glossary.",
         ),
     ] = None,

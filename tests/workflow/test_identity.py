@@ -1,0 +1,75 @@
+"""A user relies on: a run names all that it rests on, and nothing later changes what it says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from flexsid.errors import Conflict
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage.bulk import Action, change_maneuvers
+from flexsid.storage.store import Store
+from flexsid.workflow.identified import identified_model
+from flexsid.workflow.identity import identified
+
+pytestmark = pytest.mark.parametrize("backend", ["sqlite"])
+
+
+@pytest.fixture
+def flown(flown_url: str):
+    store = Store.open(flown_url)
+    yield store
+    store.close()
+
+
+def wanted(store: Store, **changes: object) -> EstimationRun:
+    first = store.runs.get(1)
+    run = EstimationRun(
+        maneuver_id=1, method=Method.EE, structure=first.structure, settings=RunSettings()
+    )
+    return replace(run, **changes)
+
+
+def stiffer(store: Store) -> int:
+    """Import another FEM, all frequencies a tenth higher."""
+    fem = next(t for t in store.modal_tables.find(aircraft_id=1) if t.kind == "FEM")
+    omega = store.arrays.put(1.1 * store.arrays.get(fem.arrays["omega"]))
+    arrays = fem.arrays | {"omega": omega}
+    kept = store.modal_tables.add(replace(fem, id=None, name="FEM 2", arrays=arrays))
+    assert kept.id is not None
+    return kept.id
+
+
+def test_a_run_names_the_modal_tables_that_it_took(flown):
+    run = flown.runs.get(1)
+    kinds = [flown.modal_tables.get(n).kind for n in (run.modal_table_id, run.damping_table_id)]
+    assert kinds == ["FEM", "GVT"]
+    assert len(run.data_hash) == 64
+
+
+def test_a_table_imported_later_changes_no_model(flown):
+    run = flown.runs.get(1)
+    before = identified_model(flown, run).A
+    later = stiffer(flown)
+    assert (before == identified_model(flown, run).A).all()
+    anew = identified(flown, wanted(flown))
+    assert anew.modal_table_id == later
+    assert anew.input_hash != run.input_hash
+    as_before = wanted(flown, modal_table_id=run.modal_table_id)
+    assert identified(flown, as_before).input_hash == run.input_hash
+
+
+def test_a_table_that_a_run_took_is_not_deleted(flown):
+    table = flown.runs.get(1).modal_table_id
+    with pytest.raises(Conflict, match="used by other records"):
+        flown.modal_tables.delete(table)
+    flown.modal_tables.delete(stiffer(flown))
+
+
+def test_nothing_new_begins_with_a_deleted_maneuver(flown):
+    change_maneuvers(flown, [1], Action.DELETE)
+    with pytest.raises(Conflict, match="maneuver 1 was deleted; restore it"):
+        identified(flown, wanted(flown))
+    change_maneuvers(flown, [1], Action.RESTORE)
+    assert identified(flown, wanted(flown)).input_hash is not None
