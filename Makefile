@@ -82,7 +82,7 @@ serve: install
 
 docs: install
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet --strict
-	$(say) 'the documentation is at var/site/index.html'
+	$(say) 'the documentation is at var/site/index.html; its search needs a server: python -m http.server -d var/site'
 
 # --- Checking --------------------------------------------------------------
 
