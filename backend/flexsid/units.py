@@ -72,11 +72,15 @@ _UNITS: dict[str, Unit] = {
     "g": Unit(_GRAVITY, "acceleration"),
     "rad": Unit(1.0, "angle"),
     "deg": Unit(_DEGREE, "angle"),
+    "mrad": Unit(1e-3, "angle"),
     "rad/s": Unit(1.0, "angular rate"),
     "deg/s": Unit(_DEGREE, "angular rate"),
+    "mrad/s": Unit(1e-3, "angular rate"),
     "rad/s2": Unit(1.0, "angular acceleration"),
     "deg/s2": Unit(_DEGREE, "angular acceleration"),
     "Pa": Unit(1.0, "pressure"),
+    "hPa": Unit(100.0, "pressure"),
+    "kPa": Unit(1000.0, "pressure"),
     "psf": Unit(_POUND_FORCE / _FOOT**2, "pressure"),
     "psi": Unit(_POUND_FORCE / _INCH**2, "pressure"),
     "inHg": Unit(3386.389, "pressure"),
@@ -109,6 +113,15 @@ _SI_UNITS = {
     for symbol, unit in _UNITS.items()
     if unit.factor == 1.0 and unit.offset == 0.0
 }
+
+
+def is_known(unit: str) -> bool:
+    """Whether the table has a unit."""
+    try:
+        lookup(unit)
+    except BadInput:
+        return False
+    return True
 
 
 def lookup(unit: str) -> Unit:

@@ -84,6 +84,34 @@ def test_names_are_recognised_and_the_proposal_imports(client: TestClient) -> No
     assert (again["state"], again["code"]) == ("failed", "already-imported")
 
 
+def test_what_a_recorder_writes_of_units_is_never_overruled(client: TestClient) -> None:
+    rows = [b"%.2f,%d,%d,%d" % (k / 50, k % 7, k % 5, k % 3) for k in range(50)]
+    head = b"t_s,alpha [mrad],q [dps],theta [gon]"
+    found = upload(client, ("f.csv", b"\n".join([head, *rows])))
+    mapping = found["proposal"]["text"]
+    for column, unit in (("alpha [mrad]", "mrad"), ("q [dps]", "deg/s"), ("theta [gon]", "gon")):
+        (own,) = [part for part in mapping.split("\n\n") if f'column = "{column}"' in part]
+        assert f'unit = "{unit}"' in own
+    identity = found["upload"]["id"]
+    checked = client.post(f"/api/v1/uploads/{identity}/check", json={"mapping": mapping}).json()
+    assert "Unknown unit 'gon'" in checked["problem"]["message"]
+
+
+def test_commands_of_surfaces_are_proposed_as_commands(client: TestClient) -> None:
+    rows = [b"%.2f,%d,%d,%d" % (k / 50, k % 7, k % 5, k % 3) for k in range(50)]
+    head = b"t_s,bfs [deg],bfs_command [deg],elev_cmd_deg"
+    found = upload(client, ("f.csv", b"\n".join([head, *rows])))
+    identity = found["upload"]["id"]
+    checked = client.post(
+        f"/api/v1/uploads/{identity}/check", json={"mapping": found["proposal"]["text"]}
+    ).json()
+    assert {c["name"]: (c["unit"], c["role"]) for c in checked["channels"]} == {
+        "bfs": ("deg", "input"),
+        "bfs_command": ("deg", "command"),
+        "elevator_command": ("deg", "command"),
+    }
+
+
 def test_the_matrix_of_sidpac_users_is_recognised(client: TestClient) -> None:
     found = upload(client, ("maneuver.mat", fdata()))
     mapping = found["proposal"]["text"]
@@ -139,7 +167,7 @@ def test_doubtful_units_are_questions_and_stop_the_import(client: TestClient) ->
     checked = client.post(f"/api/v1/uploads/{identity}/check", json={"mapping": wrong}).json()
     (question,) = checked["questions"]
     assert (question["channel"], question["code"]) == ("bf", "too-large")
-    assert question["instead"] == ["deg"]
+    assert question["instead"] == ["deg", "mrad"]
     state = bring_in(client, identity, wrong)
     assert (state["state"], state["code"]) == ("failed", "doubtful-unit")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,12 +12,14 @@ from flexsid.importers.plausibility import find_doubt
 from flexsid.importers.recognised import (
     FDATA_COLUMNS,
     Meaning,
+    commanded,
     recognise,
     recognise_fdata,
     recognise_time,
 )
 from flexsid.importers.source import Source, Sources
 from flexsid.records.maneuver import Role
+from flexsid.units import is_known
 
 MOST_COLUMNS = 500
 """Columns of one matrix that are proposed one by one."""
@@ -139,6 +141,10 @@ def _meaning(column: Column, known: Mapping[str, Role]) -> Meaning | None:
         meaning = recognise_fdata(column.number)
         # Columns that were not recorded are zero.
         return meaning if np.any(column.samples) else None
+    base = commanded(column.field)
+    meaning = None if base is None else _meaning(replace(column, field=base), known)
+    if meaning is not None and meaning.role is Role.INPUT:
+        return replace(meaning, name=f"{meaning.name}_command", role=Role.COMMAND)
     meaning = recognise(column.field, column.unit)
     bare = column.field.rpartition(".")[2]
     for name, role in known.items():
@@ -201,9 +207,10 @@ def _channel(column: Column, meaning: Meaning, seen: set[str]) -> str:
     else:
         lines.append(f"column = {_text(column.field)}")
     unit, guessed = meaning.unit, not meaning.sure
-    doubt = find_doubt(name, unit, meaning.role, column.samples)
-    if guessed and doubt is not None and doubt.instead:
-        unit = doubt.instead[0]
+    if guessed and is_known(unit):
+        doubt = find_doubt(name, unit, meaning.role, column.samples)
+        if doubt is not None and doubt.instead:
+            unit = doubt.instead[0]
     lines += [
         f"name = {_text(name)}",
         f"unit = {_text(unit)}" + ("  # guessed" if guessed else ""),

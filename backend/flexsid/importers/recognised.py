@@ -6,13 +6,15 @@ import re
 from dataclasses import dataclass
 
 from flexsid import units
-from flexsid.errors import BadInput
 from flexsid.records.maneuver import Role
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Meaning:
-    """What a recorded column seems to be; ``sure`` where nothing had to be guessed."""
+    """What a recorded column seems to be; ``sure`` where nothing had to be guessed.
+
+    A unit that the recorder writes and nobody knows stays as it is written.
+    """
 
     name: str
     unit: str
@@ -21,6 +23,10 @@ class Meaning:
 
 
 _IN_NAME = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]$")
+
+_COMMANDED = re.compile(
+    r"^(?P<name>.+?)_?(?:command|cmd)(?P<rest>_\w+|\s*[\[(].*|)$", re.IGNORECASE
+)
 
 _SUFFIXES = {
     "deg": "deg", "rad": "rad", "dps": "deg/s", "degs": "deg/s", "rps": "rad/s", "g": "g",
@@ -103,6 +109,12 @@ def recognise_time(path: str) -> bool:
     return _TIME.fullmatch(_bare(path)[0].lower()) is not None
 
 
+def commanded(path: str) -> str | None:
+    """Name of what a field commands, None where it seems to be no command."""
+    found = _COMMANDED.match(path.strip())
+    return None if found is None else found["name"] + found["rest"]
+
+
 def recognise(path: str, file_unit: str) -> Meaning:
     """Guess what a field is from its name and the unit that its file gives.
 
@@ -110,6 +122,7 @@ def recognise(path: str, file_unit: str) -> Meaning:
     """
     bare, named_unit = _bare(path)
     unit = _unit(file_unit) or _unit(named_unit)
+    unknown = "" if unit else named_unit.strip()
     for candidate in dict.fromkeys((bare, bare.rpartition("_")[0])):
         suffix = "" if candidate == bare else bare.rpartition("_")[2].lower()
         if not candidate or (suffix and suffix not in _SUFFIXES):
@@ -124,7 +137,7 @@ def recognise(path: str, file_unit: str) -> Meaning:
             tail = found.groupdict().get("tail") or ""
             return Meaning(
                 name=name.replace("{tail}", tail),
-                unit=said or usual,
+                unit=said or unknown or usual,
                 role=role,
                 sure=bool(said),
             )
@@ -148,8 +161,7 @@ def _unit(text: str) -> str:
     text = text.strip("[]() ")
     if not text:
         return ""
-    try:
-        units.lookup(text)
-    except BadInput:
-        return ""
-    return text
+    for written in (text, _SUFFIXES.get(text.lower(), "")):
+        if written and units.is_known(written):
+            return written
+    return ""

@@ -1,6 +1,6 @@
 import { ActionIcon, Checkbox, NativeSelect, TextInput } from "@mantine/core";
 import type { CheckedMapping } from "../api/types";
-import { removeTable, setKey } from "../lib/mappingText";
+import { isGuessed, removeTable, setKey } from "../lib/mappingText";
 import { DataTable, type Column } from "./DataTable";
 
 interface Props {
@@ -80,6 +80,8 @@ export function MappingTable({ checked, text, onChange, shown, onShow }: Props) 
             w={90}
             aria-label={`Unit of ${name(row)}`}
             error={doubtful.has(name(row))}
+            description={isGuessed(text, row.nth) ? "guessed" : undefined}
+            inputWrapperOrder={["input", "description"]}
             value={word(row.rule["unit"])}
             onChange={(event) => {
               set(row, "unit", event.currentTarget.value);

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { readKey, removeTable, setKey } from "./mappingText";
+import { isGuessed, readKey, removeTable, setKey } from "./mappingText";
 
 const TEXT = `[aircraft]
 name = "X-1"
@@ -42,6 +42,11 @@ describe("edits of a mapping", () => {
     const less = removeTable(TEXT, "channels", 0);
     expect(less).not.toContain('"bf"');
     expect(less).toContain('column = "q"');
+  });
+
+  it("settle what was guessed", () => {
+    expect([0, 1, 2].map((nth) => isGuessed(TEXT, nth))).toEqual([true, false, false]);
+    expect(isGuessed(setKey(TEXT, "channels", 0, "unit", "deg"), 0)).toBe(false);
   });
 
   it("add a table that is not there", () => {

@@ -47,6 +47,14 @@ export function setKey(
   return lines.join("\n");
 }
 
+/** Whether the unit of the nth channel is marked as guessed, which an edit takes away. */
+export function isGuessed(text: string, nth: number): boolean {
+  const lines = text.split("\n");
+  const found = block(lines, "channels", nth);
+  if (found === null) return false;
+  return lines.slice(...found).some((line) => isKey(line, "unit") && line.endsWith("# guessed"));
+}
+
 /** Take the nth table of a name out. */
 export function removeTable(text: string, table: string, nth: number): string {
   const lines = text.split("\n");
