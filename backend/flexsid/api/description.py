@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI
 
 _PROBLEM = "application/problem+json"
+
+ANSWERS = Path(__file__).with_name("answers.json")
+"""What routes answered to their examples, by operation; `tests/api/record_answers.py` renews it."""
 
 # An example by the name of a parameter; ids are 1 unless they stand here.
 _EXAMPLES: dict[str, Any] = {
@@ -54,6 +59,16 @@ _EXAMPLES: dict[str, Any] = {
     "number": 9,
     "airspeed_m_s": 40.0,
     "surface": "bfs",
+}
+
+# Where the demonstration campaign has another than the first.
+_OWN: dict[str, dict[str, Any]] = {
+    "find_maneuvers": {"flight_id": 4},
+    "list_flight_channels": {"flight_id": 4},
+    "cut_maneuver": {"flight_id": 4},
+    "draw_flight_history": {"flight_id": 4},
+    "draw_bode": {"run_id": "1"},
+    "draw_poles": {"run_id": "1"},
 }
 
 _STRUCTURE = {"modes": [7, 9], "inputs": ["bfs", "wf1s"], "outputs": ["q", "az_egi"]}
@@ -126,7 +141,7 @@ _BODIES: dict[str, Any] = {
         "effort": "quick",
     },
     "take_conditioning": {"items": [{"channel": "q", "kind": "delay", "delay_s": 0.004}]},
-    "cut_maneuver": {"label": "1-01 FTA 506", "start_s": 98.0, "stop_s": 130.0, "fta": 506},
+    "cut_maneuver": {"label": "4-01 FTA 506", "start_s": 500.0, "stop_s": 530.0, "fta": 506},
     "assess_maneuvers": {"maneuver_ids": [1]},
     "search_design": {
         "name": "about the short period",
@@ -170,10 +185,29 @@ _BODIES: dict[str, Any] = {
     "keep_found_modes": {"name": "GVT", "low_hz": 2.0, "high_hz": 18.0, "like_id": 1},
     "check_orthogonality": {"modal_table_id": 1, "field": "mass"},
     "import_flutter_summary": {"aircraft_id": 1, "name": "SOL 145", "speed_unit": "kt"},
+    "upload_files": {"files": ["recording.csv"]},
+    "upload_maneuver": {"files": ["recording.csv"], "mapping": "mapping.toml"},
+    "import_flown": {"files": ["commands.csv"], "name": "As flown", "rate_hz": 50.0, "unit": "deg"},
+    "upload_controller": {
+        "file": "damper.mat",
+        "aircraft_id": 1,
+        "name": "Pitch damper",
+        "reads": "q",
+        "drives": "wf1s,wf4s",
+    },
     "add_mapping": {"name": "recorder A", "text": _MAPPING},
     "check_upload": {"mapping": _MAPPING},
     "preview_upload": {"mapping": _MAPPING, "channels": ["bfs"]},
     "import_upload": {"mapping": _MAPPING, "aircraft_id": 1},
+}
+
+# How texts begin; what is read by programs only has no example.
+_TEXTS = {
+    "text/csv": "frequency_hz,bfs,wf1s\n0.25,1.02,0.44\n",
+    "text/html": "<!doctype html>\n<title>Run 1, output error</title>\n",
+    "text/markdown": "# SP + SW1B below 400 Pa\n\n- proposed by Ann Analyst\n",
+    "text/plain": "static const float design_t[2400][5] = {\n",
+    "text/event-stream": 'id: 12\nevent: run\ndata: {"run_id": 1, "state": "succeeded"}\n\n',
 }
 
 
@@ -183,8 +217,10 @@ def describe(app: FastAPI) -> None:
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
+            answers = json.loads(ANSWERS.read_text(encoding="utf-8"))
             for operation in operations(told()):
                 _amend(operation)
+                _show(operation, answers)
         return told()
 
     app.openapi = openapi
@@ -200,14 +236,28 @@ def _amend(operation: dict[str, Any]) -> None:
     for status, answer in operation["responses"].items():
         if status.startswith("4") and "application/json" in answer["content"]:
             answer["content"] = {_PROBLEM: answer["content"]["application/json"]}
-    body = operation.get("requestBody", {}).get("content", {}).get("application/json")
-    if body is not None and operation["operationId"] in _BODIES:
-        body["example"] = _BODIES[operation["operationId"]]
+    for body in operation.get("requestBody", {}).get("content", {}).values():
+        if operation["operationId"] in _BODIES:
+            body["example"] = _BODIES[operation["operationId"]]
     for parameter in operation.get("parameters", ()):
         if "example" not in parameter and "examples" not in parameter:
-            example = _example(parameter["name"])
+            own = _OWN.get(operation["operationId"], {})
+            example = own.get(parameter["name"], _example(parameter["name"]))
             if example is not None:
                 parameter["example"] = example
+
+
+def _show(operation: dict[str, Any], answers: dict[str, Any]) -> None:
+    """Show what comes back where all goes well."""
+    for status, answer in operation["responses"].items():
+        if not status.startswith("2"):
+            continue
+        for kind, content in answer.get("content", {}).items():
+            shown = _TEXTS.get(kind)
+            if kind == "application/json":
+                shown = answers.get(operation["operationId"])
+            if shown is not None:
+                content["example"] = shown
 
 
 def _example(name: str) -> Any:

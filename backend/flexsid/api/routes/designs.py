@@ -435,7 +435,10 @@ def _teller(report: Report) -> Callable[[str, float, float], None]:
     return tell
 
 
-_FILE = {media: {"schema": {"type": "string"}} for media in excitation.MEDIA.values()}
+_FILE = {
+    media: {"schema": {"type": "object" if media == "application/json" else "string"}}
+    for media in excitation.MEDIA.values()
+}
 
 
 @router.get("/{design_id}/export", response_class=Response, responses={200: {"content": _FILE}})

@@ -1,0 +1,87 @@
+"""Every route comes with an example of what it is asked and of what it answers, both true."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import jsonschema
+import pytest
+from fastapi import FastAPI
+from fastapi.testclient import TestClient
+
+FOR_PROGRAMS = {"application/octet-stream", "application/pdf"}
+Operation = tuple[str, str, dict[str, Any]]
+
+
+@pytest.fixture(scope="session")
+def described(app: FastAPI) -> dict[str, Any]:
+    return app.openapi()
+
+
+def _operations(described: dict[str, Any]) -> Iterator[Operation]:
+    for path, methods in described["paths"].items():
+        for method, operation in methods.items():
+            yield method, path, operation
+
+
+def _required(operation: dict[str, Any]) -> list[dict[str, Any]]:
+    return [part for part in operation.get("parameters", ()) if part["required"]]
+
+
+def _contents(operation: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """What is sent, and what is answered where all goes well."""
+    for kind, content in operation.get("requestBody", {}).get("content", {}).items():
+        yield f"its body, {kind}", content
+    for status, answer in operation["responses"].items():
+        if status.startswith("2"):
+            for kind, content in answer.get("content", {}).items():
+                if kind not in FOR_PROGRAMS:
+                    yield f"its answer, {kind}", content
+
+
+def test_every_route_comes_with_examples(described: dict[str, Any]) -> None:
+    for method, path, operation in _operations(described):
+        for part in _required(operation):
+            assert "example" in part, f"{method} {path}: {part['name']}, in api/description.py"
+        for what, content in _contents(operation):
+            assert "example" in content, (
+                f"{method} {path}: {what}; see api/description.py and tests/api/record_answers.py"
+            )
+
+
+def test_examples_are_what_is_described(described: dict[str, Any]) -> None:
+    """Answers were recorded, so the description is held to them as much as they to it."""
+    known = {"components": described["components"]}
+    wrong = []
+    for method, path, operation in _operations(described):
+        parts = [(part["name"], part) for part in operation.get("parameters", ())]
+        for what, part in [*parts, *_contents(operation)]:
+            if "example" not in part or "schema" not in part:
+                continue
+            check = jsonschema.Draft202012Validator({**known, **part["schema"]})
+            wrong += [
+                f"{method} {path}: {what}: {error.json_path}: {error.message[:200]}"
+                for error in check.iter_errors(part["example"])
+            ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_bodies_are_read(client: TestClient, described: dict[str, Any]) -> None:
+    """Answered, or refused for want of a record: never as something that cannot be."""
+    for method, path, operation in _operations(described):
+        body = operation.get("requestBody", {}).get("content", {}).get("application/json")
+        if body is None or "/uploads" in path:
+            continue
+        said: dict[str, dict[str, str]] = {"path": {}, "query": {}, "header": {}}
+        for part in _required(operation):
+            said[part["in"]][part["name"]] = str(part["example"])
+        answer = client.request(
+            method,
+            path.format(**said["path"]),
+            params=said["query"],
+            headers=said["header"],
+            json=body["example"],
+        )
+        if answer.status_code >= 300:
+            assert answer.json()["code"] != "invalid-request", f"{method} {path}: {answer.text}"
