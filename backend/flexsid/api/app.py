@@ -55,6 +55,7 @@ from flexsid.api.routes import (
 )
 from flexsid.api.routes import searches as search_routes
 from flexsid.api.routes import tasks as task_routes
+from flexsid.api.together import Together
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.executors import make_workers
 from flexsid.jobs.searches import Searches
@@ -188,6 +189,7 @@ def create_app(
     add_page(app)
     add_error_handlers(app)
     app.add_middleware(BodyLimit)
+    app.add_middleware(Together)
     app.add_middleware(Guards)  # the one added last comes first
     return app
 

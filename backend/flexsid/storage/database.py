@@ -133,7 +133,7 @@ def _make_postgresql_engine(url: URL) -> Engine:
 
 
 class Database:
-    """One engine, and for each thread the transaction it is in."""
+    """One engine, and for each thread the transaction or the reading that it is in."""
 
     def __init__(self, url: str) -> None:
         self.url = parse_url(url)
@@ -153,16 +153,18 @@ class Database:
     @contextmanager
     def transaction(self) -> Iterator[Connection]:
         """Write all or nothing; a transaction inside another joins it."""
-        current = self._current
+        current = self._writing
         if current is not None:
             yield current
             return
+        if self._reading is not None:
+            raise RuntimeError("what is read here would not show what is written")
         with answering(), self._writing_engine.begin() as connection:
-            self._of_thread.connection = connection
+            self._of_thread.writing = connection
             try:
                 yield connection
             finally:
-                self._of_thread.connection = None
+                self._of_thread.writing = None
 
     def alone(self, connection: Connection) -> None:
         """Let no other transaction that asks for this go on before the present one ends."""
@@ -171,22 +173,30 @@ class Database:
 
     @contextmanager
     def reading(self) -> Iterator[Connection]:
-        """Read one consistent state; inside a transaction, its own."""
-        current = self._current
+        """Read one consistent state; inside another reading or a transaction, its own."""
+        current = self._writing or self._reading
         if current is not None:
             yield current
             return
         with answering(), self._reading_engine.connect() as connection:
-            yield connection
+            self._of_thread.reading = connection
+            try:
+                yield connection
+            finally:
+                self._of_thread.reading = None
 
     @property
     def in_transaction(self) -> bool:
         """Whether this thread is in a transaction that writes."""
-        return self._current is not None
+        return self._writing is not None
 
     @property
-    def _current(self) -> Connection | None:
-        return getattr(self._of_thread, "connection", None)
+    def _writing(self) -> Connection | None:
+        return getattr(self._of_thread, "writing", None)
+
+    @property
+    def _reading(self) -> Connection | None:
+        return getattr(self._of_thread, "reading", None)
 
 
 def _to_json(value: Any) -> str:

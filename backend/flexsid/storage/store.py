@@ -55,7 +55,8 @@ class Store:
     """Records by kind, arrays by content; opened on a database that has been migrated.
 
     May be used from several threads. Every call is one transaction of its own
-    unless it stands in ``with store.transaction():``.
+    unless it stands in ``with store.transaction():`` or, where it reads,
+    ``with store.reading():``.
     """
 
     def __init__(self, database: Database) -> None:
@@ -127,6 +128,12 @@ class Store:
     def transaction(self) -> Iterator[None]:
         """Keep everything inside, or nothing if it raises."""
         with self.database.transaction():
+            yield
+
+    @contextmanager
+    def reading(self) -> Iterator[None]:
+        """Read one consistent state of everything inside; nothing can be written meanwhile."""
+        with self.database.reading():
             yield
 
     def maneuver_page(

@@ -67,6 +67,11 @@ def prepare(store: Store, run: EstimationRun) -> Task:
         If the structure does not fit the maneuver: unknown modes, inputs or
         outputs, a band without lines, a sensor without mode shape.
     """
+    with store.reading():
+        return _prepared(store, run)
+
+
+def _prepared(store: Store, run: EstimationRun) -> Task:
     settings = run.settings
     ids = tuple(dict.fromkeys((run.maneuver_id, *settings.together_with)))
     maneuvers = [store.maneuvers.get(number) for number in ids]

@@ -101,6 +101,7 @@ class Identities:
 def identified(store: Store, run: EstimationRun) -> EstimationRun:
     """Return one run with its hashes."""
     start = run.settings.start_run_id
-    start_hash = None if start is None else store.runs.get(start).input_hash
     involved = (run.maneuver_id, *run.settings.together_with)
-    return Identities(store, involved).of(run, start_hash)
+    with store.reading():
+        start_hash = None if start is None else store.runs.get(start).input_hash
+        return Identities(store, involved).of(run, start_hash)
