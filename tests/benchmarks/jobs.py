@@ -159,7 +159,8 @@ def whole_campaign(port: int, ids: list[int], workers: int) -> None:
     start = time.perf_counter()
     batch = client.post("/api/v1/batches", body)
     with ThreadPoolExecutor(BROWSERS) as browsers:
-        readings = [browsers.submit(_browse, port, paths, stop) for _ in range(BROWSERS)]
+        phases = [k / BROWSERS for k in range(BROWSERS)]
+        readings = [browsers.submit(_browse, port, paths, stop, phase) for phase in phases]
         done = _wait(client, batch["id"])
         seconds = time.perf_counter() - start
         stop.set()
@@ -187,9 +188,12 @@ def whole_campaign(port: int, ids: list[int], workers: int) -> None:
     )
 
 
-def _browse(port: int, paths: tuple[str, ...], stop: threading.Event) -> tuple[list[float], int]:
-    """Read as a browser does: a list, then a while of looking at it."""
+def _browse(
+    port: int, paths: tuple[str, ...], stop: threading.Event, phase_s: float
+) -> tuple[list[float], int]:
+    """Read as a browser does: a list, then a while of looking at it; no two at once."""
     client, times, errors = Client(port), [], 0
+    stop.wait(phase_s)
     while not stop.is_set():
         for path in paths:
             try:

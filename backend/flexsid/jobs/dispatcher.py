@@ -30,7 +30,7 @@ from flexsid.storage.store import Store
 _log = logging.getLogger(__name__)
 
 _POLL_S = 0.5  # runs may also be queued or cancelled by other processes
-_PROGRESS_S = 0.2  # between writes of the progress of one run
+_CHECK_S = 0.2  # between looks at what was cancelled
 _LOG_S = 2.0  # between lines of what a worker says, in the log of one run
 _LONGEST_S = 3600.0  # unless a run says otherwise
 _EXPECTED_S = 2.0  # then what a prepared task rests on may have changed
@@ -121,7 +121,6 @@ class Dispatcher:
         self._news: deque[tuple[Key, News]] = deque()
         self._limits: dict[Key, float] = {}
         self._deadlines: dict[Key, float] = {}
-        self._last_written: dict[Key, float] = {}
         self._last_logged: dict[Key, float] = {}
         self._checked = 0.0
         self._began = 0.0
@@ -254,9 +253,7 @@ class Dispatcher:
             return
         if isinstance(news, Progressed):
             now = time.monotonic()
-            if now - self._last_written.get(key, -_PROGRESS_S) >= _PROGRESS_S:
-                self._last_written[key] = now
-                queue.note_progress(self._store, run_id, attempt, _presentable(news.progress))
+            queue.note_progress(self._store, run_id, attempt, _presentable(news.progress))
             if now - self._last_logged.get(key, now - _LOG_S / 2) >= _LOG_S:
                 queue.say(self._store, run_id, attempt, news.progress.message)
                 self._last_logged[key] = now
@@ -306,7 +303,7 @@ class Dispatcher:
     def _stop_what_no_longer_counts(self) -> None:
         now = time.monotonic()
         under_way = self._under_way
-        if not under_way or now - self._checked < _PROGRESS_S:
+        if not under_way or now - self._checked < _CHECK_S:
             return
         self._checked = now
         counting = queue.still_running(self._store, under_way)
@@ -326,7 +323,6 @@ class Dispatcher:
         self._forget(key)
 
     def _forget(self, key: Key) -> None:
-        self._last_written.pop(key, None)
         self._last_logged.pop(key, None)
         self._deadlines.pop(key, None)
         self._limits.pop(key, None)

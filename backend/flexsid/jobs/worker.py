@@ -13,6 +13,7 @@ import signal
 import socket
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from multiprocessing.connection import Connection
@@ -24,6 +25,7 @@ from flexsid.jobs.news import Begun, Computed, Failed, News, Progressed, unexpec
 from flexsid.records.run import Progress
 
 _NICE = 5  # whoever looks at a page comes before what is computed in the background
+_PROGRESS_S = 0.2  # a fit tells of iterations that take a millisecond
 
 Compute = Callable[[Any, Callable[[Progress], None]], Any]
 
@@ -55,9 +57,7 @@ def work(connection: Connection) -> None:
                 continue
             connection.send(Begun())
             with _at_most(memory_mb):
-                news = carry_out(
-                    compute, task, lambda progress: connection.send(Progressed(progress)), me
-                )
+                news = carry_out(compute, task, _telling(connection), me)
                 del task
             try:
                 connection.send(news)
@@ -84,6 +84,20 @@ def carry_out(
         )
     except Exception as error:
         return unexpected(error)
+
+
+def _telling(connection: Connection) -> Callable[[Progress], None]:
+    """Tell progress, at most as often as anybody can read it."""
+    told = -_PROGRESS_S
+
+    def tell(progress: Progress) -> None:
+        nonlocal told
+        now = time.monotonic()
+        if now - told >= _PROGRESS_S:
+            told = now
+            connection.send(Progressed(progress))
+
+    return tell
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import orjson
 import sqlalchemy as sa
 from sqlalchemy import event
 from sqlalchemy.engine import URL, Connection, Engine, make_url
@@ -95,7 +96,7 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
             ) from error
     if file is None:
         return _make_postgresql_engine(url)
-    engine = sa.create_engine(url, json_serializer=_to_json)
+    engine = sa.create_engine(url, **_JSON)
 
     @event.listens_for(engine, "connect")
     def _prepare(connection: sqlite3.Connection, _record: object) -> None:
@@ -125,7 +126,7 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
 def _make_postgresql_engine(url: URL) -> Engine:
     try:
         # Pinged before use, for the server may have been started again meanwhile.
-        return sa.create_engine(url, json_serializer=_to_json, pool_pre_ping=True, pool_size=10)
+        return sa.create_engine(url, pool_pre_ping=True, pool_size=10, **_JSON)
     except ModuleNotFoundError as error:
         raise BadInput(
             "PostgreSQL needs the extra `postgresql`: pip install 'flexsid[postgresql]'"
@@ -207,3 +208,6 @@ def _to_json(value: Any) -> str:
         raise NotFinite(
             f"a record cannot be kept ({error}); numbers that are not known are None"
         ) from error
+
+
+_JSON: dict[str, Any] = {"json_serializer": _to_json, "json_deserializer": orjson.loads}
