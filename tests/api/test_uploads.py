@@ -112,6 +112,28 @@ def test_commands_of_surfaces_are_proposed_as_commands(client: TestClient) -> No
     }
 
 
+def test_the_multisines_of_recorded_commands_are_recognised(client: TestClient) -> None:
+    time_s = np.arange(1200) / 50.0
+    flown = (time_s >= 2.0) & (time_s < 22.0)  # one period of 20 s
+    harmonics = {"bfs": (8, 12, 17, 25), "wf1s": (9, 14, 20, 30)}
+    columns = [time_s, np.full(1200, 70.0), np.full(1200, 2000.0), np.full(1200, 40.0)]
+    head = "t_s,VTAS [kt],H [ft],fuel [%]"
+    for name, lines in harmonics.items():
+        phase = 2.0 * np.pi * np.outer((time_s - 2.0) / 20.0, lines) + np.square(lines)
+        command = np.where(flown, np.sin(phase).sum(axis=1), 0.0)
+        columns += [command, np.roll(command, 2)]
+        head += f",{name}_command [deg],{name} [deg]"
+    rows = "\n".join(",".join(f"{x:.6f}" for x in row) for row in np.stack(columns, axis=1))
+    found = upload(client, ("multisine.csv", f"{head}\n{rows}\n".encode()))
+    state = bring_in(client, found["upload"]["id"], found["proposal"]["text"])
+    detail = client.get(f"/api/v1/maneuvers/{state['maneuver_id']}").json()
+    assert detail["condition"]["fuel_fraction"] == pytest.approx(0.4)
+    excitation = detail["excitation"]
+    assert excitation["period_s"] == pytest.approx(20.0)
+    assert excitation["start_s"] == pytest.approx(2.0, abs=0.021)
+    assert {n: tuple(lines) for n, lines in excitation["harmonics"].items()} == harmonics
+
+
 def test_the_matrix_of_sidpac_users_is_recognised(client: TestClient) -> None:
     found = upload(client, ("maneuver.mat", fdata()))
     mapping = found["proposal"]["text"]

@@ -159,8 +159,8 @@ def _maneuver(condition: Mapping[str, tuple[Column, Meaning]]) -> str:
     for name in ("airspeed", height):
         column, meaning = condition[name]
         lines.append(f"{name} = {{ field = {_text(column.field)}, unit = {_text(meaning.unit)} }}")
-    if "fuel" in condition:
-        column, meaning = condition["fuel"]
+    if "fuel_fraction" in condition:
+        column, meaning = condition["fuel_fraction"]
         lines.append(
             f"fuel_fraction = {{ field = {_text(column.field)}, unit = {_text(meaning.unit)} }}"
         )

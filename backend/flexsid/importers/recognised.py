@@ -60,7 +60,7 @@ _KNOWN: tuple[tuple[str, str, str, Role], ...] = (
     ("mach|ma", "mach", "1", Role.CONDITION),
     ("qbar|q_?bar|dynamic_?pressure", "dynamic_pressure", "psf", Role.CONDITION),
     ("rho|density", "density", "slug/ft3", Role.CONDITION),
-    ("fuel|fuel_?fraction", "fuel", "1", Role.CONDITION),
+    ("fuel|fuel_?fraction", "fuel_fraction", "1", Role.CONDITION),
     ("fuel|fuel_?weight|fuel_?mass", "fuel_mass", "lb", Role.CONDITION),
     ("throttle|thtl|power|pla", "throttle", "%", Role.CONDITION),
 )

@@ -20,6 +20,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.preparation.cutting import Excited, find_excitations, find_marked
 from flexsid.units import si_unit, to_si
 from flexsid.workflow.condition import airspeed_ratio, complete_condition
+from flexsid.workflow.excited import excitation_of
 from flexsid.workflow.interval import excitation_interval, samples_between
 from flexsid.workflow.keeping import largest_correlation
 
@@ -30,7 +31,6 @@ DECAY_S = 4.0
 """Kept after an excitation, for the response to decay."""
 
 _MARKER = re.compile(r"(^|_)(fta|marker|event|test_?point)($|_)", re.IGNORECASE)
-_COMMAND = "_command"
 _MEASURED = {  # of a condition by the names that channels have
     "airspeed": "airspeed",
     "density": "density",
@@ -74,7 +74,7 @@ def find_maneuvers(store: Store, flight_id: int) -> tuple[FoundManeuver, ...]:
         over_s = clock.start_s + one.stop / clock.rate_hz
         before_s = begin_s if place == 0 else _time(clock, found[place - 1].stop)
         after_s = end_s if place + 1 == len(found) else _time(clock, found[place + 1].first)
-        excitation = _excitation(one, names, clock, at_s)
+        excitation = excitation_of(one, names, clock.rate_hz, clock.start_s)
         fta = one.marker or _marker_at(numbers, 0.5 * (at_s + over_s))
         if fta is None and excitation is not None:
             fta = designs.get(_key(excitation))
@@ -202,7 +202,7 @@ def _first_look(channels: Iterable[FlightChannel]) -> tuple[str, ...]:
 def _excitations(
     store: Store, flight_id: int, channels: list[FlightChannel]
 ) -> tuple[tuple[Excited, ...], tuple[str, ...], FlightChannel, str]:
-    """What ran, of which inputs, on which clock, and what told it."""
+    """What ran, in which channels, on which clock, and what told it."""
     commands = [c for c in channels if c.role is Role.COMMAND]
     marker = _marker(channels)
     surfaces = [c for c in channels if c.role is Role.INPUT]
@@ -226,21 +226,8 @@ def _excitations(
     ]
     read = read_flight_channels(store.database, flight_id, [c.name for c in same])
     samples = np.stack([np.asarray(read[c.name][1], dtype=float) for c in same], axis=1)
-    names = tuple(c.name.removesuffix(_COMMAND) for c in same)
+    names = tuple(c.name for c in same)
     return find_excitations(samples, clock.rate_hz), names, clock, basis
-
-
-def _excitation(
-    one: Excited, names: tuple[str, ...], clock: FlightChannel, at_s: float
-) -> Excitation | None:
-    if not any(one.harmonics):
-        return None
-    return Excitation(
-        period_s=one.period / clock.rate_hz,
-        harmonics={name: lines for name, lines in zip(names, one.harmonics, strict=True) if lines},
-        start_s=at_s,
-        n_periods=one.n_periods,
-    )
 
 
 def _within(store: Store, flight_id: int, cut: Cut) -> Excitation | None:

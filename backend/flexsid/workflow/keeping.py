@@ -25,6 +25,7 @@ from flexsid.storage.repository import Repository
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import Derivative
 from flexsid.workflow.condition import airspeed_ratio, complete_condition
+from flexsid.workflow.excited import recorded_excitation
 
 BYTES_AT_ONCE = 16 * 1024**2
 """Samples written by one statement."""
@@ -127,7 +128,7 @@ def keep_maneuver(
             condition=condition,
             fta=raw.fta,
             axis=raw.axis,
-            excitation=raw.excitation,
+            excitation=raw.excitation or recorded_excitation(raw.channels),
             airspeed_ratio=airspeed_ratio(condition),
             max_input_correlation=largest_correlation(inputs),
             source_file=raw.source_file,

@@ -1,0 +1,44 @@
+"""Excited: which multisines ran, told by the commands that were recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from flexsid.importers.channels import RawChannel
+from flexsid.records.maneuver import Excitation, Role
+from flexsid.sysid.preparation.cutting import Excited, find_excitations
+
+COMMAND = "_command"
+"""Ends the name of the channel that holds the excitation of an input."""
+
+
+def recorded_excitation(channels: Sequence[RawChannel]) -> Excitation | None:
+    """The one multisine set that the commands of a maneuver hold; None where it is not one."""
+    commands = [channel for channel in channels if channel.role is Role.COMMAND]
+    if not commands:
+        return None
+    clock = commands[0].clock
+    same = [channel for channel in commands if channel.clock == clock]
+    samples = np.stack([np.asarray(channel.samples, dtype=float) for channel in same], axis=1)
+    found = find_excitations(samples, clock.rate_hz)
+    if len(found) != 1:
+        return None
+    return excitation_of(found[0], [channel.name for channel in same], clock.rate_hz, clock.start_s)
+
+
+def excitation_of(
+    one: Excited, channels: Sequence[str], rate_hz: float, start_s: float
+) -> Excitation | None:
+    """The excitation that was found in channels on one clock; None for no multisine."""
+    names = [name.removesuffix(COMMAND) for name in channels]
+    harmonics = {n: lines for n, lines in zip(names, one.harmonics, strict=False) if lines}
+    if not harmonics:
+        return None
+    return Excitation(
+        period_s=one.period / rate_hz,
+        harmonics=harmonics,
+        start_s=start_s + one.first / rate_hz,
+        n_periods=one.n_periods,
+    )
