@@ -10,7 +10,13 @@ from pathlib import Path
 
 import pytest
 
+from flexsid.demo.campaign import add_maneuver
+from flexsid.demo.flights import fly
 from flexsid.errors import BadInput, Conflict
+from flexsid.jobs.direct import carry_out
+from flexsid.jobs.steps import estimation_steps
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.reports import (
     Report,
     built_in_template,
@@ -94,6 +100,7 @@ def test_a_comparison_is_reported_coefficient_by_coefficient(flown: Store) -> No
     report = comparison_report(flown, [1], [1])
     titles = [section.title for section in report.sections]
     assert titles == ["Summary", "CZ", "Cm", "CQ7", "CQ9"]
+    assert dict(report.provenance)["Run 1"].startswith("finished ")
     (figure, table) = report.sections[2].parts
     assert isinstance(figure, Drawing)
     assert isinstance(table, Table)
@@ -106,12 +113,34 @@ def test_a_comparison_is_reported_coefficient_by_coefficient(flown: Store) -> No
 def test_a_campaign_is_reported_as_narrowed(flown: Store) -> None:
     report = campaign_report(flown)
     assert report.subtitle == "1 flight, 1 maneuver, 1 run"
-    (table,) = report.sections[1].parts
+    parts = {section.title: section.parts for section in report.sections}
+    assert list(parts) == ["Summary", "Flights", "Maneuvers", "Flutter", "Ground tests"]
+    (table,) = parts["Maneuvers"]
     assert isinstance(table, Table)
-    assert table.rows[0][0] == "flown"
-    assert "EE succeeded" in table.rows[0][-1]
+    assert (table.rows[0][0], table.rows[0][-1]) == ("flown", "EE")
+    assert dict(report.provenance)["Runs"] == "1"
     with pytest.raises(Conflict, match="no maneuver"):
         campaign_report(flown, search="nothing is called so")
+
+
+def test_a_campaign_says_what_its_runs_say_together(flown: Store) -> None:
+    again = fly(fta=506, airspeed_ratio=0.8, label="faster")
+    maneuver = add_maneuver(flown, again, flown.maneuvers.get(1).flight_id)
+    request = EstimationRun(
+        maneuver_id=maneuver.id or 0,
+        method=Method.EE,
+        structure=Structure(modes=(7, 9), fixed={}),
+        settings=RunSettings(),
+    )
+    carry_out(flown, request, estimation_steps(), lambda progress: None)
+    parts = {section.title: section.parts for section in campaign_report(flown).sections}
+    assert all(isinstance(part, Drawing) for part in parts["Estimates"])
+    assert len(parts["Estimates"]) == 5
+    assert any(
+        "Flutter of SW1B" in part.text for part in parts["Flutter"] if isinstance(part, Words)
+    )
+    (table,) = [part for part in parts["Flutter"] if isinstance(part, Table)]
+    assert {row[1] for row in table.rows} == {"flown", "faster"}
 
 
 def test_a_run_without_result_is_not_reported(add_run, store: Store) -> None:

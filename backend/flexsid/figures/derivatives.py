@@ -51,6 +51,7 @@ def _derivative_axis(panel: list[Row], number: int, left: float, right: float) -
         "domain": [left, min(right, 1.0)],
         "anchor": axis(number),
         "tickmode": "array",
+        "autotickangles": [0, -30],  # upwards, or the last name would leave the drawing
         "tickvals": list(range(len(panel))),
         "ticktext": [_tick(row) for row in panel],
         "range": [-0.6, len(panel) - 0.4],

@@ -7,11 +7,17 @@ from typing import Unpack
 from flexsid import figures
 from flexsid.errors import Conflict
 from flexsid.records.ground_test import Verdict
+from flexsid.records.run import Method, RunState
 from flexsid.reports.content import Facts, Part, Report, Section, Table, Words, drawn, listed
-from flexsid.storage.maneuver_list import ManeuverFilters, ManeuverItem
+from flexsid.reports.estimated import estimated_sections, newest
+from flexsid.storage.maneuver_list import LatestRun, ManeuverFilters, ManeuverItem
+from flexsid.storage.quality_list import SORT_FIELDS, select_qualities
 from flexsid.storage.store import Store
 from flexsid.workflow import views
+from flexsid.workflow.evidence import software
 from flexsid.workflow.ground_tests import ground_tests
+
+_ALL = 1_000_000
 
 
 def campaign_report(store: Store, **filters: Unpack[ManeuverFilters]) -> Report:
@@ -43,16 +49,19 @@ def campaign_report(store: Store, **filters: Unpack[ManeuverFilters]) -> Report:
                     ),
                 ),
             ),
-            Section("Maneuvers", (_maneuvers(flown),)),
+            Section("Flights", (_flights(store, flown),)),
+            Section("Maneuvers", (_maneuvers(flown, _verdicts(store)),)),
+            *estimated_sections(store, flown),
             Section("Ground tests", _ground(store, {item.flight_id for item in flown})),
         ),
         provenance=(
             ("Maneuvers", listed(item.id for item in flown)),
-            (
-                "Narrowed to",
-                listed(
-                    (f"{k} {v}" for k, v in filters.items() if v not in (None, False)), "nothing"
-                ),
+            ("Runs", listed(sorted(run.id for item in flown for run in newest(item)), "none")),
+            ("Software", listed(f"{name} {value}" for name, value in software().items())),
+            *(
+                (f"Only {name.replace('_', ' ')}", str(value))
+                for name, value in filters.items()
+                if value not in (None, False)
             ),
         ),
     )
@@ -79,14 +88,39 @@ def _summary(flown: list[ManeuverItem]) -> tuple[tuple[str, str], ...]:
     )
 
 
-def _maneuvers(flown: list[ManeuverItem]) -> Table:
+def _flights(store: Store, flown: list[ManeuverItem]) -> Table:
+    rows = []
+    for flight in store.flights.find():
+        cards = [item for item in flown if item.flight_id == flight.id]
+        if not cards:
+            continue
+        fastest = max(item.airspeed_m_s for item in cards)
+        rows.append(
+            (
+                str(flight.number),
+                "–" if flight.flown_on is None else flight.flown_on.isoformat(),
+                flight.description or "–",
+                str(len(cards)),
+                f"{fastest:.1f}",
+            )
+        )
+    return Table(
+        ("flight", "flown on", "", "maneuvers", "fastest [m/s]"),
+        tuple(rows),
+        "Flights with the maneuvers of this report",
+        numbers_from=3,
+    )
+
+
+def _verdicts(store: Store) -> dict[int, str]:
+    with store.database.reading() as connection:
+        page = select_qualities(connection, {}, SORT_FIELDS[0], _ALL, None)
+    return {item.maneuver_id: item.verdict.value for item in page.items if item.verdict is not None}
+
+
+def _maneuvers(flown: list[ManeuverItem], verdicts: dict[int, str]) -> Table:
     rows = []
     for item in flown:
-        latest = (
-            f"{method.value} {run.state.value}"
-            for method, run in item.runs.items()
-            if run is not None
-        )
         rows.append(
             (
                 item.label,
@@ -96,14 +130,20 @@ def _maneuvers(flown: list[ManeuverItem]) -> Table:
                 "–" if item.airspeed_ratio is None else f"{item.airspeed_ratio:.3f}",
                 f"{item.dynamic_pressure_pa:.0f}",
                 f"{item.fuel_fraction:.2f}",
-                listed(latest),
+                verdicts.get(item.id, "–"),
+                listed(_of_method(method, run) for method, run in item.runs.items() if run),
             )
         )
     return Table(
-        ("maneuver", "flight", "FTA", "V [m/s]", "V/V_f", "q̄ [Pa]", "fuel", "newest runs"),
+        ("maneuver", "flight", "FTA", "V [m/s]", "V/V_f", "q̄ [Pa]", "fuel", "data", "estimated by"),
         tuple(rows),
-        "Maneuvers with their flight condition",
+        "Maneuvers with their flight condition, the verdict on their data, and their newest runs",
     )
+
+
+def _of_method(method: Method, run: LatestRun) -> str:
+    """A run that succeeded goes without saying."""
+    return method.value if run.state is RunState.SUCCEEDED else f"{method.value} {run.state.value}"
 
 
 def _ground(store: Store, flights: set[int]) -> tuple[Part, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from flexsid import figures
-from flexsid.records.comparison import Comparison, Row
+from flexsid.records.comparison import Comparison, Row, SourceValue
 from flexsid.reports.content import (
     Part,
     Report,
@@ -15,12 +15,15 @@ from flexsid.reports.content import (
     drawn,
     estimate,
     listed,
+    moment,
     number,
 )
 from flexsid.reports.flown import source_facts
 from flexsid.reports.run import METHOD_NAMES
 from flexsid.storage.store import Store
 from flexsid.workflow.comparison import CONSISTENT_SIGMA, coefficients, compare, of_coefficient
+
+_ABREAST = 6  # sources in one table, as many as fit on paper
 
 
 def comparison_report(
@@ -45,8 +48,17 @@ def comparison_report(
             Section("Summary", (_verdict(compared), _sources(store, compared))),
             *(Section(name, _coefficient(compared, name)) for name in coefficients(compared)),
         ),
-        provenance=tuple(fact for maneuver in maneuvers for fact in source_facts(store, maneuver)),
+        provenance=(
+            *(_run_facts(store, run_id) for run_id in dict.fromkeys(run_ids)),
+            *(fact for maneuver in maneuvers for fact in source_facts(store, maneuver)),
+        ),
     )
+
+
+def _run_facts(store: Store, run_id: int) -> tuple[str, str]:
+    run = store.runs.get(run_id)
+    versions = listed(f"{name} {version}" for name, version in (run.versions or {}).items())
+    return f"Run {run_id}", f"finished {moment(run.finished_at)} by {versions}"
 
 
 def _verdict(compared: Comparison) -> Words:
@@ -92,19 +104,31 @@ def _sources(store: Store, compared: Comparison) -> Table:
 
 def _coefficient(compared: Comparison, name: str) -> tuple[Part, ...]:
     part = of_coefficient(compared, name)
-    rows = []
-    for row in part.rows:
-        cells = [
-            "–" if value is None else " ± ".join(estimate(value.value, value.std_error)[:2])
-            for value in row.values
-        ]
-        cells = [cell.removesuffix(" ± –") for cell in cells]
-        rows.append((row.name, *cells, number(row.max_difference_sigma, 2)))
     return (
         drawn(f"Derivatives of {name} with ±2 standard errors", lambda: figures.derivatives(part)),
-        Table(
-            ("derivative", *(source.label for source in part.sources), "apart [σ]"),
-            tuple(rows),
-            "Value ± standard error; apart: largest difference in combined standard errors",
+        *(
+            _numbers(part, range(start, min(start + _ABREAST, len(part.sources))))
+            for start in range(0, len(part.sources), _ABREAST)
         ),
     )
+
+
+def _numbers(part: Comparison, sources: range) -> Table:
+    return Table(
+        ("derivative", *(part.sources[place].label for place in sources), "apart [σ]"),
+        tuple(
+            (
+                row.name,
+                *(_written(row.values[place]) for place in sources),
+                number(row.max_difference_sigma, 2),
+            )
+            for row in part.rows
+        ),
+        "Value ± standard error; apart: largest difference in combined standard errors",
+    )
+
+
+def _written(value: SourceValue | None) -> str:
+    if value is None:
+        return "–"
+    return " ± ".join(estimate(value.value, value.std_error)).removesuffix(" ± –")

@@ -24,6 +24,7 @@ from flexsid.sysid.model.derivatives import derivative_names
 from flexsid.workflow import views
 from flexsid.workflow.audit import AuditedDecision, audit_decision
 from flexsid.workflow.audit_text import limits_text
+from flexsid.workflow.comparison import coefficients, of_coefficient
 from flexsid.workflow.structure_difference import state_of
 
 
@@ -80,12 +81,10 @@ def _doubts(audited: AuditedDecision) -> tuple[Part, ...]:
 def _summary(audited: AuditedDecision) -> tuple[tuple[str, str], ...]:
     decision = audited.decision
     votes = (f"{name}: {vote.value}" for name, vote in decision.votes.items())
-    structure = decision.proposal.structure
     return (
         ("State", decision.state.value),
         ("Holds for", limits_text(decision.proposal.limits)),
         ("Axis", decision.axis),
-        ("Structure", f"{structure.id}, version {structure.version}"),
         ("Proposed by", listed(decision.authors)),
         ("Votes", listed(votes, "none")),
         ("Revision", str(decision.revision)),
@@ -126,14 +125,30 @@ def _evidence(store: Store, audited: AuditedDecision) -> Iterator[Part]:
             "Runs that the proposal rests on",
             numbers_from=5,
         )
-    for comparison in audited.decision.proposal.comparisons:
+    comparisons = audited.decision.proposal.comparisons
+    for comparison in comparisons:
         yield _compared(store, comparison)
+    if not comparisons:
+        yield from _side_by_side(store, audited)
     for one in audited.figures:
         figure = one.figure
         caption = f"{figure.title}, as {figure.author} saw it on {moment(figure.created_at)}"
         yield Drawing(one.spec, caption)
     if not (audited.runs or audited.figures or audited.decision.proposal.comparisons):
         yield Words("None was linked.")
+
+
+def _side_by_side(store: Store, audited: AuditedDecision) -> Iterator[Part]:
+    """Derivatives of the runs, where the proposal linked no comparison of its own."""
+    finished = [run.id for run in audited.runs if run.r_squared]
+    if not finished:
+        return
+    compared = views.derivatives(store, finished)
+    for name in coefficients(compared):
+        yield drawn(
+            f"Derivatives of {name} with ±2 standard errors, of the runs {listed(finished)}",
+            lambda name=name: figures.derivatives(of_coefficient(compared, name)),
+        )
 
 
 def _compared(store: Store, linked: LinkedComparison) -> Part:
@@ -155,7 +170,7 @@ def _history(events: list[DecisionEvent]) -> Table:
                 moment(event.created_at),
                 event.author or "–",
                 event.kind.value if event.vote is None else f"voted: {event.vote.value}",
-                " ".join(filter(None, (event.derivative, event.text))) or "–",
+                ": ".join(filter(None, (event.derivative, event.text))) or "–",
             )
             for event in events
         ),

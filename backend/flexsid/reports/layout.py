@@ -25,6 +25,7 @@ from flexsid.reports.content import (
 
 _NEEDED = frozenset({"title", "style", "body", "script"})
 _NUMBER = ' class="number"'
+_NAME = ' class="name"'
 _OFFERED = _NEEDED | {"subtitle", "contents", "provenance", "made_at", "version"}
 
 
@@ -120,7 +121,8 @@ def _part(part: Part) -> str:
 
 def _table(table: Table) -> str:
     def row(cells: tuple[str, ...], tag: str) -> str:
-        kinds = ["" if place < table.numbers_from else _NUMBER for place in range(len(cells))]
+        kinds = [_NAME if place == 0 else "" for place in range(table.numbers_from)]
+        kinds += [_NUMBER] * (len(cells) - table.numbers_from)
         written = (
             f"<{tag}{kind}>{escape(cell)}</{tag}>" for kind, cell in zip(kinds, cells, strict=True)
         )

@@ -70,15 +70,23 @@ def _summary(run: EstimationRun, result: RunResult) -> tuple[tuple[str, str], ..
     structure = run.structure
     worst = min(fit.r_squared.items(), key=lambda pair: pair[1], default=None)
     return (
-        ("Outcome", f"{fit.outcome}. {fit.message}".strip()),
+        ("Outcome", _outcome(result)),
         ("Modes", listed(structure.modes, "none: rigid body")),
         ("Inputs", listed(structure.inputs, "all that moved")),
         ("Outputs", listed(dict.fromkeys(o for b in result.blocks for o in b.outputs))),
         ("Parameters", f"{fit.n_parameters} estimated from {fit.n_lines} lines"),
         ("Band", "whole" if run.settings.band_hz is None else _band(run.settings.band_hz)),
-        ("Iterations", f"{len(fit.iterations)} from {fit.start}, {fit.seconds:.2f} s"),
         ("Worst R²", "–" if worst is None else f"{worst[1]:.3f} ({worst[0]})"),
     )
+
+
+def _outcome(result: RunResult) -> str:
+    fit = result.fit
+    took = f"{fit.outcome} in {fit.seconds:.2f} s"
+    steps = len(fit.iterations) - 1  # the start is the first entry
+    if steps < 1:
+        return took
+    return f"{took}, {steps} {'step' if steps == 1 else 'steps'} from {fit.start}"
 
 
 def _band(band: tuple[float, float]) -> str:
@@ -119,48 +127,43 @@ def _parameters(result: RunResult) -> Table:
 
 
 def _fit(store: Store, run_id: int, result: RunResult) -> tuple[Part, ...]:
-    parts: list[Part] = [
-        drawn(
-            f"Measured and fitted lines, {block.name}",
-            lambda block=block, outputs=outputs: figures.fit(
-                views.fit(store, run_id, outputs, block.name)
-            ),
-        )
-        for block in result.blocks
-        for outputs in _in_fours(block.outputs)
-    ]
-    parts.append(
+    return (
+        *_qualities(result),
+        *(
+            drawn(
+                f"Measured and fitted lines, {block.name}",
+                lambda block=block, outputs=outputs: figures.fit(
+                    views.fit(store, run_id, outputs, block.name)
+                ),
+            )
+            for block in result.blocks
+            for outputs in _in_fours(block.outputs)
+        ),
         drawn(
             "Residuals over frequency",
             lambda: figures.residual(views.residual(store, run_id)),
-        )
-    )
-    parts.append(
+        ),
         drawn(
             "Recorded outputs and the answer of the model to recorded inputs",
             lambda: figures.time_check(views.time_check(store, run_id)),
-        )
+        ),
     )
-    if result.fit.quality:
-        parts.append(
-            Table(
-                ("block", "output", "R²", "Theil", "whiteness"),
-                tuple(
-                    (
-                        q.block,
-                        q.output,
-                        f"{q.r_squared:.3f}",
-                        f"{q.theil:.3f}",
-                        f"{q.whiteness:.3f}",
-                    )
-                    for q in result.fit.quality
-                ),
-                "Fit of each output: share explained, Theil's inequality, probability that the"
-                " residuals are white",
-                numbers_from=2,
-            )
-        )
-    return tuple(parts)
+
+
+def _qualities(result: RunResult) -> tuple[Part, ...]:
+    if not result.fit.quality:
+        return ()
+    table = Table(
+        ("output", "block", "R²", "Theil", "whiteness"),
+        tuple(
+            (q.output, q.block, f"{q.r_squared:.3f}", f"{q.theil:.3f}", f"{q.whiteness:.3f}")
+            for q in result.fit.quality
+        ),
+        "Fit of each output: share explained, Theil's inequality, probability that the"
+        " residuals are white",
+        numbers_from=2,
+    )
+    return (table,)
 
 
 def _in_fours(names: tuple[str, ...]) -> list[tuple[str, ...]]:

@@ -25,8 +25,9 @@ from flexsid.workflow.evidence import GONE, chain_is_whole, data_of, software
 from flexsid.workflow.review import after_event, rules_of
 
 CHECK = (
-    "sealed is an event as text, hash its SHA-256; previous_hash inside of it is the hash of the "
-    "event before. Names are as the analysts set them; nobody verified them."
+    "Every event is kept as text (sealed) with the SHA-256 of that text (hash), and the text holds "
+    "the hash of the event before (previous_hash), so none can be changed unseen. Names are as the "
+    "analysts set them; nobody verified them."
 )
 
 

@@ -22,7 +22,8 @@ def warnings_of(estimate: Estimate) -> tuple[str, ...]:
     weak = np.flatnonzero(derivative & (np.abs(estimate.values) < 2.0 * estimate.std_errors))
     if weak.size:
         found.append(
-            f"{weak.size} of {derivative.sum()} derivatives are within two standard errors "
+            f"{weak.size} of {derivative.sum()} derivatives {'is' if weak.size == 1 else 'are'} "
+            "within two standard errors "
             f"of zero: {_some(names[weak])}."
         )
     correlation = np.abs(np.triu(estimate.correlation, 1))

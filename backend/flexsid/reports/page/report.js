@@ -6,7 +6,7 @@ const AXIS = {
   automargin: true, zeroline: false,
 };
 const LAYOUT = {
-  width: 680, // of the text, on paper and on a screen
+  width: 880, // of the text; on paper the style sheet makes it smaller
   paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
   font: { family: "system-ui, sans-serif", size: 12, color: "#212529" },
   margin: { l: 56, r: 16, t: 28, b: 44 },
