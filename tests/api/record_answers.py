@@ -135,7 +135,9 @@ class _Asking:
             name = operation["operationId"]
             answer = self._answer(method, path, operation)
             if answer.headers.get("content-type", "").startswith("application/json"):
-                answers[name] = shortened(answer.json())
+                told = answer.json()
+                if not (isinstance(told, dict) and told.get("items") == []):
+                    answers[name] = shortened(told)
             elif answer.status_code >= 300:
                 print(f"{name}: {method} {path}: {answer.status_code} {answer.text[:200]}")
             if name == "request_search":

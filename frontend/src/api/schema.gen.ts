@@ -8981,14 +8981,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "status": "ok",
-                     *       "version": "0.1.0",
-                     *       "database": "sqlite",
-                     *       "migration": "0012"
-                     *     }
-                     */
                     "application/json": components["schemas"]["Health"];
                 };
             };
@@ -9018,217 +9010,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "name": "FLEX-28",
-                     *           "geometry": {
-                     *             "area_m2": 8.238641587200002,
-                     *             "chord_m": 1.1169310656,
-                     *             "span_m": 8.5344
-                     *           },
-                     *           "mass": {
-                     *             "fuel": [
-                     *               0,
-                     *               0.0625,
-                     *               0.125
-                     *             ],
-                     *             "mass_kg": [
-                     *               159.04435420967494,
-                     *               162.19109156099535,
-                     *               165.33797485134517
-                     *             ],
-                     *             "pitch_inertia_kg_m2": [
-                     *               66.07687236628946,
-                     *               66.19545220405053,
-                     *               66.31130684773544
-                     *             ],
-                     *             "x_cg_m": [
-                     *               1.4017916592,
-                     *               1.4047540104,
-                     *               1.4076035856
-                     *             ],
-                     *             "z_cg_m": [
-                     *               0.0036555304080000003,
-                     *               0.0035846064960000004,
-                     *               0.0035163831120000005
-                     *             ]
-                     *           },
-                     *           "surfaces": [
-                     *             {
-                     *               "name": "bfs",
-                     *               "instrument": "potentiometer",
-                     *               "actuator": null,
-                     *               "servo": "servo",
-                     *               "noise_std_rad": 0.00035
-                     *             },
-                     *             {
-                     *               "name": "wf1s",
-                     *               "instrument": "potentiometer",
-                     *               "actuator": null,
-                     *               "servo": "servo",
-                     *               "noise_std_rad": 0.00035
-                     *             }
-                     *           ],
-                     *           "sensors": [
-                     *             {
-                     *               "name": "alpha",
-                     *               "kind": "vane",
-                     *               "point": "boom",
-                     *               "axis": "y",
-                     *               "location_m": [
-                     *                 -0.47244,
-                     *                 0,
-                     *                 0
-                     *               ],
-                     *               "instrument": "vane",
-                     *               "noise_std": 0.0008
-                     *             },
-                     *             {
-                     *               "name": "q",
-                     *               "kind": "gyro",
-                     *               "point": "nose_gyro",
-                     *               "axis": "y",
-                     *               "location_m": [
-                     *                 0.10668,
-                     *                 0,
-                     *                 0
-                     *               ],
-                     *               "instrument": "gyro",
-                     *               "noise_std": 0.0012
-                     *             }
-                     *           ],
-                     *           "combinations": [
-                     *             {
-                     *               "name": "az_mfs",
-                     *               "terms": [
-                     *                 [
-                     *                   "az_mfl",
-                     *                   0.5
-                     *                 ],
-                     *                 [
-                     *                   "az_mfr",
-                     *                   0.5
-                     *                 ]
-                     *               ]
-                     *             },
-                     *             {
-                     *               "name": "az_mas",
-                     *               "terms": [
-                     *                 [
-                     *                   "az_mal",
-                     *                   0.5
-                     *                 ],
-                     *                 [
-                     *                   "az_mar",
-                     *                   0.5
-                     *                 ]
-                     *               ]
-                     *             }
-                     *           ],
-                     *           "instruments": {
-                     *             "servo": {
-                     *               "elements": [
-                     *                 {
-                     *                   "natural_frequency": 62,
-                     *                   "damping": 0.75
-                     *                 }
-                     *               ],
-                     *               "delay_s": 0.0125
-                     *             },
-                     *             "potentiometer": {
-                     *               "elements": [
-                     *                 {
-                     *                   "order": 6,
-                     *                   "corner": 251.32741228718345
-                     *                 },
-                     *                 {
-                     *                   "order": 4,
-                     *                   "corner": 439.822971502571
-                     *                 }
-                     *               ],
-                     *               "delay_s": 0
-                     *             },
-                     *             "accelerometer": {
-                     *               "elements": [
-                     *                 {
-                     *                   "natural_frequency": 942.5,
-                     *                   "damping": 0.7
-                     *                 },
-                     *                 {
-                     *                   "order": 4,
-                     *                   "corner": 439.822971502571
-                     *                 }
-                     *               ],
-                     *               "delay_s": 0.004
-                     *             },
-                     *             "gyro": {
-                     *               "elements": [
-                     *                 {
-                     *                   "natural_frequency": 471.2,
-                     *                   "damping": 0.75
-                     *                 },
-                     *                 {
-                     *                   "order": 4,
-                     *                   "corner": 439.822971502571
-                     *                 }
-                     *               ],
-                     *               "delay_s": 0.006
-                     *             },
-                     *             "vane": {
-                     *               "elements": [
-                     *                 {
-                     *                   "order": 4,
-                     *                   "corner": 439.822971502571
-                     *                 }
-                     *               ],
-                     *               "delay_s": 0.018
-                     *             },
-                     *             "attitude": {
-                     *               "elements": [
-                     *                 {
-                     *                   "order": 4,
-                     *                   "corner": 439.822971502571
-                     *                 }
-                     *               ],
-                     *               "delay_s": 0.022
-                     *             },
-                     *             "strain": {
-                     *               "elements": [
-                     *                 {
-                     *                   "order": 4,
-                     *                   "corner": 439.822971502571
-                     *                 }
-                     *               ],
-                     *               "delay_s": 0.01
-                     *             }
-                     *           },
-                     *           "polar": {
-                     *             "cd_min": 0.022,
-                     *             "oswald": 0.88,
-                     *             "aspect_ratio": 8.840776,
-                     *             "lift_slope": 4.651281
-                     *           },
-                     *           "flutter": {
-                     *             "fuel": [
-                     *               0,
-                     *               0.25,
-                     *               0.5
-                     *             ],
-                     *             "speed_m_s": [
-                     *               60.6552,
-                     *               59.820048,
-                     *               59.314080000000004
-                     *             ]
-                     *           },
-                     *           "description": "Invented flexible flying wing of 28 ft span with two full-span rows of trailing-edge surfaces. Every number comes from a beam finite element model and a vortex ",
-                     *           "id": 1
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["AircraftList"];
                 };
             };
@@ -9248,10 +9029,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 aircraft_id: number;
             };
             cookie?: never;
@@ -9264,212 +9042,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "name": "FLEX-28",
-                     *       "geometry": {
-                     *         "area_m2": 8.238641587200002,
-                     *         "chord_m": 1.1169310656,
-                     *         "span_m": 8.5344
-                     *       },
-                     *       "mass": {
-                     *         "fuel": [
-                     *           0,
-                     *           0.0625,
-                     *           0.125
-                     *         ],
-                     *         "mass_kg": [
-                     *           159.04435420967494,
-                     *           162.19109156099535,
-                     *           165.33797485134517
-                     *         ],
-                     *         "pitch_inertia_kg_m2": [
-                     *           66.07687236628946,
-                     *           66.19545220405053,
-                     *           66.31130684773544
-                     *         ],
-                     *         "x_cg_m": [
-                     *           1.4017916592,
-                     *           1.4047540104,
-                     *           1.4076035856
-                     *         ],
-                     *         "z_cg_m": [
-                     *           0.0036555304080000003,
-                     *           0.0035846064960000004,
-                     *           0.0035163831120000005
-                     *         ]
-                     *       },
-                     *       "surfaces": [
-                     *         {
-                     *           "name": "bfs",
-                     *           "instrument": "potentiometer",
-                     *           "actuator": null,
-                     *           "servo": "servo",
-                     *           "noise_std_rad": 0.00035
-                     *         },
-                     *         {
-                     *           "name": "wf1s",
-                     *           "instrument": "potentiometer",
-                     *           "actuator": null,
-                     *           "servo": "servo",
-                     *           "noise_std_rad": 0.00035
-                     *         }
-                     *       ],
-                     *       "sensors": [
-                     *         {
-                     *           "name": "alpha",
-                     *           "kind": "vane",
-                     *           "point": "boom",
-                     *           "axis": "y",
-                     *           "location_m": [
-                     *             -0.47244,
-                     *             0,
-                     *             0
-                     *           ],
-                     *           "instrument": "vane",
-                     *           "noise_std": 0.0008
-                     *         },
-                     *         {
-                     *           "name": "q",
-                     *           "kind": "gyro",
-                     *           "point": "nose_gyro",
-                     *           "axis": "y",
-                     *           "location_m": [
-                     *             0.10668,
-                     *             0,
-                     *             0
-                     *           ],
-                     *           "instrument": "gyro",
-                     *           "noise_std": 0.0012
-                     *         }
-                     *       ],
-                     *       "combinations": [
-                     *         {
-                     *           "name": "az_mfs",
-                     *           "terms": [
-                     *             [
-                     *               "az_mfl",
-                     *               0.5
-                     *             ],
-                     *             [
-                     *               "az_mfr",
-                     *               0.5
-                     *             ]
-                     *           ]
-                     *         },
-                     *         {
-                     *           "name": "az_mas",
-                     *           "terms": [
-                     *             [
-                     *               "az_mal",
-                     *               0.5
-                     *             ],
-                     *             [
-                     *               "az_mar",
-                     *               0.5
-                     *             ]
-                     *           ]
-                     *         }
-                     *       ],
-                     *       "instruments": {
-                     *         "servo": {
-                     *           "elements": [
-                     *             {
-                     *               "natural_frequency": 62,
-                     *               "damping": 0.75
-                     *             }
-                     *           ],
-                     *           "delay_s": 0.0125
-                     *         },
-                     *         "potentiometer": {
-                     *           "elements": [
-                     *             {
-                     *               "order": 6,
-                     *               "corner": 251.32741228718345
-                     *             },
-                     *             {
-                     *               "order": 4,
-                     *               "corner": 439.822971502571
-                     *             }
-                     *           ],
-                     *           "delay_s": 0
-                     *         },
-                     *         "accelerometer": {
-                     *           "elements": [
-                     *             {
-                     *               "natural_frequency": 942.5,
-                     *               "damping": 0.7
-                     *             },
-                     *             {
-                     *               "order": 4,
-                     *               "corner": 439.822971502571
-                     *             }
-                     *           ],
-                     *           "delay_s": 0.004
-                     *         },
-                     *         "gyro": {
-                     *           "elements": [
-                     *             {
-                     *               "natural_frequency": 471.2,
-                     *               "damping": 0.75
-                     *             },
-                     *             {
-                     *               "order": 4,
-                     *               "corner": 439.822971502571
-                     *             }
-                     *           ],
-                     *           "delay_s": 0.006
-                     *         },
-                     *         "vane": {
-                     *           "elements": [
-                     *             {
-                     *               "order": 4,
-                     *               "corner": 439.822971502571
-                     *             }
-                     *           ],
-                     *           "delay_s": 0.018
-                     *         },
-                     *         "attitude": {
-                     *           "elements": [
-                     *             {
-                     *               "order": 4,
-                     *               "corner": 439.822971502571
-                     *             }
-                     *           ],
-                     *           "delay_s": 0.022
-                     *         },
-                     *         "strain": {
-                     *           "elements": [
-                     *             {
-                     *               "order": 4,
-                     *               "corner": 439.822971502571
-                     *             }
-                     *           ],
-                     *           "delay_s": 0.01
-                     *         }
-                     *       },
-                     *       "polar": {
-                     *         "cd_min": 0.022,
-                     *         "oswald": 0.88,
-                     *         "aspect_ratio": 8.840776,
-                     *         "lift_slope": 4.651281
-                     *       },
-                     *       "flutter": {
-                     *         "fuel": [
-                     *           0,
-                     *           0.25,
-                     *           0.5
-                     *         ],
-                     *         "speed_m_s": [
-                     *           60.6552,
-                     *           59.820048,
-                     *           59.314080000000004
-                     *         ]
-                     *       },
-                     *       "description": "Invented flexible flying wing of 28 ft span with two full-span rows of trailing-edge surfaces. Every number comes from a beam finite element model and a vortex ",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["Aircraft"];
                 };
             };
@@ -9487,7 +9059,6 @@ export interface operations {
     list_flights: {
         parameters: {
             query?: {
-                /** @example 1 */
                 aircraft_id?: number | null;
             };
             header?: never;
@@ -9502,27 +9073,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "number": 1,
-                     *           "flown_on": "2025-05-13",
-                     *           "description": "Clearance to 0.80 of the flutter speed, heavy",
-                     *           "id": 1
-                     *         },
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "number": 2,
-                     *           "flown_on": "2025-05-15",
-                     *           "description": "Clearance to 0.95 of the flutter speed",
-                     *           "id": 2
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["FlightList"];
                 };
             };
@@ -9542,10 +9092,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 flight_id: number;
             };
             cookie?: never;
@@ -9558,15 +9105,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "number": 1,
-                     *       "flown_on": "2025-05-13",
-                     *       "description": "Clearance to 0.80 of the flutter speed, heavy",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["Flight"];
                 };
             };
@@ -9586,10 +9124,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 4
-                 */
+                /** @description Id of the record. */
                 flight_id: number;
             };
             cookie?: never;
@@ -9602,42 +9137,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "flight_id": 4,
-                     *           "name": "bfs",
-                     *           "unit": "rad",
-                     *           "role": "input",
-                     *           "rate_hz": 1000,
-                     *           "start_s": 480,
-                     *           "n_samples": 120000,
-                     *           "array": "5b35a671877c561635c070fdbd3a8cd478301017e94f1797a1794414fe12fbe0",
-                     *           "sensor": null,
-                     *           "source_file": null,
-                     *           "source_hash": null,
-                     *           "source_field": null,
-                     *           "id": 1
-                     *         },
-                     *         {
-                     *           "flight_id": 4,
-                     *           "name": "wf1s",
-                     *           "unit": "rad",
-                     *           "role": "input",
-                     *           "rate_hz": 1000,
-                     *           "start_s": 480,
-                     *           "n_samples": 120000,
-                     *           "array": "6ab93a935c3fcba5dfe5d4b3d3256638c3e29f02a351acc12ad1d93326ddedad",
-                     *           "sensor": null,
-                     *           "source_file": null,
-                     *           "source_hash": null,
-                     *           "source_field": null,
-                     *           "id": 2
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["FlightChannelList"];
                 };
             };
@@ -9657,10 +9156,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 4
-                 */
+                /** @description Id of the record. */
                 flight_id: number;
             };
             cookie?: never;
@@ -9673,94 +9169,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "label": "4-01 FTA 506",
-                     *           "start_s": 500,
-                     *           "stop_s": 530,
-                     *           "excitation": {
-                     *             "period_s": 24,
-                     *             "harmonics": {
-                     *               "bfs": [
-                     *                 6,
-                     *                 11,
-                     *                 16
-                     *               ],
-                     *               "wf1s": [
-                     *                 8,
-                     *                 13,
-                     *                 18
-                     *               ],
-                     *               "wf2s": [
-                     *                 10,
-                     *                 15,
-                     *                 20
-                     *               ],
-                     *               "wf3s": [
-                     *                 7,
-                     *                 12,
-                     *                 17
-                     *               ],
-                     *               "wf4s": [
-                     *                 9,
-                     *                 14,
-                     *                 19
-                     *               ]
-                     *             },
-                     *             "start_s": 502,
-                     *             "n_periods": 1
-                     *           },
-                     *           "n_periods": 1,
-                     *           "fta": 506,
-                     *           "basis": "recorded excitation",
-                     *           "maneuver_id": 32
-                     *         },
-                     *         {
-                     *           "label": "4-02 FTA 503",
-                     *           "start_s": 550,
-                     *           "stop_s": 580,
-                     *           "excitation": {
-                     *             "period_s": 24,
-                     *             "harmonics": {
-                     *               "bfs": [
-                     *                 6,
-                     *                 11,
-                     *                 16
-                     *               ],
-                     *               "wf1s": [
-                     *                 8,
-                     *                 13,
-                     *                 18
-                     *               ],
-                     *               "wf2s": [
-                     *                 10,
-                     *                 15,
-                     *                 20
-                     *               ],
-                     *               "wf3s": [
-                     *                 7,
-                     *                 12,
-                     *                 17
-                     *               ],
-                     *               "wf4s": [
-                     *                 9,
-                     *                 14,
-                     *                 19
-                     *               ]
-                     *             },
-                     *             "start_s": 552,
-                     *             "n_periods": 1
-                     *           },
-                     *           "n_periods": 1,
-                     *           "fta": 503,
-                     *           "basis": "recorded excitation",
-                     *           "maneuver_id": null
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["FoundManeuverList"];
                 };
             };
@@ -9780,24 +9188,13 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 4
-                 */
+                /** @description Id of the record. */
                 flight_id: number;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "label": "4-01 FTA 506",
-                 *       "start_s": 500,
-                 *       "stop_s": 530,
-                 *       "fta": 506
-                 *     }
-                 */
                 "application/json": components["schemas"]["CutRequest"];
             };
         };
@@ -9808,105 +9205,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "flight_id": 4,
-                     *       "label": "4-01 FTA 506",
-                     *       "start_s": 500,
-                     *       "duration_s": 30,
-                     *       "condition": {
-                     *         "airspeed_m_s": 38.46375170389811,
-                     *         "density_kg_m3": 1.0555988550186157,
-                     *         "fuel_fraction": 0.6000033330917358,
-                     *         "mass_kg": 189.25387192349726,
-                     *         "pitch_inertia_kg_m2": 67.11629376275985,
-                     *         "x_cg_m": 1.4261557784938683,
-                     *         "z_cg_m": 0.0030722227707517184,
-                     *         "alpha_rad": 0.06202195584774017,
-                     *         "gamma_rad": 0,
-                     *         "thrust_n": 163.44276428222656,
-                     *         "flutter_speed_m_s": 59.17630580801285
-                     *       },
-                     *       "fta": 506,
-                     *       "axis": "longitudinal",
-                     *       "excitation": {
-                     *         "period_s": 24,
-                     *         "harmonics": {
-                     *           "bfs": [
-                     *             6,
-                     *             11,
-                     *             16
-                     *           ],
-                     *           "wf1s": [
-                     *             8,
-                     *             13,
-                     *             18
-                     *           ],
-                     *           "wf2s": [
-                     *             10,
-                     *             15,
-                     *             20
-                     *           ],
-                     *           "wf3s": [
-                     *             7,
-                     *             12,
-                     *             17
-                     *           ],
-                     *           "wf4s": [
-                     *             9,
-                     *             14,
-                     *             19
-                     *           ]
-                     *         },
-                     *         "start_s": 502,
-                     *         "n_periods": 1
-                     *       },
-                     *       "airspeed_ratio": 0.6499856856338246,
-                     *       "max_input_correlation": 0.008021364450661045,
-                     *       "source_file": null,
-                     *       "source_hash": null,
-                     *       "note": "",
-                     *       "created_at": "2026-11-21T11:17:48.827502Z",
-                     *       "deleted_at": null,
-                     *       "id": 32,
-                     *       "flight_number": 4,
-                     *       "aircraft_name": "FLEX-28",
-                     *       "channels": [
-                     *         {
-                     *           "name": "bfs",
-                     *           "unit": "rad",
-                     *           "role": "input",
-                     *           "rate_hz": 1000,
-                     *           "start_s": 500,
-                     *           "n_samples": 30000,
-                     *           "array": "b22efd7279f433df3f45abbd0e0c7cd6525e85eb47e9cd25571a05594a0b5b54",
-                     *           "sensor": null,
-                     *           "source_file": null,
-                     *           "source_hash": null,
-                     *           "source_field": null,
-                     *           "maneuver_id": 32,
-                     *           "id": 1838
-                     *         },
-                     *         {
-                     *           "name": "wf1s",
-                     *           "unit": "rad",
-                     *           "role": "input",
-                     *           "rate_hz": 1000,
-                     *           "start_s": 500,
-                     *           "n_samples": 30000,
-                     *           "array": "3700ca01ecc446ae50b19db04009528d789c6950e913de555a84d97671e59ee4",
-                     *           "sensor": null,
-                     *           "source_file": null,
-                     *           "source_hash": null,
-                     *           "source_field": null,
-                     *           "maneuver_id": 32,
-                     *           "id": 1839
-                     *         }
-                     *       ],
-                     *       "tags": []
-                     *     }
-                     */
                     "application/json": components["schemas"]["ManeuverDetail"];
                 };
             };
@@ -9924,7 +9222,6 @@ export interface operations {
     list_ground_tests: {
         parameters: {
             query?: {
-                /** @example 1 */
                 aircraft_id?: number | null;
             };
             header?: never;
@@ -9939,100 +9236,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "flight_id": 1,
-                     *           "flight_number": 1,
-                     *           "before_id": 26,
-                     *           "after_id": 27,
-                     *           "fuel_before": 0.9700000000000001,
-                     *           "fuel_after": 0.45,
-                     *           "peaks": [
-                     *             {
-                     *               "mode": 7,
-                     *               "name": "SW1B",
-                     *               "before_hz": 3.7986868128146685,
-                     *               "before_std_hz": 0.0022575125981821554,
-                     *               "after_hz": 3.9077368091246276,
-                     *               "after_std_hz": 0.002066598402383356,
-                     *               "change": 0.02870728798754474,
-                     *               "explained": 0.02845671279413242,
-                     *               "unexplained": 0.00024364194457104915,
-                     *               "unexplained_std": 0.0031036845671630993,
-                     *               "amplitude_change": 0.05294670155362957,
-                     *               "amplitude_explained": 0.08062015503875974,
-                     *               "amplitude_std": 0.03970173276689957,
-                     *               "verdict": "healthy"
-                     *             },
-                     *             {
-                     *               "mode": 9,
-                     *               "name": "SW1T",
-                     *               "before_hz": 10.76949492848802,
-                     *               "before_std_hz": 0.00360541693444737,
-                     *               "after_hz": 10.802220037159252,
-                     *               "after_std_hz": 0.0032397196809383863,
-                     *               "change": 0.003038685554757503,
-                     *               "explained": 0.0031380831172300727,
-                     *               "unexplained": -0.00009908662042190652,
-                     *               "unexplained_std": 0.0030334840415095626,
-                     *               "amplitude_change": 0.08595672699246792,
-                     *               "amplitude_explained": 0.04541484716157207,
-                     *               "amplitude_std": 0.020636206532864857,
-                     *               "verdict": "healthy"
-                     *             }
-                     *           ],
-                     *           "verdict": "healthy",
-                     *           "message": "Fuel explains what changed (SW1B, SW1T, SFA); of SW1B +0.0% ± 0.6% is left over."
-                     *         },
-                     *         {
-                     *           "flight_id": 2,
-                     *           "flight_number": 2,
-                     *           "before_id": 28,
-                     *           "after_id": 29,
-                     *           "fuel_before": 0.7100000000000001,
-                     *           "fuel_after": 0.06999999999999999,
-                     *           "peaks": [
-                     *             {
-                     *               "mode": 7,
-                     *               "name": "SW1B",
-                     *               "before_hz": 3.847141145433141,
-                     *               "before_std_hz": 0.002203678907697484,
-                     *               "after_hz": 3.900214664511263,
-                     *               "after_std_hz": 0.0018069873536644787,
-                     *               "change": 0.013795573666727678,
-                     *               "explained": 0.043902016287713064,
-                     *               "unexplained": -0.0288402954982776,
-                     *               "unexplained_std": 0.0030891360992288813,
-                     *               "amplitude_change": 0.20012249377626157,
-                     *               "amplitude_explained": 0.10543657331136735,
-                     *               "amplitude_std": 0.0380740208160632,
-                     *               "verdict": "alarm"
-                     *             },
-                     *             {
-                     *               "mode": 9,
-                     *               "name": "SW1T",
-                     *               "before_hz": 10.785262534769945,
-                     *               "before_std_hz": 0.0033738091196480594,
-                     *               "after_hz": 10.83568256543175,
-                     *               "after_std_hz": 0.002984592040550882,
-                     *               "change": 0.004674900634014101,
-                     *               "explained": 0.004428447878249253,
-                     *               "unexplained": 0.0002453661644943317,
-                     *               "unexplained_std": 0.003028815281296874,
-                     *               "amplitude_change": 0.11217029611070406,
-                     *               "amplitude_explained": 0.057813911472448076,
-                     *               "amplitude_std": 0.019552153703541516,
-                     *               "verdict": "healthy"
-                     *             }
-                     *           ],
-                     *           "verdict": "alarm",
-                     *           "message": "SW1B changed by -2.9% ± 0.6% beyond what the fuel burnt in flight 2 explains. Inspect the structure before the next flight."
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["GroundTestList"];
                 };
             };
@@ -10052,10 +9255,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 flight_id: number;
             };
             cookie?: never;
@@ -10068,52 +9268,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "flight_id": 1,
-                     *       "flight_number": 1,
-                     *       "before_id": 26,
-                     *       "after_id": 27,
-                     *       "fuel_before": 0.9700000000000001,
-                     *       "fuel_after": 0.45,
-                     *       "peaks": [
-                     *         {
-                     *           "mode": 7,
-                     *           "name": "SW1B",
-                     *           "before_hz": 3.7986868128146685,
-                     *           "before_std_hz": 0.0022575125981821554,
-                     *           "after_hz": 3.9077368091246276,
-                     *           "after_std_hz": 0.002066598402383356,
-                     *           "change": 0.02870728798754474,
-                     *           "explained": 0.02845671279413242,
-                     *           "unexplained": 0.00024364194457104915,
-                     *           "unexplained_std": 0.0031036845671630993,
-                     *           "amplitude_change": 0.05294670155362957,
-                     *           "amplitude_explained": 0.08062015503875974,
-                     *           "amplitude_std": 0.03970173276689957,
-                     *           "verdict": "healthy"
-                     *         },
-                     *         {
-                     *           "mode": 9,
-                     *           "name": "SW1T",
-                     *           "before_hz": 10.76949492848802,
-                     *           "before_std_hz": 0.00360541693444737,
-                     *           "after_hz": 10.802220037159252,
-                     *           "after_std_hz": 0.0032397196809383863,
-                     *           "change": 0.003038685554757503,
-                     *           "explained": 0.0031380831172300727,
-                     *           "unexplained": -0.00009908662042190652,
-                     *           "unexplained_std": 0.0030334840415095626,
-                     *           "amplitude_change": 0.08595672699246792,
-                     *           "amplitude_explained": 0.04541484716157207,
-                     *           "amplitude_std": 0.020636206532864857,
-                     *           "verdict": "healthy"
-                     *         }
-                     *       ],
-                     *       "verdict": "healthy",
-                     *       "message": "Fuel explains what changed (SW1B, SW1T, SFA); of SW1B +0.0% ± 0.6% is left over."
-                     *     }
-                     */
                     "application/json": components["schemas"]["GroundTest"];
                 };
             };
@@ -10131,45 +9285,23 @@ export interface operations {
     list_maneuvers: {
         parameters: {
             query?: {
-                /**
-                 * @description `-` for falling order, then one of aircraft_name, airspeed_m_s, airspeed_ratio, axis, created_at, duration_s, dynamic_pressure_pa, flight_number, fta, fuel_fraction, id, label, max_input_correlation, n_runs.
-                 * @example -airspeed_ratio
-                 */
+                /** @description `-` for falling order, then one of aircraft_name, airspeed_m_s, airspeed_ratio, axis, created_at, duration_s, dynamic_pressure_pa, flight_number, fta, fuel_fraction, id, label, max_input_correlation, n_runs. */
                 sort?: string;
-                /**
-                 * @description Most items to answer.
-                 * @example 100
-                 */
+                /** @description Most items to answer. */
                 limit?: number;
                 /** @description `next` of the page before. */
                 after?: string | null;
-                /** @example 1 */
                 aircraft_id?: number | null;
-                /** @example 1 */
                 flight_id?: number | null;
-                /**
-                 * @description Number of the flight-test aid.
-                 * @example 506
-                 */
+                /** @description Number of the flight-test aid. */
                 fta?: number | null;
-                /**
-                 * @description Least V/V_f.
-                 * @example 0.5
-                 */
+                /** @description Least V/V_f. */
                 min_airspeed_ratio?: number | null;
-                /**
-                 * @description Largest V/V_f.
-                 * @example 1.1
-                 */
+                /** @description Largest V/V_f. */
                 max_airspeed_ratio?: number | null;
-                /** @example 0 */
                 min_fuel?: number | null;
-                /** @example 1 */
                 max_fuel?: number | null;
-                /**
-                 * @description Part of label, note, file or aircraft.
-                 * @example FLEX
-                 */
+                /** @description Part of label, note, file or aircraft. */
                 search?: string | null;
                 /** @description Only maneuvers with a run of this method. */
                 method?: components["schemas"]["Method"] | null;
@@ -10194,71 +9326,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "id": 1,
-                     *           "label": "1-01 FTA 503",
-                     *           "flight_id": 1,
-                     *           "flight_number": 1,
-                     *           "aircraft_id": 1,
-                     *           "aircraft_name": "FLEX-28",
-                     *           "fta": 503,
-                     *           "axis": "longitudinal",
-                     *           "duration_s": 30,
-                     *           "airspeed_m_s": 32.934927469889324,
-                     *           "dynamic_pressure_pa": 572.5090253763958,
-                     *           "airspeed_ratio": 0.5601601993194201,
-                     *           "fuel_fraction": 0.920003333389759,
-                     *           "max_input_correlation": 0.008060978930632621,
-                     *           "n_runs": 6,
-                     *           "runs": {
-                     *             "OE": {
-                     *               "id": 6,
-                     *               "state": "succeeded"
-                     *             },
-                     *             "FRE": null,
-                     *             "EE": {
-                     *               "id": 5,
-                     *               "state": "succeeded"
-                     *             }
-                     *           },
-                     *           "tags": [
-                     *             "doubtful"
-                     *           ],
-                     *           "created_at": "2026-11-21T11:00:02.744091Z",
-                     *           "deleted_at": null
-                     *         },
-                     *         {
-                     *           "id": 2,
-                     *           "label": "1-02 FTA 506",
-                     *           "flight_id": 1,
-                     *           "flight_number": 1,
-                     *           "aircraft_id": 1,
-                     *           "aircraft_name": "FLEX-28",
-                     *           "fta": 506,
-                     *           "axis": "longitudinal",
-                     *           "duration_s": 30,
-                     *           "airspeed_m_s": 32.961189664204916,
-                     *           "dynamic_pressure_pa": 573.4224227324585,
-                     *           "airspeed_ratio": 0.5600215862296438,
-                     *           "fuel_fraction": 0.860003333290418,
-                     *           "max_input_correlation": 0.006254161766188589,
-                     *           "n_runs": 0,
-                     *           "runs": {
-                     *             "OE": null,
-                     *             "FRE": null,
-                     *             "EE": null
-                     *           },
-                     *           "tags": [],
-                     *           "created_at": "2026-11-21T11:00:03.280296Z",
-                     *           "deleted_at": null
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["ManeuverList"];
                 };
             };
@@ -10282,14 +9349,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "files": [
-                 *         "recording.csv"
-                 *       ],
-                 *       "mapping": "mapping.toml"
-                 *     }
-                 */
                 "multipart/form-data": components["schemas"]["Body_upload_maneuver"];
             };
         };
@@ -10300,74 +9359,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "flight_id": 5,
-                     *       "label": "multisine",
-                     *       "start_s": 0,
-                     *       "duration_s": 0.4,
-                     *       "condition": {
-                     *         "airspeed_m_s": 20,
-                     *         "density_kg_m3": 1.2,
-                     *         "fuel_fraction": 0.5,
-                     *         "mass_kg": 184.21883677635591,
-                     *         "pitch_inertia_kg_m2": 66.95671686567964,
-                     *         "x_cg_m": 1.4226573528000002,
-                     *         "z_cg_m": 0.003155981496,
-                     *         "alpha_rad": 0.19643337669126346,
-                     *         "gamma_rad": 0,
-                     *         "thrust_n": 111.0335868512576,
-                     *         "flutter_speed_m_s": 59.314080000000004
-                     *       },
-                     *       "fta": null,
-                     *       "axis": "longitudinal",
-                     *       "excitation": null,
-                     *       "airspeed_ratio": 0.33718806731892326,
-                     *       "max_input_correlation": null,
-                     *       "source_file": "recording.csv",
-                     *       "source_hash": "a7e340b57218e1276ce60ce79475a073aa3a2d4667e4dfdf01435adcb264d733",
-                     *       "note": "",
-                     *       "created_at": "2026-11-21T11:17:48.845970Z",
-                     *       "deleted_at": null,
-                     *       "id": 33,
-                     *       "flight_number": 7,
-                     *       "aircraft_name": "FLEX-28",
-                     *       "channels": [
-                     *         {
-                     *           "name": "bfs",
-                     *           "unit": "deg",
-                     *           "role": "input",
-                     *           "rate_hz": 50,
-                     *           "start_s": 0,
-                     *           "n_samples": 20,
-                     *           "array": "686931a0307fd951a9c77e4763527ef685a78c5d74692c9e6c3defd7b6625772",
-                     *           "sensor": null,
-                     *           "source_file": "recording.csv",
-                     *           "source_hash": "a7e340b57218e1276ce60ce79475a073aa3a2d4667e4dfdf01435adcb264d733",
-                     *           "source_field": "bf",
-                     *           "maneuver_id": 33,
-                     *           "id": 1899
-                     *         },
-                     *         {
-                     *           "name": "q",
-                     *           "unit": "deg/s",
-                     *           "role": "output",
-                     *           "rate_hz": 50,
-                     *           "start_s": 0,
-                     *           "n_samples": 20,
-                     *           "array": "39ec62dd37dd81ff125a154d63a6986a0251cd32d344cdc9943e2064def1caac",
-                     *           "sensor": null,
-                     *           "source_file": "recording.csv",
-                     *           "source_hash": "a7e340b57218e1276ce60ce79475a073aa3a2d4667e4dfdf01435adcb264d733",
-                     *           "source_field": "q",
-                     *           "maneuver_id": 33,
-                     *           "id": 1900
-                     *         }
-                     *       ],
-                     *       "tags": []
-                     *     }
-                     */
                     "application/json": components["schemas"]["ManeuverDetail"];
                 };
             };
@@ -10385,33 +9376,17 @@ export interface operations {
     list_maneuver_facets: {
         parameters: {
             query?: {
-                /** @example 1 */
                 aircraft_id?: number | null;
-                /** @example 1 */
                 flight_id?: number | null;
-                /**
-                 * @description Number of the flight-test aid.
-                 * @example 506
-                 */
+                /** @description Number of the flight-test aid. */
                 fta?: number | null;
-                /**
-                 * @description Least V/V_f.
-                 * @example 0.5
-                 */
+                /** @description Least V/V_f. */
                 min_airspeed_ratio?: number | null;
-                /**
-                 * @description Largest V/V_f.
-                 * @example 1.1
-                 */
+                /** @description Largest V/V_f. */
                 max_airspeed_ratio?: number | null;
-                /** @example 0 */
                 min_fuel?: number | null;
-                /** @example 1 */
                 max_fuel?: number | null;
-                /**
-                 * @description Part of label, note, file or aircraft.
-                 * @example FLEX
-                 */
+                /** @description Part of label, note, file or aircraft. */
                 search?: string | null;
                 /** @description Only maneuvers with a run of this method. */
                 method?: components["schemas"]["Method"] | null;
@@ -10436,70 +9411,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "total": 27,
-                     *       "choices": {
-                     *         "aircraft_id": [
-                     *           {
-                     *             "value": "1",
-                     *             "label": "FLEX-28",
-                     *             "count": 27
-                     *           }
-                     *         ],
-                     *         "flight_id": [
-                     *           {
-                     *             "value": "1",
-                     *             "label": "1",
-                     *             "count": 8
-                     *           },
-                     *           {
-                     *             "value": "2",
-                     *             "label": "2",
-                     *             "count": 8
-                     *           }
-                     *         ],
-                     *         "fta": [
-                     *           {
-                     *             "value": "503",
-                     *             "label": "503",
-                     *             "count": 11
-                     *           },
-                     *           {
-                     *             "value": "506",
-                     *             "label": "506",
-                     *             "count": 15
-                     *           }
-                     *         ],
-                     *         "tag": [
-                     *           {
-                     *             "value": "doubtful",
-                     *             "label": "doubtful",
-                     *             "count": 1
-                     *           }
-                     *         ],
-                     *         "method": [
-                     *           {
-                     *             "value": "OE",
-                     *             "label": "OE",
-                     *             "count": 1
-                     *           },
-                     *           {
-                     *             "value": "EE",
-                     *             "label": "EE",
-                     *             "count": 1
-                     *           }
-                     *         ],
-                     *         "state": [
-                     *           {
-                     *             "value": "succeeded",
-                     *             "label": "succeeded",
-                     *             "count": 1
-                     *           }
-                     *         ]
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Facets"];
                 };
             };
@@ -10523,15 +9434,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "ids": [
-                 *         1
-                 *       ],
-                 *       "action": "tag",
-                 *       "tag": "doubtful"
-                 *     }
-                 */
                 "application/json": components["schemas"]["ChangeRequest"];
             };
         };
@@ -10542,13 +9444,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "ids": [
-                     *         1
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["Changed"];
                 };
             };
@@ -10568,10 +9463,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 maneuver_id: number;
             };
             cookie?: never;
@@ -10584,107 +9476,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "flight_id": 1,
-                     *       "label": "1-01 FTA 503",
-                     *       "start_s": 600,
-                     *       "duration_s": 30,
-                     *       "condition": {
-                     *         "airspeed_m_s": 32.934927469889324,
-                     *         "density_kg_m3": 1.0555988550186157,
-                     *         "fuel_fraction": 0.920003333389759,
-                     *         "mass_kg": 205.36551742315032,
-                     *         "pitch_inertia_kg_m2": 67.59959689632092,
-                     *         "x_cg_m": 1.436225683053807,
-                     *         "z_cg_m": 0.002831142321709305,
-                     *         "alpha_rad": 0.0918513834476471,
-                     *         "gamma_rad": 0,
-                     *         "thrust_n": 138.91128540039062,
-                     *         "flutter_speed_m_s": 58.795550826182215
-                     *       },
-                     *       "fta": 503,
-                     *       "axis": "longitudinal",
-                     *       "excitation": {
-                     *         "period_s": 24,
-                     *         "harmonics": {
-                     *           "bfs": [
-                     *             6,
-                     *             11,
-                     *             16
-                     *           ],
-                     *           "wf1s": [
-                     *             8,
-                     *             13,
-                     *             18
-                     *           ],
-                     *           "wf2s": [
-                     *             10,
-                     *             15,
-                     *             20
-                     *           ],
-                     *           "wf3s": [
-                     *             7,
-                     *             12,
-                     *             17
-                     *           ],
-                     *           "wf4s": [
-                     *             9,
-                     *             14,
-                     *             19
-                     *           ]
-                     *         },
-                     *         "start_s": 602,
-                     *         "n_periods": 1
-                     *       },
-                     *       "airspeed_ratio": 0.5601601993194201,
-                     *       "max_input_correlation": 0.008060978930632621,
-                     *       "source_file": null,
-                     *       "source_hash": null,
-                     *       "note": "8 symmetric modes in the truth",
-                     *       "created_at": "2026-11-21T11:00:02.744091Z",
-                     *       "deleted_at": null,
-                     *       "id": 1,
-                     *       "flight_number": 1,
-                     *       "aircraft_name": "FLEX-28",
-                     *       "channels": [
-                     *         {
-                     *           "name": "bfs",
-                     *           "unit": "rad",
-                     *           "role": "input",
-                     *           "rate_hz": 1000,
-                     *           "start_s": 600,
-                     *           "n_samples": 30000,
-                     *           "array": "dbf96c28ed99fa51793ffd65a192b1819d0a4dc2265bc89eabccafe737256a89",
-                     *           "sensor": null,
-                     *           "source_file": null,
-                     *           "source_hash": null,
-                     *           "source_field": null,
-                     *           "maneuver_id": 1,
-                     *           "id": 1
-                     *         },
-                     *         {
-                     *           "name": "wf1s",
-                     *           "unit": "rad",
-                     *           "role": "input",
-                     *           "rate_hz": 1000,
-                     *           "start_s": 600,
-                     *           "n_samples": 30000,
-                     *           "array": "ca68cac6d24b14727e9a27da75cfad9fe7941a327ec7aec380685bc3db961169",
-                     *           "sensor": null,
-                     *           "source_file": null,
-                     *           "source_hash": null,
-                     *           "source_field": null,
-                     *           "maneuver_id": 1,
-                     *           "id": 2
-                     *         }
-                     *       ],
-                     *       "tags": [
-                     *         "doubtful"
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["ManeuverDetail"];
                 };
             };
@@ -10704,10 +9495,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 maneuver_id: number;
             };
             cookie?: never;
@@ -10737,10 +9525,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 maneuver_id: number;
             };
             cookie?: never;
@@ -10753,127 +9538,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "maneuver_id": 1,
-                     *       "content_hash": "00029cedca6e41521ea7c1be820913dd8a6daeefaba47041eaac8f496bf9aa7c",
-                     *       "verdict": "doubtful",
-                     *       "summary": "To be looked at first. q is -3.8 ± 0.4 ms late on az_egi; a delay takes that out.",
-                     *       "figures": {
-                     *         "signal_to_noise_db": 28.62519094654134,
-                     *         "largest_skew_s": -0.0037967697926024283,
-                     *         "largest_skew_channel": "q",
-                     *         "least_coherence": 0.9231828994110394,
-                     *         "n_stretches": 0,
-                     *         "saturated": 0,
-                     *         "max_input_correlation": 0.008060978930632672,
-                     *         "fuel_change": 0.003993332888838058,
-                     *         "airspeed_drift": 0.003523544149354133
-                     *       },
-                     *       "report": {
-                     *         "channels": [
-                     *           {
-                     *             "name": "bfs",
-                     *             "role": "input",
-                     *             "unit": "rad",
-                     *             "signal_to_noise_db": 56.63564783491583,
-                     *             "coherence": null,
-                     *             "noise_excess": null,
-                     *             "delay_s": 0.00020910272853590293,
-                     *             "delay_std": 0.00035166563900894263,
-                     *             "scale": null,
-                     *             "scale_std": null,
-                     *             "bias": null,
-                     *             "bias_std": null,
-                     *             "bias_basis": "",
-                     *             "saturated": 0,
-                     *             "n_stretches": 0,
-                     *             "stretches": []
-                     *           },
-                     *           {
-                     *             "name": "wf1s",
-                     *             "role": "input",
-                     *             "unit": "rad",
-                     *             "signal_to_noise_db": 53.96175362355742,
-                     *             "coherence": null,
-                     *             "noise_excess": null,
-                     *             "delay_s": 0.0002709919632974651,
-                     *             "delay_std": 0.0006285575215134926,
-                     *             "scale": null,
-                     *             "scale_std": null,
-                     *             "bias": null,
-                     *             "bias_std": null,
-                     *             "bias_basis": "",
-                     *             "saturated": 0,
-                     *             "n_stretches": 0,
-                     *             "stretches": []
-                     *           }
-                     *         ],
-                     *         "condition": {
-                     *           "averages": [
-                     *             {
-                     *               "name": "airspeed",
-                     *               "unit": "m/s",
-                     *               "mean": 32.934927469889324,
-                     *               "std": 0.15526581071645332,
-                     *               "smallest": 32.44383239746094,
-                     *               "largest": 33.398956298828125,
-                     *               "drift": 0.11604767099593126
-                     *             },
-                     *             {
-                     *               "name": "altitude",
-                     *               "unit": "m",
-                     *               "mean": 1524,
-                     *               "std": 1.7205179113353741,
-                     *               "smallest": 1520.98876953125,
-                     *               "largest": 1526.8411865234375,
-                     *               "drift": -3.5362372242551476
-                     *             }
-                     *           ],
-                     *           "airspeed_ratio": 0.5601601993194201,
-                     *           "fuel_fraction": 0.920003333389759,
-                     *           "fuel_change": 0.003993332888838058,
-                     *           "airspeed_drift": 0.003523544149354133,
-                     *           "separation_factor": 2.690857869307456,
-                     *           "time_invariant": true
-                     *         },
-                     *         "inputs": [
-                     *           {
-                     *             "first": "bfs",
-                     *             "second": "wf1s",
-                     *             "correlation": 0.002676423939484899
-                     *           },
-                     *           {
-                     *             "first": "bfs",
-                     *             "second": "wf2s",
-                     *             "correlation": 0.0020419481485673607
-                     *           }
-                     *         ],
-                     *         "findings": [
-                     *           {
-                     *             "severity": "doubtful",
-                     *             "about": "skew",
-                     *             "channel": "q",
-                     *             "text": "q is -3.8 ± 0.4 ms late on az_egi; a delay takes that out."
-                     *           },
-                     *           {
-                     *             "severity": "good",
-                     *             "about": "signal",
-                     *             "channel": null,
-                     *             "text": "Little signal in ay_egi, ay_cf."
-                     *           }
-                     *         ],
-                     *         "skew_reference": "az_egi",
-                     *         "skew_band_hz": [
-                     *           0.25,
-                     *           5.416666666666667
-                     *         ],
-                     *         "not_checked": []
-                     *       },
-                     *       "created_at": "2026-11-21T11:17:55.341924Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["ManeuverQuality"];
                 };
             };
@@ -10893,10 +9557,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 maneuver_id: number;
             };
             cookie?: never;
@@ -10909,31 +9570,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "maneuver_id": 1,
-                     *           "correction": {
-                     *             "channel": "q",
-                     *             "kind": "delay",
-                     *             "delay_s": 0.004,
-                     *             "scale": 1,
-                     *             "bias": 0,
-                     *             "stretches": [],
-                     *             "std": null,
-                     *             "basis": ""
-                     *           },
-                     *           "channel": "q",
-                     *           "author": "Ann Analyst",
-                     *           "created_at": "2026-11-21T11:17:48.859473Z",
-                     *           "undone_by": null,
-                     *           "undone_at": null,
-                     *           "id": 1
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["ConditioningList"];
                 };
             };
@@ -10952,34 +9588,17 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 maneuver_id: number;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "items": [
-                 *         {
-                 *           "channel": "q",
-                 *           "kind": "delay",
-                 *           "delay_s": 0.004
-                 *         }
-                 *       ]
-                 *     }
-                 */
                 "application/json": components["schemas"]["ConditioningRequest"];
             };
         };
@@ -10990,31 +9609,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "maneuver_id": 1,
-                     *           "correction": {
-                     *             "channel": "q",
-                     *             "kind": "delay",
-                     *             "delay_s": 0.004,
-                     *             "scale": 1,
-                     *             "bias": 0,
-                     *             "stretches": [],
-                     *             "std": null,
-                     *             "basis": ""
-                     *           },
-                     *           "channel": "q",
-                     *           "author": "Ann Analyst",
-                     *           "created_at": "2026-11-21T11:17:48.859473Z",
-                     *           "undone_by": null,
-                     *           "undone_at": null,
-                     *           "id": 1
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["ConditioningList"];
                 };
             };
@@ -11033,22 +9627,13 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 maneuver_id: number;
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 step_id: number;
             };
             cookie?: never;
@@ -11061,27 +9646,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "maneuver_id": 1,
-                     *       "correction": {
-                     *         "channel": "q",
-                     *         "kind": "delay",
-                     *         "delay_s": 0.004,
-                     *         "scale": 1,
-                     *         "bias": 0,
-                     *         "stretches": [],
-                     *         "std": null,
-                     *         "basis": ""
-                     *       },
-                     *       "channel": "q",
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:48.859473Z",
-                     *       "undone_by": "Ann Analyst",
-                     *       "undone_at": "2026-11-21T11:17:58.847905Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["ConditioningStep"];
                 };
             };
@@ -11099,23 +9663,14 @@ export interface operations {
     list_qualities: {
         parameters: {
             query?: {
-                /** @example 1 */
                 aircraft_id?: number | null;
-                /** @example 1 */
                 flight_id?: number | null;
                 /** @description `missing` for maneuvers nobody has looked at. */
                 verdict?: ("good" | "doubtful" | "bad" | "missing") | null;
-                /** @example FLEX */
                 search?: string | null;
-                /**
-                 * @description `-` for falling order, then one of airspeed_drift, airspeed_ratio, flight_number, fuel_change, label, largest_skew_s, least_coherence, max_input_correlation, n_stretches, saturated, signal_to_noise_db, verdict.
-                 * @example -airspeed_ratio
-                 */
+                /** @description `-` for falling order, then one of airspeed_drift, airspeed_ratio, flight_number, fuel_change, label, largest_skew_s, least_coherence, max_input_correlation, n_stretches, saturated, signal_to_noise_db, verdict. */
                 sort?: string;
-                /**
-                 * @description Most items to answer.
-                 * @example 100
-                 */
+                /** @description Most items to answer. */
                 limit?: number;
                 /** @description `next` of the page before. */
                 after?: string | null;
@@ -11132,63 +9687,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "maneuver_id": 1,
-                     *           "label": "1-01 FTA 503",
-                     *           "flight_id": 1,
-                     *           "flight_number": 1,
-                     *           "aircraft_id": 1,
-                     *           "aircraft_name": "FLEX-28",
-                     *           "fta": 503,
-                     *           "airspeed_ratio": 0.5601601993194201,
-                     *           "fuel_fraction": 0.920003333389759,
-                     *           "verdict": "doubtful",
-                     *           "summary": "To be looked at first. q is -3.8 ± 0.4 ms late on az_egi; a delay takes that out.",
-                     *           "figures": {
-                     *             "signal_to_noise_db": 28.62519094654134,
-                     *             "largest_skew_s": -0.0037967697926024283,
-                     *             "largest_skew_channel": "q",
-                     *             "least_coherence": 0.9231828994110394,
-                     *             "n_stretches": 0,
-                     *             "saturated": 0,
-                     *             "max_input_correlation": 0.008060978930632672,
-                     *             "fuel_change": 0.003993332888838058,
-                     *             "airspeed_drift": 0.003523544149354133
-                     *           }
-                     *         },
-                     *         {
-                     *           "maneuver_id": 2,
-                     *           "label": "1-02 FTA 506",
-                     *           "flight_id": 1,
-                     *           "flight_number": 1,
-                     *           "aircraft_id": 1,
-                     *           "aircraft_name": "FLEX-28",
-                     *           "fta": 506,
-                     *           "airspeed_ratio": 0.5600215862296438,
-                     *           "fuel_fraction": 0.860003333290418,
-                     *           "verdict": null,
-                     *           "summary": null,
-                     *           "figures": null
-                     *         }
-                     *       ],
-                     *       "counts": {
-                     *         "good": 0,
-                     *         "doubtful": 1,
-                     *         "bad": 0,
-                     *         "missing": 27
-                     *       },
-                     *       "assessing": {
-                     *         "running": true,
-                     *         "done": 0,
-                     *         "total": 1,
-                     *         "failed": 0
-                     *       },
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["QualityList"];
                 };
             };
@@ -11212,13 +9710,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "maneuver_ids": [
-                 *         1
-                 *       ]
-                 *     }
-                 */
                 "application/json": components["schemas"]["AssessRequest"];
             };
         };
@@ -11229,14 +9720,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "running": true,
-                     *       "done": 0,
-                     *       "total": 1,
-                     *       "failed": 0
-                     *     }
-                     */
                     "application/json": components["schemas"]["Assessing"];
                 };
             };
@@ -11266,14 +9749,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "running": false,
-                     *       "done": 1,
-                     *       "total": 1,
-                     *       "failed": 0
-                     *     }
-                     */
                     "application/json": components["schemas"]["Assessing"];
                 };
             };
@@ -11303,19 +9778,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "name": "recorder A",
-                     *           "text": "[aircraft]\nbuiltin = \"FLEX-28\"\n[flight]\nnumber = 12\n[time]\ncolumn = \"t_s\"\n[[channels]]\ncolumn = \"bf_sym\"\nname = \"bfs\"\nunit = \"deg\"\nrole = \"input\"\n",
-                     *           "note": "",
-                     *           "created_at": "2026-11-21T11:17:48.910049Z",
-                     *           "id": 1
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["MappingList"];
                 };
             };
@@ -11339,12 +9801,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "name": "recorder A",
-                 *       "text": "[aircraft]\nbuiltin = \"FLEX-28\"\n[flight]\nnumber = 12\n[time]\ncolumn = \"t_s\"\n[[channels]]\ncolumn = \"bf_sym\"\nname = \"bfs\"\nunit = \"deg\"\nrole = \"input\"\n"
-                 *     }
-                 */
                 "application/json": components["schemas"]["MappingRequest"];
             };
         };
@@ -11355,15 +9811,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "name": "recorder A",
-                     *       "text": "[aircraft]\nbuiltin = \"FLEX-28\"\n[flight]\nnumber = 12\n[time]\ncolumn = \"t_s\"\n[[channels]]\ncolumn = \"bf_sym\"\nname = \"bfs\"\nunit = \"deg\"\nrole = \"input\"\n",
-                     *       "note": "",
-                     *       "created_at": "2026-11-21T11:17:48.910049Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["StoredMapping"];
                 };
             };
@@ -11383,10 +9830,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 mapping_id: number;
             };
             cookie?: never;
@@ -11399,15 +9843,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "name": "recorder A",
-                     *       "text": "[aircraft]\nbuiltin = \"FLEX-28\"\n[flight]\nnumber = 12\n[time]\ncolumn = \"t_s\"\n[[channels]]\ncolumn = \"bf_sym\"\nname = \"bfs\"\nunit = \"deg\"\nrole = \"input\"\n",
-                     *       "note": "",
-                     *       "created_at": "2026-11-21T11:17:48.910049Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["StoredMapping"];
                 };
             };
@@ -11427,10 +9862,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 mapping_id: number;
             };
             cookie?: never;
@@ -11464,13 +9896,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "files": [
-                 *         "recording.csv"
-                 *       ]
-                 *     }
-                 */
                 "multipart/form-data": components["schemas"]["Body_upload_files"];
             };
         };
@@ -11481,62 +9906,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "upload": {
-                     *         "id": "ua167bed8905b43df",
-                     *         "state": "read",
-                     *         "progress": null,
-                     *         "code": null,
-                     *         "message": null,
-                     *         "maneuver_id": null,
-                     *         "flight_id": null,
-                     *         "n_channels": null
-                     *       },
-                     *       "files": [
-                     *         {
-                     *           "name": "recording.csv",
-                     *           "sha256": "a7e340b57218e1276ce60ce79475a073aa3a2d4667e4dfdf01435adcb264d733",
-                     *           "n_fields": 3
-                     *         }
-                     *       ],
-                     *       "fields": [
-                     *         {
-                     *           "file": "recording.csv",
-                     *           "field": "t_s",
-                     *           "unit": "",
-                     *           "n_samples": 20,
-                     *           "rate_hz": 50,
-                     *           "first": [
-                     *             0,
-                     *             0.02,
-                     *             0.04
-                     *           ],
-                     *           "smallest": 0,
-                     *           "largest": 0.38
-                     *         },
-                     *         {
-                     *           "file": "recording.csv",
-                     *           "field": "bf",
-                     *           "unit": "",
-                     *           "n_samples": 20,
-                     *           "rate_hz": 50,
-                     *           "first": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "smallest": 0,
-                     *           "largest": 2
-                     *         }
-                     *       ],
-                     *       "proposal": {
-                     *         "text": "[aircraft]\nname = \"FLEX-28\"\n\n[flight]\nnumber = 8\n\n[time]\ncolumn = \"t_s\"\n\n[[channels]]\ncolumn = \"bf\"\nname = \"bf\"\nunit = \"deg\"  # guessed\nrole = \"input\"\n\n[[channe",
-                     *         "origin": "the names of the columns",
-                     *         "fitting": []
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["UploadDetail"];
                 };
             };
@@ -11556,10 +9925,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the upload.
-                 * @example 5b0c2a
-                 */
+                /** @description Id of the upload. */
                 upload_id: string;
             };
             cookie?: never;
@@ -11572,62 +9938,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "upload": {
-                     *         "id": "u2b7e87bc691babe9",
-                     *         "state": "read",
-                     *         "progress": null,
-                     *         "code": null,
-                     *         "message": null,
-                     *         "maneuver_id": null,
-                     *         "flight_id": null,
-                     *         "n_channels": null
-                     *       },
-                     *       "files": [
-                     *         {
-                     *           "name": "recording.csv",
-                     *           "sha256": "a7e340b57218e1276ce60ce79475a073aa3a2d4667e4dfdf01435adcb264d733",
-                     *           "n_fields": 3
-                     *         }
-                     *       ],
-                     *       "fields": [
-                     *         {
-                     *           "file": "recording.csv",
-                     *           "field": "t_s",
-                     *           "unit": "",
-                     *           "n_samples": 20,
-                     *           "rate_hz": 50,
-                     *           "first": [
-                     *             0,
-                     *             0.02,
-                     *             0.04
-                     *           ],
-                     *           "smallest": 0,
-                     *           "largest": 0.38
-                     *         },
-                     *         {
-                     *           "file": "recording.csv",
-                     *           "field": "bf",
-                     *           "unit": "",
-                     *           "n_samples": 20,
-                     *           "rate_hz": 50,
-                     *           "first": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "smallest": 0,
-                     *           "largest": 2
-                     *         }
-                     *       ],
-                     *       "proposal": {
-                     *         "text": "[aircraft]\nname = \"FLEX-28\"\n\n[flight]\nnumber = 8\n\n[time]\ncolumn = \"t_s\"\n\n[[channels]]\ncolumn = \"bf\"\nname = \"bf\"\nunit = \"deg\"  # guessed\nrole = \"input\"\n\n[[channe",
-                     *         "origin": "the names of the columns",
-                     *         "fitting": []
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["UploadDetail"];
                 };
             };
@@ -11647,10 +9957,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the upload.
-                 * @example 5b0c2a
-                 */
+                /** @description Id of the upload. */
                 upload_id: string;
             };
             cookie?: never;
@@ -11680,10 +9987,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the upload.
-                 * @example 5b0c2a
-                 */
+                /** @description Id of the upload. */
                 upload_id: string;
             };
             cookie?: never;
@@ -11696,18 +10000,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": "u2b7e87bc691babe9",
-                     *       "state": "read",
-                     *       "progress": null,
-                     *       "code": null,
-                     *       "message": null,
-                     *       "maneuver_id": null,
-                     *       "flight_id": null,
-                     *       "n_channels": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["Upload"];
                 };
             };
@@ -11727,21 +10019,13 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the upload.
-                 * @example 5b0c2a
-                 */
+                /** @description Id of the upload. */
                 upload_id: string;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "mapping": "[aircraft]\nbuiltin = \"FLEX-28\"\n[flight]\nnumber = 12\n[time]\ncolumn = \"t_s\"\n[[channels]]\ncolumn = \"bf_sym\"\nname = \"bfs\"\nunit = \"deg\"\nrole = \"input\"\n"
-                 *     }
-                 */
                 "application/json": components["schemas"]["UploadMappingRequest"];
             };
         };
@@ -11752,51 +10036,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "rules": [
-                     *         {
-                     *           "column": "bf",
-                     *           "name": "bfs",
-                     *           "unit": "deg",
-                     *           "role": "input"
-                     *         },
-                     *         {
-                     *           "column": "q",
-                     *           "unit": "deg/s",
-                     *           "role": "output"
-                     *         }
-                     *       ],
-                     *       "channels": [
-                     *         {
-                     *           "name": "bfs",
-                     *           "unit": "deg",
-                     *           "role": "input",
-                     *           "file": "recording.csv",
-                     *           "field": "bf",
-                     *           "rate_hz": 50,
-                     *           "start_s": 0,
-                     *           "n_samples": 20,
-                     *           "smallest": 0,
-                     *           "largest": 2
-                     *         },
-                     *         {
-                     *           "name": "q",
-                     *           "unit": "deg/s",
-                     *           "role": "output",
-                     *           "file": "recording.csv",
-                     *           "field": "q",
-                     *           "rate_hz": 50,
-                     *           "start_s": 0,
-                     *           "n_samples": 20,
-                     *           "smallest": 0,
-                     *           "largest": 4
-                     *         }
-                     *       ],
-                     *       "questions": [],
-                     *       "problem": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["Checked"];
                 };
             };
@@ -11816,24 +10055,13 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the upload.
-                 * @example 5b0c2a
-                 */
+                /** @description Id of the upload. */
                 upload_id: string;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "mapping": "[aircraft]\nbuiltin = \"FLEX-28\"\n[flight]\nnumber = 12\n[time]\ncolumn = \"t_s\"\n[[channels]]\ncolumn = \"bf_sym\"\nname = \"bfs\"\nunit = \"deg\"\nrole = \"input\"\n",
-                 *       "channels": [
-                 *         "bfs"
-                 *       ]
-                 *     }
-                 */
                 "application/json": components["schemas"]["PreviewRequest"];
             };
         };
@@ -11844,60 +10072,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "name": "q",
-                     *           "x": [
-                     *             0,
-                     *             0.02,
-                     *             0.04
-                     *           ],
-                     *           "y": [
-                     *             0,
-                     *             4,
-                     *             3.0000000000000004
-                     *           ],
-                     *           "yaxis": "y",
-                     *           "line": {
-                     *             "color": "#d55e00",
-                     *             "width": 1
-                     *           },
-                     *           "meta": "q",
-                     *           "hovertemplate": "%{y:.4g} deg/s<extra>q</extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Time [s]"
-                     *           },
-                     *           "anchor": "y",
-                     *           "range": [
-                     *             0,
-                     *             0.38
-                     *           ]
-                     *         },
-                     *         "showlegend": false,
-                     *         "hovermode": "x",
-                     *         "meta": {
-                     *           "rows": 1
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "q<br>[deg/s]"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             1
-                     *           ]
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
                 };
             };
@@ -11917,22 +10091,13 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the upload.
-                 * @example 5b0c2a
-                 */
+                /** @description Id of the upload. */
                 upload_id: string;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "mapping": "[aircraft]\nbuiltin = \"FLEX-28\"\n[flight]\nnumber = 12\n[time]\ncolumn = \"t_s\"\n[[channels]]\ncolumn = \"bf_sym\"\nname = \"bfs\"\nunit = \"deg\"\nrole = \"input\"\n",
-                 *       "aircraft_id": 1
-                 *     }
-                 */
                 "application/json": components["schemas"]["UploadMappingRequest"];
             };
         };
@@ -11943,18 +10108,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": "u2b7e87bc691babe9",
-                     *       "state": "importing",
-                     *       "progress": 0,
-                     *       "code": null,
-                     *       "message": null,
-                     *       "maneuver_id": null,
-                     *       "flight_id": null,
-                     *       "n_channels": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["Upload"];
                 };
             };
@@ -11972,7 +10125,6 @@ export interface operations {
     list_modal_tables: {
         parameters: {
             query?: {
-                /** @example 1 */
                 aircraft_id?: number | null;
                 kind?: components["schemas"]["ModalKind"] | null;
             };
@@ -11988,104 +10140,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "name": "FEM",
-                     *           "kind": "FEM",
-                     *           "fuel": [
-                     *             0,
-                     *             0.0625,
-                     *             0.125
-                     *           ],
-                     *           "numbers": [
-                     *             7,
-                     *             8,
-                     *             9
-                     *           ],
-                     *           "names": [
-                     *             "SW1B",
-                     *             "AW1B",
-                     *             "SW1T"
-                     *           ],
-                     *           "symmetric": [
-                     *             true,
-                     *             false,
-                     *             true
-                     *           ],
-                     *           "points": [
-                     *             "egi",
-                     *             "cf",
-                     *             "cfy"
-                     *           ],
-                     *           "gauges": [
-                     *             "bend1r",
-                     *             "ros1r_m45",
-                     *             "ros1r_0"
-                     *           ],
-                     *           "arrays": {
-                     *             "omega": "d6313962e2ad86085c92ffeb7be2424322847c219fb933860ff502e4af4aa67d",
-                     *             "mass": "2662394c678c10a97c60f32b5038dd98b3d42a9770b59042a7eab45d426eec4c",
-                     *             "shape": "4a38af0b4d53697612b457513ea6be63eee76f5a5b6b09ddd972c2717261a10f",
-                     *             "strain": "50dacf4c0fe937fe1332d623621199252701e47bd121207b7d17eeb865dfd95d",
-                     *             "nodes": "17a64466747835935484fbc2eba0d053947d6101e450e112131535f7147429d4",
-                     *             "node_shape": "015f3a6723da10377911a43c4e91fb028509d80c62c5511c87e32c970695bf21"
-                     *           },
-                     *           "origin": "beam finite element model of FLEX-28, 25 modes at 17 fuel weights",
-                     *           "version": 1,
-                     *           "reasons": [
-                     *             "",
-                     *             "",
-                     *             ""
-                     *           ],
-                     *           "notes": [],
-                     *           "id": 1
-                     *         },
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "name": "GVT",
-                     *           "kind": "GVT",
-                     *           "fuel": [
-                     *             0,
-                     *             1
-                     *           ],
-                     *           "numbers": [
-                     *             7,
-                     *             8,
-                     *             9
-                     *           ],
-                     *           "names": [
-                     *             "SW1B",
-                     *             "AW1B",
-                     *             "SW1T"
-                     *           ],
-                     *           "symmetric": [
-                     *             true,
-                     *             false,
-                     *             true
-                     *           ],
-                     *           "points": [],
-                     *           "gauges": [],
-                     *           "arrays": {
-                     *             "omega": "13494b3c48969b4d4d4d7fd9fa714f6a78fdaa646b46c104991b971a36b80a8e",
-                     *             "zeta": "71601f39384fa87fc07585226024d00d87433db64efe27ede0f58cc598c81a93"
-                     *           },
-                     *           "origin": "ground vibration test at empty and full fuel",
-                     *           "version": 1,
-                     *           "reasons": [
-                     *             "",
-                     *             "",
-                     *             ""
-                     *           ],
-                     *           "notes": [],
-                     *           "id": 2
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["ModalTableList"];
                 };
             };
@@ -12103,20 +10157,12 @@ export interface operations {
     get_model_order: {
         parameters: {
             query: {
-                /** @example 1 */
                 aircraft_id: number;
-                /** @example 40 */
                 airspeed_m_s: number;
-                /**
-                 * @description Fuel fraction.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction. */
                 fuel?: number;
-                /** @example 1000 */
                 altitude_m?: number;
-                /** @example 1 */
                 modal_table_id?: number | null;
-                /** @example 1 */
                 prediction_id?: number | null;
                 low_hz?: number;
                 high_hz?: number;
@@ -12133,399 +10179,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "modal_table_id": 1,
-                     *       "prediction_id": 1,
-                     *       "airspeed_m_s": 40,
-                     *       "fuel": 0.5,
-                     *       "needed": 3,
-                     *       "evidence": [
-                     *         "With SP + SW1B + SW1T + SFA every derivative of the rigid body is within 6 % of the full model's (worst CZ_wf2s), and every pole below 15 Hz within 0.3 %.",
-                     *         "With one mode fewer CZ_wf3s is 11 % off and a pole below 15 Hz is missing.",
-                     *         "Responses to the surfaces are 19.0 % off on average."
-                     *       ],
-                     *       "full": {
-                     *         "CZ_alpha": -4.574311793136197,
-                     *         "CZ_q": -4.779806870972223,
-                     *         "CZ_eta7": -0.3332614829111056,
-                     *         "CZ_eta9": 1.5527971000962923,
-                     *         "CZ_eta11": 1.2160753161921665,
-                     *         "CZ_eta12": 0.31017952614093985,
-                     *         "CZ_eta15": -1.6199303024522222,
-                     *         "CZ_eta17": 0.04436157827951782,
-                     *         "CZ_eta18": -0.22823991661786977,
-                     *         "CZ_eta22": -0.044527394193594985,
-                     *         "CZ_etadot7": 0.09333202317009011,
-                     *         "CZ_etadot9": 0.7033264262674548,
-                     *         "CZ_etadot11": 0.5776451941846078,
-                     *         "CZ_etadot12": 0.4728022673127957,
-                     *         "CZ_etadot15": -1.0320290177113443,
-                     *         "CZ_etadot17": -0.2554074279486405,
-                     *         "CZ_etadot18": -0.19224000819708603,
-                     *         "CZ_etadot22": 0.03604284296661956,
-                     *         "CZ_bfs": -0.8282564686171728,
-                     *         "CZ_wf1s": -0.7476296200942543,
-                     *         "CZ_wf2s": -0.6132214900236762,
-                     *         "CZ_wf3s": -0.43485110500024665,
-                     *         "CZ_wf4s": -0.4112721452472665,
-                     *         "Cm_alpha": -0.7365747780428864,
-                     *         "Cm_q": -2.218262277883798,
-                     *         "Cm_eta7": -0.015582679754354891,
-                     *         "Cm_eta9": 0.6755417542916257,
-                     *         "Cm_eta11": 0.5325319023330264,
-                     *         "Cm_eta12": 0.10436237852166352,
-                     *         "Cm_eta15": -0.29579025668483855,
-                     *         "Cm_eta17": 0.014923567029038362,
-                     *         "Cm_eta18": 0.06978377637187838,
-                     *         "Cm_eta22": -0.46798979270872193,
-                     *         "Cm_etadot7": 0.1826768402244419,
-                     *         "Cm_etadot9": 0.4286344103022406,
-                     *         "Cm_etadot11": 0.33649140285123247,
-                     *         "Cm_etadot12": 0.1431567316757248,
-                     *         "Cm_etadot15": -0.28929910694286143,
-                     *         "Cm_etadot17": 0.032214892913522204,
-                     *         "Cm_etadot18": 0.007009425750457534,
-                     *         "Cm_etadot22": -0.2414822767577164,
-                     *         "Cm_bfs": -0.06499224404284915,
-                     *         "Cm_wf1s": -0.1302323752206262,
-                     *         "Cm_wf2s": -0.25743787007742275,
-                     *         "Cm_wf3s": -0.33661764404574135,
-                     *         "Cm_wf4s": -0.3625290033962454,
-                     *         "CQ7_alpha": 0.22551075964898293,
-                     *         "CQ7_q": 0.34580454254764126,
-                     *         "CQ7_eta7": 0.010241868370898032,
-                     *         "CQ7_eta9": -0.18329689060939172,
-                     *         "CQ7_eta11": -0.10690155313929695,
-                     *         "CQ7_eta12": -0.01696888854788939,
-                     *         "CQ7_eta15": 0.03398859070755499,
-                     *         "CQ7_eta17": 0.002752003338394363,
-                     *         "CQ7_eta18": -0.01794533634417448,
-                     *         "CQ7_eta22": 0.1299280957618812,
-                     *         "CQ7_etadot7": -0.06018695890347685,
-                     *         "CQ7_etadot9": -0.0708369367568759,
-                     *         "CQ7_etadot11": -0.05576167205986452,
-                     *         "CQ7_etadot12": -0.011685629368064013,
-                     *         "CQ7_etadot15": 0.022072246314250584,
-                     *         "CQ7_etadot17": 0.002615591277245758,
-                     *         "CQ7_etadot18": -0.01260775325571578,
-                     *         "CQ7_etadot22": 0.07012728759617139,
-                     *         "CQ7_bfs": -0.014634889828584696,
-                     *         "CQ7_wf1s": -0.0038802792154735716,
-                     *         "CQ7_wf2s": 0.0199898103761138,
-                     *         "CQ7_wf3s": 0.04915642999239494,
-                     *         "CQ7_wf4s": 0.0708608020773989,
-                     *         "CQ9_alpha": -0.11752213416870852,
-                     *         "CQ9_q": -0.07236823289234331,
-                     *         "CQ9_eta7": -0.005402158942384826,
-                     *         "CQ9_eta9": 0.0732029374646598,
-                     *         "CQ9_eta11": 0.054324579915657145,
-                     *         "CQ9_eta12": 0.01101573287586392,
-                     *         "CQ9_eta15": -0.03584508306507443,
-                     *         "CQ9_eta17": -0.00018118690767796516,
-                     *         "CQ9_eta18": 0.0035522968962146393,
-                     *         "CQ9_eta22": -0.03156016992001942,
-                     *         "CQ9_etadot7": 0.025666554855723847,
-                     *         "CQ9_etadot9": -0.03727313589590638,
-                     *         "CQ9_etadot11": -0.01466838466836053,
-                     *         "CQ9_etadot12": -0.0015276861367651284,
-                     *         "CQ9_etadot15": 0.0044826251715058465,
-                     *         "CQ9_etadot17": -0.009648355338655006,
-                     *         "CQ9_etadot18": -0.017790648013496523,
-                     *         "CQ9_etadot22": 0.005208089010320635,
-                     *         "CQ9_bfs": -0.004914491624998056,
-                     *         "CQ9_wf1s": 0.004155201199755588,
-                     *         "CQ9_wf2s": 0.01796095586683347,
-                     *         "CQ9_wf3s": 0.02523675349732712,
-                     *         "CQ9_wf4s": 0.029771561052757283,
-                     *         "CQ11_alpha": -0.07152555615805692,
-                     *         "CQ11_q": -0.010737360699250832,
-                     *         "CQ11_eta7": -0.003928413480683961,
-                     *         "CQ11_eta9": 0.027803547854279156,
-                     *         "CQ11_eta11": 0.02188541220575746,
-                     *         "CQ11_eta12": 0.00765675104596602,
-                     *         "CQ11_eta15": -0.05037227484889223,
-                     *         "CQ11_eta17": -0.0009742065119470188,
-                     *         "CQ11_eta18": 0.002611543382316934,
-                     *         "CQ11_eta22": -0.00802101364175107,
-                     *         "CQ11_etadot7": 0.003929586664074245,
-                     *         "CQ11_etadot9": -0.021217627317895355,
-                     *         "CQ11_etadot11": -0.023618766529577086,
-                     *         "CQ11_etadot12": 0.013985941566907885,
-                     *         "CQ11_etadot15": 0.0025463762099076337,
-                     *         "CQ11_etadot17": 0.0024666408152870583,
-                     *         "CQ11_etadot18": 0.0004884391737573702,
-                     *         "CQ11_etadot22": 0.014697391710462523,
-                     *         "CQ11_bfs": -0.002240281075864296,
-                     *         "CQ11_wf1s": 0.0015754409250555376,
-                     *         "CQ11_wf2s": 0.010603232582194496,
-                     *         "CQ11_wf3s": 0.019781037387523667,
-                     *         "CQ11_wf4s": 0.03002764112157534,
-                     *         "CQ12_alpha": 0.21816454227466925,
-                     *         "CQ12_q": 0.15583346124085157,
-                     *         "CQ12_eta7": 0.016119652915476124,
-                     *         "CQ12_eta9": -0.05581337961206557,
-                     *         "CQ12_eta11": -0.03995959689146786,
-                     *         "CQ12_eta12": -0.02361297494170909,
-                     *         "CQ12_eta15": 0.18632230591094914,
-                     *         "CQ12_eta17": 0.005448626346234102,
-                     *         "CQ12_eta18": -0.0042767627006446525,
-                     *         "CQ12_eta22": -0.015076149820518763,
-                     *         "CQ12_etadot7": 0.013787593145022673,
-                     *         "CQ12_etadot9": -0.0445246568082608,
-                     *         "CQ12_etadot11": -0.016639236002713435,
-                     *         "CQ12_etadot12": -0.07496045315349129,
-                     *         "CQ12_etadot15": 0.09662166435177821,
-                     *         "CQ12_etadot17": 0.004213050156494065,
-                     *         "CQ12_etadot18": -0.0023467728603514676,
-                     *         "CQ12_etadot22": -0.018536449571234317,
-                     *         "CQ12_bfs": 0.004853365305147167,
-                     *         "CQ12_wf1s": 0.03948466563616583,
-                     *         "CQ12_wf2s": 0.0772622286127045,
-                     *         "CQ12_wf3s": 0.04659053971233073,
-                     *         "CQ12_wf4s": -0.02461392775291938,
-                     *         "CQ15_alpha": 0.058499572862169454,
-                     *         "CQ15_q": -0.08021780933811572,
-                     *         "CQ15_eta7": 0.005445458465733592,
-                     *         "CQ15_eta9": 0.0006337057700743636,
-                     *         "CQ15_eta11": 0.0014436731117120662,
-                     *         "CQ15_eta12": -0.008396142018582917,
-                     *         "CQ15_eta15": 0.06454841722673786,
-                     *         "CQ15_eta17": 0.0031471268423577258,
-                     *         "CQ15_eta18": 0.005460549923085433,
-                     *         "CQ15_eta22": -0.040746633074601045,
-                     *         "CQ15_etadot7": 0.007591734435114438,
-                     *         "CQ15_etadot9": 0.022766227039654603,
-                     *         "CQ15_etadot11": 0.022952785593636,
-                     *         "CQ15_etadot12": -0.01641329899897141,
-                     *         "CQ15_etadot15": -0.05667065326965825,
-                     *         "CQ15_etadot17": -0.00026120778754567717,
-                     *         "CQ15_etadot18": 0.002354669691568556,
-                     *         "CQ15_etadot22": -0.005181204749376329,
-                     *         "CQ15_bfs": 0.0024808256461850632,
-                     *         "CQ15_wf1s": -0.029884931124667002,
-                     *         "CQ15_wf2s": -0.055735171119109576,
-                     *         "CQ15_wf3s": -0.03817649141781642,
-                     *         "CQ15_wf4s": 0.006181981809638142,
-                     *         "CQ17_alpha": -0.13668676005557273,
-                     *         "CQ17_q": -0.09061741295480132,
-                     *         "CQ17_eta7": -0.012647979411542028,
-                     *         "CQ17_eta9": 0.01296265560889695,
-                     *         "CQ17_eta11": 0.017981677934173258,
-                     *         "CQ17_eta12": 0.00763928263437144,
-                     *         "CQ17_eta15": -0.04074458252781457,
-                     *         "CQ17_eta17": -0.0038803688910124404,
-                     *         "CQ17_eta18": -0.031394924834610045,
-                     *         "CQ17_eta22": 0.08440302922404021,
-                     *         "CQ17_etadot7": -0.009814935735632165,
-                     *         "CQ17_etadot9": -0.0030896686556224785,
-                     *         "CQ17_etadot11": 0.009539172732944953,
-                     *         "CQ17_etadot12": 0.0010405772688442374,
-                     *         "CQ17_etadot15": -0.03344275681452783,
-                     *         "CQ17_etadot17": -0.04149897969567033,
-                     *         "CQ17_etadot18": -0.04070529468002808,
-                     *         "CQ17_etadot22": 0.047026215884039116,
-                     *         "CQ17_bfs": -0.017033122254704682,
-                     *         "CQ17_wf1s": -0.05342642996132983,
-                     *         "CQ17_wf2s": -0.02392867905844275,
-                     *         "CQ17_wf3s": 0.019017066560884928,
-                     *         "CQ17_wf4s": -0.005926762976139069,
-                     *         "CQ18_alpha": -0.05869951512780062,
-                     *         "CQ18_q": -0.04749983065837129,
-                     *         "CQ18_eta7": -0.003986412637754942,
-                     *         "CQ18_eta9": 0.013318972460703297,
-                     *         "CQ18_eta11": 0.01724852291148269,
-                     *         "CQ18_eta12": 0.009329249001102826,
-                     *         "CQ18_eta15": -0.041658242505252116,
-                     *         "CQ18_eta17": -0.007538804656350744,
-                     *         "CQ18_eta18": -0.009172988343382158,
-                     *         "CQ18_eta22": 0.057938435074009226,
-                     *         "CQ18_etadot7": 0.0005596973754360722,
-                     *         "CQ18_etadot9": -0.010967515815789081,
-                     *         "CQ18_etadot11": 0.007872441227341187,
-                     *         "CQ18_etadot12": 0.004726705878260627,
-                     *         "CQ18_etadot15": -0.033852255666958916,
-                     *         "CQ18_etadot17": -0.0308706855501286,
-                     *         "CQ18_etadot18": -0.04463005844754344,
-                     *         "CQ18_etadot22": 0.04029479035297956,
-                     *         "CQ18_bfs": -0.0037497107119533707,
-                     *         "CQ18_wf1s": -0.03516944923465145,
-                     *         "CQ18_wf2s": -0.03162657823496233,
-                     *         "CQ18_wf3s": 0.028451554238591286,
-                     *         "CQ18_wf4s": 0.0008236586528973108,
-                     *         "CQ22_alpha": -0.0480627822825025,
-                     *         "CQ22_q": -0.007626142652863355,
-                     *         "CQ22_eta7": -0.004564755602163646,
-                     *         "CQ22_eta9": 0.001045770320639385,
-                     *         "CQ22_eta11": 0.007054754550824199,
-                     *         "CQ22_eta12": 0.0029332555330618525,
-                     *         "CQ22_eta15": -0.011625226740967873,
-                     *         "CQ22_eta17": -0.006426041867425795,
-                     *         "CQ22_eta18": -0.013491780742129783,
-                     *         "CQ22_eta22": 0.05485927189989218,
-                     *         "CQ22_etadot7": 0.002552162349486152,
-                     *         "CQ22_etadot9": 0.01895029304332639,
-                     *         "CQ22_etadot11": 0.026490346006479464,
-                     *         "CQ22_etadot12": -0.00996366551324235,
-                     *         "CQ22_etadot15": 0.004261659361976188,
-                     *         "CQ22_etadot17": -0.017715915416742372,
-                     *         "CQ22_etadot18": -0.00808670526983399,
-                     *         "CQ22_etadot22": -0.08615338534835794,
-                     *         "CQ22_bfs": 0.0005230849324335321,
-                     *         "CQ22_wf1s": 0.03692777734730048,
-                     *         "CQ22_wf2s": 0.013304583712667364,
-                     *         "CQ22_wf3s": -0.05343618485403078,
-                     *         "CQ22_wf4s": -0.031835299269041724
-                     *       },
-                     *       "steps": [
-                     *         {
-                     *           "modes": [],
-                     *           "names": [],
-                     *           "worst": "CZ_wf4s",
-                     *           "bias": 0.391316030687783,
-                     *           "pole_error": null,
-                     *           "response_error": 0.8981566238998435,
-                     *           "poles": [
-                     *             [
-                     *               -5.624696429821561,
-                     *               10.775801300562504
-                     *             ]
-                     *           ],
-                     *           "truncated_poles": [
-                     *             [
-                     *               -4.60478367367712,
-                     *               9.579279169349979
-                     *             ]
-                     *           ],
-                     *           "residualized": {
-                     *             "CZ_alpha": -6.13831513039407,
-                     *             "CZ_q": -6.5649264621508285,
-                     *             "CZ_bfs": -0.7845214252735704,
-                     *             "CZ_wf1s": -0.6863773683727485,
-                     *             "CZ_wf2s": -0.5645832647121596,
-                     *             "CZ_wf3s": -0.48853164969080876,
-                     *             "CZ_wf4s": -0.5722095286578762,
-                     *             "Cm_alpha": -0.9688944181650242,
-                     *             "Cm_q": -2.3917162169091197,
-                     *             "Cm_bfs": -0.06774476390925219,
-                     *             "Cm_wf1s": -0.11910015741142109,
-                     *             "Cm_wf2s": -0.2245637702537769,
-                     *             "Cm_wf3s": -0.2988378082578497,
-                     *             "Cm_wf4s": -0.3314005539162553
-                     *           },
-                     *           "truncated": {
-                     *             "CZ_alpha": -4.574311793136197,
-                     *             "CZ_q": -4.779806870972223,
-                     *             "CZ_bfs": -0.8282564686171728,
-                     *             "CZ_wf1s": -0.7476296200942543,
-                     *             "CZ_wf2s": -0.6132214900236762,
-                     *             "CZ_wf3s": -0.43485110500024665,
-                     *             "CZ_wf4s": -0.4112721452472665,
-                     *             "Cm_alpha": -0.7365747780428864,
-                     *             "Cm_q": -2.218262277883798,
-                     *             "Cm_bfs": -0.06499224404284915,
-                     *             "Cm_wf1s": -0.1302323752206262,
-                     *             "Cm_wf2s": -0.25743787007742275,
-                     *             "Cm_wf3s": -0.33661764404574135,
-                     *             "Cm_wf4s": -0.3625290033962454
-                     *           },
-                     *           "sufficient": false
-                     *         },
-                     *         {
-                     *           "modes": [
-                     *             7
-                     *           ],
-                     *           "names": [
-                     *             "SW1B"
-                     *           ],
-                     *           "worst": "CZ_wf3s",
-                     *           "bias": 0.2682528342382138,
-                     *           "pole_error": null,
-                     *           "response_error": 0.36144934416955593,
-                     *           "poles": [
-                     *             [
-                     *               -5.2750095315683785,
-                     *               11.539746749883498
-                     *             ],
-                     *             [
-                     *               -3.2390508564444667,
-                     *               21.434030881680037
-                     *             ]
-                     *           ],
-                     *           "truncated_poles": [
-                     *             [
-                     *               -4.901764604124756,
-                     *               10.17817976142431
-                     *             ],
-                     *             [
-                     *               -2.972177103813099,
-                     *               22.12416291000894
-                     *             ]
-                     *           ],
-                     *           "residualized": {
-                     *             "CZ_alpha": -4.930013770102213,
-                     *             "CZ_q": -4.9038094823342675,
-                     *             "CZ_eta7": -0.34996058913093403,
-                     *             "CZ_etadot7": 0.16386181362581803,
-                     *             "CZ_bfs": -0.8433672793366846,
-                     *             "CZ_wf1s": -0.7126149764122451,
-                     *             "CZ_wf2s": -0.5110864289603985,
-                     *             "CZ_wf3s": -0.3182010636123114,
-                     *             "CZ_wf4s": -0.30609595093484976,
-                     *             "Cm_alpha": -0.8907400283315554,
-                     *             "Cm_q": -2.284273166469932,
-                     *             "Cm_eta7": -0.022635873142345025,
-                     *             "Cm_etadot7": 0.21377481580083096,
-                     *             "Cm_bfs": -0.07155098474924294,
-                     *             "Cm_wf1s": -0.12079723755583247,
-                     *             "Cm_wf2s": -0.22110353037190647,
-                     *             "Cm_wf3s": -0.2878206204416193,
-                     *             "Cm_wf4s": -0.31418800663556623,
-                     *             "CQ7_alpha": 0.2657808764618808,
-                     *             "CQ7_q": 0.3653832903860328,
-                     *             "CQ7_eta7": 0.012075538181254805,
-                     *             "CQ7_etadot7": -0.06843966203522138,
-                     *             "CQ7_bfs": -0.012943875744098032,
-                     *             "CQ7_wf1s": -0.005771287437197206,
-                     *             "CQ7_wf2s": 0.011767292797391223,
-                     *             "CQ7_wf3s": 0.037466325822288295,
-                     *             "CQ7_wf4s": 0.05853498328310163
-                     *           },
-                     *           "truncated": {
-                     *             "CZ_alpha": -4.574311793136197,
-                     *             "CZ_q": -4.779806870972223,
-                     *             "CZ_eta7": -0.3332614829111056,
-                     *             "CZ_etadot7": 0.09333202317009011,
-                     *             "CZ_bfs": -0.8282564686171728,
-                     *             "CZ_wf1s": -0.7476296200942543,
-                     *             "CZ_wf2s": -0.6132214900236762,
-                     *             "CZ_wf3s": -0.43485110500024665,
-                     *             "CZ_wf4s": -0.4112721452472665,
-                     *             "Cm_alpha": -0.7365747780428864,
-                     *             "Cm_q": -2.218262277883798,
-                     *             "Cm_eta7": -0.015582679754354891,
-                     *             "Cm_etadot7": 0.1826768402244419,
-                     *             "Cm_bfs": -0.06499224404284915,
-                     *             "Cm_wf1s": -0.1302323752206262,
-                     *             "Cm_wf2s": -0.25743787007742275,
-                     *             "Cm_wf3s": -0.33661764404574135,
-                     *             "Cm_wf4s": -0.3625290033962454,
-                     *             "CQ7_alpha": 0.22551075964898293,
-                     *             "CQ7_q": 0.34580454254764126,
-                     *             "CQ7_eta7": 0.010241868370898032,
-                     *             "CQ7_etadot7": -0.06018695890347685,
-                     *             "CQ7_bfs": -0.014634889828584696,
-                     *             "CQ7_wf1s": -0.0038802792154735716,
-                     *             "CQ7_wf2s": 0.0199898103761138,
-                     *             "CQ7_wf3s": 0.04915642999239494,
-                     *             "CQ7_wf4s": 0.0708608020773989
-                     *           },
-                     *           "sufficient": false
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["ModelOrder"];
                 };
             };
@@ -12545,10 +10198,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 modal_table_id: number;
             };
             cookie?: never;
@@ -12561,73 +10211,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "name": "FEM",
-                     *       "kind": "FEM",
-                     *       "fuel": [
-                     *         0,
-                     *         0.0625,
-                     *         0.125
-                     *       ],
-                     *       "numbers": [
-                     *         7,
-                     *         8,
-                     *         9
-                     *       ],
-                     *       "names": [
-                     *         "SW1B",
-                     *         "AW1B",
-                     *         "SW1T"
-                     *       ],
-                     *       "symmetric": [
-                     *         true,
-                     *         false,
-                     *         true
-                     *       ],
-                     *       "points": [
-                     *         "egi",
-                     *         "cf",
-                     *         "cfy"
-                     *       ],
-                     *       "gauges": [
-                     *         "bend1r",
-                     *         "ros1r_m45",
-                     *         "ros1r_0"
-                     *       ],
-                     *       "arrays": {
-                     *         "omega": "d6313962e2ad86085c92ffeb7be2424322847c219fb933860ff502e4af4aa67d",
-                     *         "mass": "2662394c678c10a97c60f32b5038dd98b3d42a9770b59042a7eab45d426eec4c",
-                     *         "shape": "4a38af0b4d53697612b457513ea6be63eee76f5a5b6b09ddd972c2717261a10f",
-                     *         "strain": "50dacf4c0fe937fe1332d623621199252701e47bd121207b7d17eeb865dfd95d",
-                     *         "nodes": "17a64466747835935484fbc2eba0d053947d6101e450e112131535f7147429d4",
-                     *         "node_shape": "015f3a6723da10377911a43c4e91fb028509d80c62c5511c87e32c970695bf21"
-                     *       },
-                     *       "origin": "beam finite element model of FLEX-28, 25 modes at 17 fuel weights",
-                     *       "version": 1,
-                     *       "reasons": [
-                     *         "",
-                     *         "",
-                     *         ""
-                     *       ],
-                     *       "notes": [],
-                     *       "id": 1,
-                     *       "omega": [
-                     *         [
-                     *           25.25452,
-                     *           45.7634,
-                     *           68.13401
-                     *         ],
-                     *         [
-                     *           25.11778,
-                     *           45.75581,
-                     *           68.09961
-                     *         ]
-                     *       ],
-                     *       "zeta": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["ModalTableDetail"];
                 };
             };
@@ -12647,10 +10230,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 modal_table_id: number;
             };
             cookie?: never;
@@ -12678,18 +10258,12 @@ export interface operations {
     list_modes: {
         parameters: {
             query?: {
-                /**
-                 * @description Fuel fraction.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction. */
                 fuel?: number;
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 modal_table_id: number;
             };
             cookie?: never;
@@ -12702,34 +10276,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "modal_table_id": 1,
-                     *       "fuel": 0.5,
-                     *       "items": [
-                     *         {
-                     *           "number": 7,
-                     *           "name": "SW1B",
-                     *           "symmetric": true,
-                     *           "reason": "",
-                     *           "frequency_hz": 3.87346366693819,
-                     *           "damping": 0.0195,
-                     *           "mass_kg_m2": 1.3558179483314003,
-                     *           "followed": 0.9999307924643783
-                     *         },
-                     *         {
-                     *           "number": 8,
-                     *           "name": "AW1B",
-                     *           "symmetric": false,
-                     *           "reason": "",
-                     *           "frequency_hz": 7.273815392294258,
-                     *           "damping": 0.020999999999999998,
-                     *           "mass_kg_m2": 1.3558179483314003,
-                     *           "followed": 0.9999999795119691
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["ModeList"];
                 };
             };
@@ -12747,25 +10293,16 @@ export interface operations {
     get_shape: {
         parameters: {
             query: {
-                /**
-                 * @description Number of the mode.
-                 * @example 9
-                 */
+                /** @description Number of the mode. */
                 number: number;
-                /**
-                 * @description Fuel fraction.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction. */
                 fuel?: number;
                 /** @description All nodes, not what can be seen. */
                 every_node?: boolean;
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 modal_table_id: number;
             };
             cookie?: never;
@@ -12778,94 +10315,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "modal_table_id": 1,
-                     *       "number": 9,
-                     *       "name": "SW1T",
-                     *       "fuel": 0.5,
-                     *       "frequency_hz": 10.804190339958682,
-                     *       "n_nodes": 133,
-                     *       "nodes_m": [
-                     *         [
-                     *           0,
-                     *           0,
-                     *           0
-                     *         ],
-                     *         [
-                     *           0.56388,
-                     *           0,
-                     *           0
-                     *         ]
-                     *       ],
-                     *       "displacement_m": [
-                     *         [
-                     *           0.018012907,
-                     *           1.2411708e-7,
-                     *           0.034819487
-                     *         ],
-                     *         [
-                     *           0.017988961,
-                     *           9.199002e-8,
-                     *           0.018910483
-                     *         ]
-                     *       ],
-                     *       "lines": [
-                     *         [
-                     *           0,
-                     *           1
-                     *         ],
-                     *         [
-                     *           0,
-                     *           5
-                     *         ]
-                     *       ],
-                     *       "largest_m": 1.0388933945835497,
-                     *       "span_m": 8.5344,
-                     *       "sensors": [
-                     *         {
-                     *           "sensor": "alpha",
-                     *           "kind": "vane",
-                     *           "axis": "y",
-                     *           "place_m": [
-                     *             -0.47244,
-                     *             0,
-                     *             0
-                     *           ],
-                     *           "phi_m": [
-                     *             -0.018014192064,
-                     *             1.5160374048000001e-7,
-                     *             -0.04890110616
-                     *           ],
-                     *           "nu_rad": [
-                     *             -6.330281e-7,
-                     *             0.03012425,
-                     *             5.803476e-8
-                     *           ]
-                     *         },
-                     *         {
-                     *           "sensor": "q",
-                     *           "kind": "gyro",
-                     *           "axis": "y",
-                     *           "place_m": [
-                     *             0.10668,
-                     *             0,
-                     *             0
-                     *           ],
-                     *           "phi_m": [
-                     *             -0.018011994456,
-                     *             1.1791815888e-7,
-                     *             -0.03166039896
-                     *           ],
-                     *           "nu_rad": [
-                     *             -6.323824e-7,
-                     *             0.02904776,
-                     *             5.840528e-8
-                     *           ]
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["ShapeAnswer"];
                 };
             };
@@ -12883,21 +10332,14 @@ export interface operations {
     get_correlation: {
         parameters: {
             query: {
-                /** @example 1 */
                 other_id: number;
-                /**
-                 * @description Fuel fraction.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction. */
                 fuel?: number;
                 other_fuel?: number | null;
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 modal_table_id: number;
             };
             cookie?: never;
@@ -12910,57 +10352,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "modal_table_id": 1,
-                     *       "other_id": 1,
-                     *       "fuel": 0.5,
-                     *       "other_fuel": 0.5,
-                     *       "n_points": 133,
-                     *       "pairs": [
-                     *         {
-                     *           "number": 7,
-                     *           "name": "SW1B",
-                     *           "other_number": 7,
-                     *           "other_name": "SW1B",
-                     *           "mac": 1,
-                     *           "frequency_hz": 3.87346366693819,
-                     *           "other_hz": 3.87346366693819,
-                     *           "frequency_change": 0,
-                     *           "damping": 0.0195,
-                     *           "other_damping": 0.0195
-                     *         },
-                     *         {
-                     *           "number": 8,
-                     *           "name": "AW1B",
-                     *           "other_number": 8,
-                     *           "other_name": "AW1B",
-                     *           "mac": 1,
-                     *           "frequency_hz": 7.273815392294258,
-                     *           "other_hz": 7.273815392294258,
-                     *           "frequency_change": 0,
-                     *           "damping": 0.020999999999999998,
-                     *           "other_damping": 0.020999999999999998
-                     *         }
-                     *       ],
-                     *       "points": [
-                     *         {
-                     *           "point": "node 1",
-                     *           "direction": "x",
-                     *           "comac": 1
-                     *         },
-                     *         {
-                     *           "point": "node 1",
-                     *           "direction": "y",
-                     *           "comac": 1
-                     *         }
-                     *       ],
-                     *       "notes": [
-                     *         "Compared at 133 points in 399 directions.",
-                     *         "COMAC over the 25 pairs with a MAC of 0.7 or more."
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["Correlation"];
                 };
             };
@@ -12978,20 +10369,14 @@ export interface operations {
     get_observability: {
         parameters: {
             query?: {
-                /**
-                 * @description Fuel fraction.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction. */
                 fuel?: number;
                 symmetry?: "symmetric" | "antisymmetric" | "all";
                 up_to_hz?: number;
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 modal_table_id: number;
             };
             cookie?: never;
@@ -13004,75 +10389,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "modal_table_id": 1,
-                     *       "fuel": 0.5,
-                     *       "numbers": [
-                     *         7,
-                     *         9,
-                     *         11
-                     *       ],
-                     *       "names": [
-                     *         "SW1B",
-                     *         "SW1T",
-                     *         "SFA"
-                     *       ],
-                     *       "rows": [
-                     *         {
-                     *           "sensor": "alpha",
-                     *           "kind": "vane",
-                     *           "axis": "y",
-                     *           "share": [
-                     *             1,
-                     *             1,
-                     *             1
-                     *           ]
-                     *         },
-                     *         {
-                     *           "sensor": "q",
-                     *           "kind": "gyro",
-                     *           "axis": "y",
-                     *           "share": [
-                     *             1,
-                     *             1,
-                     *             1
-                     *           ]
-                     *         }
-                     *       ],
-                     *       "std_error": [
-                     *         1,
-                     *         1.5061488863990027,
-                     *         1.9340549545280243
-                     *       ],
-                     *       "candidates": [
-                     *         {
-                     *           "node": 67,
-                     *           "axis": "x",
-                     *           "place_m": [
-                     *             2.6365200000000004,
-                     *             4.2672,
-                     *             0.67056
-                     *           ],
-                     *           "gain": 0.9588819013525981,
-                     *           "helps": "SW1T",
-                     *           "shrinks_to": 0.6487955148884703
-                     *         },
-                     *         {
-                     *           "node": 131,
-                     *           "axis": "x",
-                     *           "place_m": [
-                     *             2.6365200000000004,
-                     *             -4.2672,
-                     *             0.67056
-                     *           ],
-                     *           "gain": 0.9588803466250263,
-                     *           "helps": "SW1T",
-                     *           "shrinks_to": 0.6487958702109247
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["Observability"];
                 };
             };
@@ -13091,18 +10407,12 @@ export interface operations {
         parameters: {
             query?: {
                 form?: "uff" | "csv";
-                /**
-                 * @description Fuel fraction.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction. */
                 fuel?: number;
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 modal_table_id: number;
             };
             cookie?: never;
@@ -13139,31 +10449,17 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 modal_table_id: number;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "number": 12,
-                 *       "name": "SW2B",
-                 *       "symmetric": true,
-                 *       "reason": "the winglets follow the second bending"
-                 *     }
-                 */
                 "application/json": components["schemas"]["CorrectionRequest"];
             };
         };
@@ -13174,18 +10470,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "modal_table_id": 1,
-                     *       "number": 12,
-                     *       "name": "SW2B",
-                     *       "symmetric": true,
-                     *       "reason": "the winglets follow the second bending",
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:59.024446Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["ModeCorrection"];
                 };
             };
@@ -13205,10 +10489,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the upload.
-                 * @example 5b0c2a
-                 */
+                /** @description Id of the upload. */
                 upload_id: string;
             };
             cookie?: never;
@@ -13221,28 +10502,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "files": [
-                     *         {
-                     *           "name": "modes.uff",
-                     *           "holds": [
-                     *             "25 mode shapes at 133 nodes",
-                     *             "133 nodes"
-                     *           ],
-                     *           "refused": [],
-                     *           "has_modes": true
-                     *         }
-                     *       ],
-                     *       "frequencies_hz": [
-                     *         3.87346366693819,
-                     *         7.273815392294258,
-                     *         10.804190339958682
-                     *       ],
-                     *       "n_nodes": 133,
-                     *       "questions": []
-                     *     }
-                     */
                     "application/json": components["schemas"]["StructureFound"];
                 };
             };
@@ -13262,28 +10521,13 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the upload.
-                 * @example 5b0c2a
-                 */
+                /** @description Id of the upload. */
                 upload_id: string;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "aircraft_id": 1,
-                 *       "name": "FEM 5.1",
-                 *       "length_unit": "in",
-                 *       "mass_unit": "slinch",
-                 *       "fuel": {
-                 *         "empty.op2": 0,
-                 *         "full.op2": 1
-                 *       }
-                 *     }
-                 */
                 "application/json": components["schemas"]["StructureFilesRequest"];
             };
         };
@@ -13294,64 +10538,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "name": "FEM 5.1",
-                     *       "kind": "FEM",
-                     *       "fuel": [
-                     *         0
-                     *       ],
-                     *       "numbers": [
-                     *         7,
-                     *         8,
-                     *         9
-                     *       ],
-                     *       "names": [
-                     *         "SW1B",
-                     *         "AW1B",
-                     *         "SW1T"
-                     *       ],
-                     *       "symmetric": [
-                     *         true,
-                     *         false,
-                     *         true
-                     *       ],
-                     *       "points": [
-                     *         "boom",
-                     *         "nose_gyro",
-                     *         "egi_att"
-                     *       ],
-                     *       "gauges": [],
-                     *       "arrays": {
-                     *         "omega": "5c5d8be7a76a8dd60a780d74707466bfaf1fc0871f21afb30f4b6bc4e1f382bd",
-                     *         "nodes": "17a64466747835935484fbc2eba0d053947d6101e450e112131535f7147429d4",
-                     *         "node_ids": "da11d48854b0eb76809474a54555aae2c0ad6aca043ef2bf1bd39e958a7986bf",
-                     *         "lines": "ca5046633541e8c6dc725de61d97b621be44e84e248d039ed91478be91444cf4",
-                     *         "shown": "e99dbfa604123ee9b9275c6618769eeaf39aeeafe554d7657042fe487b44b104",
-                     *         "shown_lines": "82469bbac3ce3774968698b1efb67b60b25cce8f8dc5af589cacd4b3f7c2ea58",
-                     *         "order": "65d5da7c4065161fa0d14543f6580eeaf3d9a8ce6684d72c3aba08f25d4d32c8",
-                     *         "sign": "ec976d98a9260e7601972064ccf15cd55622b58c1eef5aef7d5833a5d798c920",
-                     *         "assurance": "ec976d98a9260e7601972064ccf15cd55622b58c1eef5aef7d5833a5d798c920",
-                     *         "mixed": "c0c78816bad2e13172add62b41702651565cd645f3229292bd9369576b1dc4db",
-                     *         "shape": "610656dad9abbf9a4906e80edc1be4b125d972bc40480052be48aff44319232f",
-                     *         "mass": "01af8aa07ea824e36f67f7f07cc0f475633498129a444f30537016a774d8f670"
-                     *       },
-                     *       "origin": "modes.uff",
-                     *       "version": 1,
-                     *       "reasons": [
-                     *         "90 % of the wing's motion is bending; symmetric",
-                     *         "90 % of the wing's motion is bending; antisymmetric",
-                     *         "83 % of the wing's motion is twist; symmetric"
-                     *       ],
-                     *       "notes": [
-                     *         "The file says that its length is 1 m and its force 1 N.",
-                     *         "Sensor point boom is 0.472 m from node 1, the nearest; name another where that is wrong.",
-                     *         "Sensor point cf is 0.184 m from node 1, the nearest; name another where that is wrong."
-                     *       ],
-                     *       "id": 3
-                     *     }
-                     */
                     "application/json": components["schemas"]["ModalTable"];
                 };
             };
@@ -13371,23 +10557,13 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the upload.
-                 * @example 5b0c2a
-                 */
+                /** @description Id of the upload. */
                 upload_id: string;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "aircraft_id": 1,
-                 *       "name": "SOL 145",
-                 *       "speed_unit": "kt"
-                 *     }
-                 */
                 "application/json": components["schemas"]["FlutterSummaryRequest"];
             };
         };
@@ -13398,30 +10574,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "name": "SOL 145",
-                     *       "points": [
-                     *         {
-                     *           "root": 4,
-                     *           "airspeed_m_s": 59.4,
-                     *           "omega_rad_s": 24.6
-                     *         }
-                     *       ],
-                     *       "arrays": {
-                     *         "root": "5f2d0c",
-                     *         "airspeed": "a81c3e",
-                     *         "damping": "0d44b7",
-                     *         "omega": "c9e012"
-                     *       },
-                     *       "notes": [
-                     *         "speeds printed in kt"
-                     *       ],
-                     *       "origin": "sol145.f06",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["FlutterSummary"];
                 };
             };
@@ -13439,7 +10591,6 @@ export interface operations {
     list_flutter_summaries: {
         parameters: {
             query?: {
-                /** @example 1 */
                 aircraft_id?: number | null;
             };
             header?: never;
@@ -13454,35 +10605,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "name": "SOL 145",
-                     *           "points": [
-                     *             {
-                     *               "root": 4,
-                     *               "airspeed_m_s": 59.4,
-                     *               "omega_rad_s": 24.6
-                     *             }
-                     *           ],
-                     *           "arrays": {
-                     *             "root": "5f2d0c",
-                     *             "airspeed": "a81c3e",
-                     *             "damping": "0d44b7",
-                     *             "omega": "c9e012"
-                     *           },
-                     *           "notes": [
-                     *             "speeds printed in kt"
-                     *           ],
-                     *           "origin": "sol145.f06",
-                     *           "id": 1
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["FlutterSummaryList"];
                 };
             };
@@ -13502,10 +10624,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 summary_id: number;
             };
             cookie?: never;
@@ -13518,30 +10637,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "name": "SOL 145",
-                     *       "points": [
-                     *         {
-                     *           "root": 4,
-                     *           "airspeed_m_s": 59.4,
-                     *           "omega_rad_s": 24.6
-                     *         }
-                     *       ],
-                     *       "arrays": {
-                     *         "root": "5f2d0c",
-                     *         "airspeed": "a81c3e",
-                     *         "damping": "0d44b7",
-                     *         "omega": "c9e012"
-                     *       },
-                     *       "notes": [
-                     *         "speeds printed in kt"
-                     *       ],
-                     *       "origin": "sol145.f06",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["FlutterSummary"];
                 };
             };
@@ -13561,25 +10656,13 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the upload.
-                 * @example 5b0c2a
-                 */
+                /** @description Id of the upload. */
                 upload_id: string;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "aircraft_id": 1,
-                 *       "name": "GVT, empty",
-                 *       "response_unit": "g",
-                 *       "force_unit": "N",
-                 *       "length_unit": "m"
-                 *     }
-                 */
                 "application/json": components["schemas"]["ResponsesRequest"];
             };
         };
@@ -13590,30 +10673,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "name": "GVT, empty",
-                     *       "fuel": 0,
-                     *       "quantity": "acceleration",
-                     *       "outputs": [
-                     *         "61+z",
-                     *         "64+z"
-                     *       ],
-                     *       "references": [
-                     *         "61+z"
-                     *       ],
-                     *       "arrays": {
-                     *         "frequency": "4fff026f8b5e56eef09833a836c44da7dfe42b95415e4a9d09863c0af6274854",
-                     *         "values": "258bbf5303fac28a346cb0ef25b8ebed55bfc195491ffaaa8c675c5cde520841"
-                     *       },
-                     *       "notes": [
-                     *         "Responses are in g/N."
-                     *       ],
-                     *       "origin": "gvt.uff",
-                     *       "id": 2
-                     *     }
-                     */
                     "application/json": components["schemas"]["MeasuredResponses"];
                 };
             };
@@ -13631,7 +10690,6 @@ export interface operations {
     list_measured_responses: {
         parameters: {
             query?: {
-                /** @example 1 */
                 aircraft_id?: number | null;
             };
             header?: never;
@@ -13646,40 +10704,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "name": "GVT at empty fuel",
-                     *           "fuel": 0,
-                     *           "quantity": "acceleration",
-                     *           "outputs": [
-                     *             "1+z",
-                     *             "4+z",
-                     *             "7+z"
-                     *           ],
-                     *           "references": [
-                     *             "130+z",
-                     *             "133+z",
-                     *             "130+x"
-                     *           ],
-                     *           "arrays": {
-                     *             "frequency": "519d5f49ae7ea8033a1ab0fb8151a5abf2b2906a9ba978f819359110804997ad",
-                     *             "values": "6d4c70b8faa2d8c9ecf3325ad667e19b9147ceecf0a008b5c92cddaa6880b7e1",
-                     *             "nodes": "74eafb1322a1d64cda7931e581f16b45365779be576193f2ba52b2e17042d55e",
-                     *             "directions": "08b293741a8a2f3be922cea51b6d469f9dabdf723e0816f584be1ab0556c39ca"
-                     *           },
-                     *           "notes": [
-                     *             "Responses are in m/s2/N."
-                     *           ],
-                     *           "origin": "synthetic, with one percent of noise",
-                     *           "id": 1
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["MeasuredResponsesList"];
                 };
             };
@@ -13699,10 +10723,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 responses_id: number;
             };
             cookie?: never;
@@ -13715,35 +10736,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "name": "GVT at empty fuel",
-                     *       "fuel": 0,
-                     *       "quantity": "acceleration",
-                     *       "outputs": [
-                     *         "1+z",
-                     *         "4+z",
-                     *         "7+z"
-                     *       ],
-                     *       "references": [
-                     *         "130+z",
-                     *         "133+z",
-                     *         "130+x"
-                     *       ],
-                     *       "arrays": {
-                     *         "frequency": "519d5f49ae7ea8033a1ab0fb8151a5abf2b2906a9ba978f819359110804997ad",
-                     *         "values": "6d4c70b8faa2d8c9ecf3325ad667e19b9147ceecf0a008b5c92cddaa6880b7e1",
-                     *         "nodes": "74eafb1322a1d64cda7931e581f16b45365779be576193f2ba52b2e17042d55e",
-                     *         "directions": "08b293741a8a2f3be922cea51b6d469f9dabdf723e0816f584be1ab0556c39ca"
-                     *       },
-                     *       "notes": [
-                     *         "Responses are in m/s2/N."
-                     *       ],
-                     *       "origin": "synthetic, with one percent of noise",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["MeasuredResponses"];
                 };
             };
@@ -13768,10 +10760,7 @@ export interface operations {
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 responses_id: number;
             };
             cookie?: never;
@@ -13784,31 +10773,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "responses_id": 1,
-                     *       "fit_error": 0.019351734552695052,
-                     *       "scaled": true,
-                     *       "items": [
-                     *         {
-                     *           "frequency_hz": 4.019741377614714,
-                     *           "std_hz": 0.000419646126095078,
-                     *           "damping": 0.01810490017615769,
-                     *           "std_damping": 0.00027478916709617083,
-                     *           "n_orders": 18,
-                     *           "collinearity": 0.9952120441395185
-                     *         },
-                     *         {
-                     *           "frequency_hz": 7.283473835687873,
-                     *           "std_hz": 0.0003795042498290544,
-                     *           "damping": 0.020011797102982072,
-                     *           "std_damping": 0.00007447255472040897,
-                     *           "n_orders": 18,
-                     *           "collinearity": 0.999493200161561
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["FoundModes"];
                 };
             };
@@ -13828,24 +10792,13 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 responses_id: number;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "name": "GVT",
-                 *       "low_hz": 2,
-                 *       "high_hz": 18,
-                 *       "like_id": 1
-                 *     }
-                 */
                 "application/json": components["schemas"]["FoundModesRequest"];
             };
         };
@@ -13856,65 +10809,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "name": "GVT",
-                     *       "kind": "GVT",
-                     *       "fuel": [
-                     *         0
-                     *       ],
-                     *       "numbers": [
-                     *         7,
-                     *         8,
-                     *         9
-                     *       ],
-                     *       "names": [
-                     *         "SW1B",
-                     *         "AW1B",
-                     *         "SW1T"
-                     *       ],
-                     *       "symmetric": [
-                     *         true,
-                     *         false,
-                     *         true
-                     *       ],
-                     *       "points": [
-                     *         "boom",
-                     *         "nose_gyro",
-                     *         "egi_att"
-                     *       ],
-                     *       "gauges": [],
-                     *       "arrays": {
-                     *         "omega": "c6568f577817b0b591f8a16faa6a53305ef898a358444d4e46864f5ad0797cf2",
-                     *         "nodes": "9558d9d4b0b1ab80511a09d2ed937602b19c9847b887431994d52f1d44b03b54",
-                     *         "node_ids": "20f21ad3f84dcaa2ae999c15a1646712ac363de58363ed431ad17f69172e95e5",
-                     *         "lines": "ca5046633541e8c6dc725de61d97b621be44e84e248d039ed91478be91444cf4",
-                     *         "shown": "fde3f104bf7cf5e52fc589b887ac68aff2ea48a3834e90207d48a98708e871e5",
-                     *         "shown_lines": "aa1ce3829b0a3522f2f4306686de3980edd5a3a0765848cf8b9a251f8842a56e",
-                     *         "order": "4ec5cc8dcaaa6c3068f755d3083b321a8a8cd930d548b2b5ccad60c3e6e5882e",
-                     *         "sign": "e8c84c79f729c0ac14020f1a4a01f98365ca67abf77d369368c27f5cfab15627",
-                     *         "assurance": "e8c84c79f729c0ac14020f1a4a01f98365ca67abf77d369368c27f5cfab15627",
-                     *         "mixed": "ff7d7662e034b933c6f983ecfdb69bebaf3b13b1f67d49f214e28c81fc86a98e",
-                     *         "shape": "5f077967aaa24cfac8679c0f558e116890af787fa630d3e5b3a4d1b6fb8627fb",
-                     *         "zeta": "f1952ef68b0df58766a51aded0d5d9388136bf5067f2e6ab94c162eda11e0c9d",
-                     *         "mass": "e8c84c79f729c0ac14020f1a4a01f98365ca67abf77d369368c27f5cfab15627"
-                     *       },
-                     *       "origin": "found in GVT at empty fuel",
-                     *       "version": 2,
-                     *       "reasons": [
-                     *         "like SW1B of FEM, MAC 1.000",
-                     *         "like AW1B of FEM, MAC 1.000",
-                     *         "like SW1T of FEM, MAC 1.000"
-                     *       ],
-                     *       "notes": [
-                     *         "Responses are in m/s2/N.",
-                     *         "Shapes are scaled by the driving points to one kg m2.",
-                     *         "Sensor point boom is 0.472 m from node 1, the nearest; name another where that is wrong."
-                     *       ],
-                     *       "id": 4
-                     *     }
-                     */
                     "application/json": components["schemas"]["ModalTable"];
                 };
             };
@@ -13934,22 +10828,13 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the upload.
-                 * @example 5b0c2a
-                 */
+                /** @description Id of the upload. */
                 upload_id: string;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "modal_table_id": 1,
-                 *       "field": "mass"
-                 *     }
-                 */
                 "application/json": components["schemas"]["OrthogonalityRequest"];
             };
         };
@@ -13960,30 +10845,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "modal_table_id": 1,
-                     *       "fuel": 0.5,
-                     *       "names": [
-                     *         "SW1B",
-                     *         "AW1B",
-                     *         "SW1T"
-                     *       ],
-                     *       "values": [
-                     *         [
-                     *           1,
-                     *           0.0000011222577295559496,
-                     *           0.23728623670708515
-                     *         ],
-                     *         [
-                     *           0.0000011222577295559496,
-                     *           0.9999999999999999,
-                     *           0.0000023499588983195865
-                     *         ]
-                     *       ],
-                     *       "worst": 0.8753415862800557
-                     *     }
-                     */
                     "application/json": components["schemas"]["Orthogonality"];
                 };
             };
@@ -14001,7 +10862,6 @@ export interface operations {
     list_predictions: {
         parameters: {
             query?: {
-                /** @example 1 */
                 aircraft_id?: number | null;
             };
             header?: never;
@@ -14016,51 +10876,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "source": "Panel code",
-                     *           "kind": "panel code",
-                     *           "fuel": [
-                     *             0,
-                     *             0.0625,
-                     *             0.125
-                     *           ],
-                     *           "names": [
-                     *             "CZ_alpha",
-                     *             "CZ_q",
-                     *             "CZ_eta7"
-                     *           ],
-                     *           "values": "054fa01310902ac9e2cf86c4dec3ecd758bbc39ca0dea7e417c4181286627082",
-                     *           "std_errors": null,
-                     *           "note": "inviscid, eight symmetric modes; no error bounds are known",
-                     *           "id": 1
-                     *         },
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "source": "Wind tunnel, half-span model",
-                     *           "kind": "wind tunnel",
-                     *           "fuel": [
-                     *             0,
-                     *             0.0625,
-                     *             0.125
-                     *           ],
-                     *           "names": [
-                     *             "CZ_alpha",
-                     *             "CZ_bfs",
-                     *             "CZ_wf1s"
-                     *           ],
-                     *           "values": "f8d08602b3ccbfd596d009052c6f8607734b010e50234eaae87053deef7a02ce",
-                     *           "std_errors": "6fa42762a24c937fbfa5117aa1996fcb0c5563f91fc45cf3494eb1b374f611ef",
-                     *           "note": "stiff model, moments transferred to the centre of gravity at each fuel weight",
-                     *           "id": 2
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["PredictionList"];
                 };
             };
@@ -14078,18 +10893,12 @@ export interface operations {
     get_prediction: {
         parameters: {
             query?: {
-                /**
-                 * @description Fuel fraction; by default the first.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction; by default the first. */
                 fuel?: number | null;
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 prediction_id: number;
             };
             cookie?: never;
@@ -14102,40 +10911,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "source": "Panel code",
-                     *       "kind": "panel code",
-                     *       "fuel": [
-                     *         0,
-                     *         0.0625,
-                     *         0.125
-                     *       ],
-                     *       "names": [
-                     *         "CZ_alpha",
-                     *         "CZ_q",
-                     *         "CZ_eta7"
-                     *       ],
-                     *       "values": "054fa01310902ac9e2cf86c4dec3ecd758bbc39ca0dea7e417c4181286627082",
-                     *       "std_errors": null,
-                     *       "note": "inviscid, eight symmetric modes; no error bounds are known",
-                     *       "id": 1,
-                     *       "at_fuel": 0,
-                     *       "derivatives": [
-                     *         {
-                     *           "name": "CZ_alpha",
-                     *           "value": -4.574311793136197,
-                     *           "std_error": null
-                     *         },
-                     *         {
-                     *           "name": "CZ_q",
-                     *           "value": -4.934562132816218,
-                     *           "std_error": null
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["PredictionDetail"];
                 };
             };
@@ -14153,7 +10928,6 @@ export interface operations {
     list_model_structures: {
         parameters: {
             query?: {
-                /** @example 1 */
                 aircraft_id?: number | null;
             };
             header?: never;
@@ -14168,73 +10942,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "name": "SP + SW1B",
-                     *           "structure": {
-                     *             "modes": [
-                     *               7,
-                     *               9
-                     *             ],
-                     *             "inputs": [
-                     *               "bfs",
-                     *               "wf1s"
-                     *             ],
-                     *             "outputs": [
-                     *               "q",
-                     *               "az_egi"
-                     *             ],
-                     *             "free": null,
-                     *             "fixed": {},
-                     *             "free_delays": false,
-                     *             "also_free": [],
-                     *             "axis": "longitudinal",
-                     *             "absent": [],
-                     *             "fixed_to": {},
-                     *             "delays": {},
-                     *             "instruments": {}
-                     *           },
-                     *           "note": "",
-                     *           "author": "Ann Analyst",
-                     *           "version": 2,
-                     *           "created_at": "2026-11-21T10:59:42.917852Z",
-                     *           "changed_at": "2026-11-21T11:17:52.707044Z",
-                     *           "id": 1
-                     *         },
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "name": "SP + SW1B + SW1T",
-                     *           "structure": {
-                     *             "modes": [
-                     *               7,
-                     *               9
-                     *             ],
-                     *             "inputs": [],
-                     *             "outputs": [],
-                     *             "free": null,
-                     *             "fixed": {},
-                     *             "free_delays": false,
-                     *             "also_free": [],
-                     *             "axis": "longitudinal",
-                     *             "absent": [],
-                     *             "fixed_to": {},
-                     *             "delays": {},
-                     *             "instruments": {}
-                     *           },
-                     *           "note": "for FTA 506; SFA and SWL remain as bias",
-                     *           "author": "",
-                     *           "version": 1,
-                     *           "created_at": "2026-11-21T10:59:42.920511Z",
-                     *           "changed_at": null,
-                     *           "id": 2
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["ModelStructureList"];
                 };
             };
@@ -14253,10 +10960,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst"?: string;
             };
             path?: never;
@@ -14264,26 +10968,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "aircraft_id": 1,
-                 *       "name": "SP + SW1B",
-                 *       "structure": {
-                 *         "modes": [
-                 *           7,
-                 *           9
-                 *         ],
-                 *         "inputs": [
-                 *           "bfs",
-                 *           "wf1s"
-                 *         ],
-                 *         "outputs": [
-                 *           "q",
-                 *           "az_egi"
-                 *         ]
-                 *       }
-                 *     }
-                 */
                 "application/json": components["schemas"]["ModelStructureRequest"];
             };
         };
@@ -14294,41 +10978,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "name": "SP + SW1B",
-                     *       "structure": {
-                     *         "modes": [
-                     *           7,
-                     *           9
-                     *         ],
-                     *         "inputs": [
-                     *           "bfs",
-                     *           "wf1s"
-                     *         ],
-                     *         "outputs": [
-                     *           "q",
-                     *           "az_egi"
-                     *         ],
-                     *         "free": null,
-                     *         "fixed": {},
-                     *         "free_delays": false,
-                     *         "also_free": [],
-                     *         "axis": "longitudinal",
-                     *         "absent": [],
-                     *         "fixed_to": {},
-                     *         "delays": {},
-                     *         "instruments": {}
-                     *       },
-                     *       "note": "",
-                     *       "author": "Ann Analyst",
-                     *       "version": 1,
-                     *       "created_at": "2026-11-21T11:17:48.930072Z",
-                     *       "changed_at": null,
-                     *       "id": 4
-                     *     }
-                     */
                     "application/json": components["schemas"]["ModelStructure"];
                 };
             };
@@ -14348,10 +10997,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 structure_id: number;
             };
             cookie?: never;
@@ -14364,41 +11010,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "name": "SP + SW1B",
-                     *       "structure": {
-                     *         "modes": [
-                     *           7,
-                     *           9
-                     *         ],
-                     *         "inputs": [
-                     *           "bfs",
-                     *           "wf1s"
-                     *         ],
-                     *         "outputs": [
-                     *           "q",
-                     *           "az_egi"
-                     *         ],
-                     *         "free": null,
-                     *         "fixed": {},
-                     *         "free_delays": false,
-                     *         "also_free": [],
-                     *         "axis": "longitudinal",
-                     *         "absent": [],
-                     *         "fixed_to": {},
-                     *         "delays": {},
-                     *         "instruments": {}
-                     *       },
-                     *       "note": "",
-                     *       "author": "Ann Analyst",
-                     *       "version": 2,
-                     *       "created_at": "2026-11-21T10:59:42.917852Z",
-                     *       "changed_at": "2026-11-21T11:17:52.707044Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["ModelStructure"];
                 };
             };
@@ -14419,43 +11030,17 @@ export interface operations {
             header?: {
                 /** @description Version that was edited, e.g. `"3"`. */
                 "if-match"?: string | null;
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 structure_id: number;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "name": "SP + SW1B",
-                 *       "structure": {
-                 *         "modes": [
-                 *           7,
-                 *           9
-                 *         ],
-                 *         "inputs": [
-                 *           "bfs",
-                 *           "wf1s"
-                 *         ],
-                 *         "outputs": [
-                 *           "q",
-                 *           "az_egi"
-                 *         ]
-                 *       },
-                 *       "version": 1
-                 *     }
-                 */
                 "application/json": components["schemas"]["StructureEditRequest"];
             };
         };
@@ -14466,41 +11051,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "name": "SP + SW1B",
-                     *       "structure": {
-                     *         "modes": [
-                     *           7,
-                     *           9
-                     *         ],
-                     *         "inputs": [
-                     *           "bfs",
-                     *           "wf1s"
-                     *         ],
-                     *         "outputs": [
-                     *           "q",
-                     *           "az_egi"
-                     *         ],
-                     *         "free": null,
-                     *         "fixed": {},
-                     *         "free_delays": false,
-                     *         "also_free": [],
-                     *         "axis": "longitudinal",
-                     *         "absent": [],
-                     *         "fixed_to": {},
-                     *         "delays": {},
-                     *         "instruments": {}
-                     *       },
-                     *       "note": "",
-                     *       "author": "Ann Analyst",
-                     *       "version": 2,
-                     *       "created_at": "2026-11-21T10:59:42.917852Z",
-                     *       "changed_at": "2026-11-21T11:17:52.707044Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["ModelStructure"];
                 };
             };
@@ -14529,10 +11079,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 structure_id: number;
             };
             cookie?: never;
@@ -14545,69 +11092,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "structure_id": 1,
-                     *           "version": 1,
-                     *           "name": "SP + SW1B",
-                     *           "structure": {
-                     *             "modes": [
-                     *               7
-                     *             ],
-                     *             "inputs": [],
-                     *             "outputs": [],
-                     *             "free": null,
-                     *             "fixed": {},
-                     *             "free_delays": false,
-                     *             "also_free": [],
-                     *             "axis": "longitudinal",
-                     *             "absent": [],
-                     *             "fixed_to": {},
-                     *             "delays": {},
-                     *             "instruments": {}
-                     *           },
-                     *           "note": "for FTA 503, whose band ends below SW1T",
-                     *           "author": "",
-                     *           "created_at": "2026-11-21T10:59:42.917852Z",
-                     *           "id": 1
-                     *         },
-                     *         {
-                     *           "structure_id": 1,
-                     *           "version": 2,
-                     *           "name": "SP + SW1B",
-                     *           "structure": {
-                     *             "modes": [
-                     *               7,
-                     *               9
-                     *             ],
-                     *             "inputs": [
-                     *               "bfs",
-                     *               "wf1s"
-                     *             ],
-                     *             "outputs": [
-                     *               "q",
-                     *               "az_egi"
-                     *             ],
-                     *             "free": null,
-                     *             "fixed": {},
-                     *             "free_delays": false,
-                     *             "also_free": [],
-                     *             "axis": "longitudinal",
-                     *             "absent": [],
-                     *             "fixed_to": {},
-                     *             "delays": {},
-                     *             "instruments": {}
-                     *           },
-                     *           "note": "",
-                     *           "author": "Ann Analyst",
-                     *           "created_at": "2026-11-21T11:17:52.707044Z",
-                     *           "id": 5
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["StructureVersionList"];
                 };
             };
@@ -14627,15 +11111,9 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 structure_id: number;
-                /**
-                 * @description Version of the record.
-                 * @example 1
-                 */
+                /** @description Version of the record. */
                 version: number;
             };
             cookie?: never;
@@ -14648,33 +11126,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "structure_id": 1,
-                     *       "version": 1,
-                     *       "name": "SP + SW1B",
-                     *       "structure": {
-                     *         "modes": [
-                     *           7
-                     *         ],
-                     *         "inputs": [],
-                     *         "outputs": [],
-                     *         "free": null,
-                     *         "fixed": {},
-                     *         "free_delays": false,
-                     *         "also_free": [],
-                     *         "axis": "longitudinal",
-                     *         "absent": [],
-                     *         "fixed_to": {},
-                     *         "delays": {},
-                     *         "instruments": {}
-                     *       },
-                     *       "note": "for FTA 503, whose band ends below SW1T",
-                     *       "author": "",
-                     *       "created_at": "2026-11-21T10:59:42.917852Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["StructureVersion"];
                 };
             };
@@ -14692,7 +11143,6 @@ export interface operations {
     list_decisions: {
         parameters: {
             query?: {
-                /** @example 1 */
                 aircraft_id?: number | null;
                 state?: components["schemas"]["DecisionState"] | null;
             };
@@ -14708,65 +11158,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "axis": "longitudinal",
-                     *           "proposal": {
-                     *             "title": "SP + SW1B below 400 Pa",
-                     *             "structure": {
-                     *               "id": 1,
-                     *               "version": 1
-                     *             },
-                     *             "changes": null,
-                     *             "limits": {
-                     *               "dynamic_pressure_pa": [
-                     *                 0,
-                     *                 400
-                     *               ],
-                     *               "fuel_fraction": [
-                     *                 0,
-                     *                 1
-                     *               ]
-                     *             },
-                     *             "reasoning": "SW1T lies above the band of FTA 503",
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "comparisons": [
-                     *               {
-                     *                 "run_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "prediction_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "coefficient": "Cm"
-                     *               }
-                     *             ],
-                     *             "figure_ids": []
-                     *           },
-                     *           "state": "approved",
-                     *           "revision": 2,
-                     *           "authors": [
-                     *             "Ann Analyst"
-                     *           ],
-                     *           "votes": {
-                     *             "Bo": "approve"
-                     *           },
-                     *           "superseded_by": null,
-                     *           "version": 5,
-                     *           "created_at": "2026-11-21T11:17:48.943235Z",
-                     *           "changed_at": "2026-11-21T11:17:49.045275Z",
-                     *           "adopted_at": "2026-11-21T11:17:49.045275Z",
-                     *           "id": 1,
-                     *           "structure_name": "SP + SW1B"
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["DecisionList"];
                 };
             };
@@ -14785,10 +11176,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst": string;
             };
             path?: never;
@@ -14796,40 +11184,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "title": "SP + SW1B below 400 Pa",
-                 *       "structure": {
-                 *         "id": 1,
-                 *         "version": 1
-                 *       },
-                 *       "limits": {
-                 *         "dynamic_pressure_pa": [
-                 *           0,
-                 *           400
-                 *         ],
-                 *         "fuel_fraction": [
-                 *           0,
-                 *           1
-                 *         ]
-                 *       },
-                 *       "reasoning": "SW1T lies above the band of FTA 503",
-                 *       "run_ids": [
-                 *         1
-                 *       ],
-                 *       "comparisons": [
-                 *         {
-                 *           "run_ids": [
-                 *             1
-                 *           ],
-                 *           "prediction_ids": [
-                 *             1
-                 *           ],
-                 *           "coefficient": "Cm"
-                 *         }
-                 *       ]
-                 *     }
-                 */
                 "application/json": components["schemas"]["ProposalRequest"];
             };
         };
@@ -14840,164 +11194,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "axis": "longitudinal",
-                     *       "proposal": {
-                     *         "title": "SP + SW1B below 400 Pa",
-                     *         "structure": {
-                     *           "id": 1,
-                     *           "version": 1
-                     *         },
-                     *         "changes": null,
-                     *         "limits": {
-                     *           "dynamic_pressure_pa": [
-                     *             0,
-                     *             400
-                     *           ],
-                     *           "fuel_fraction": [
-                     *             0,
-                     *             1
-                     *           ]
-                     *         },
-                     *         "reasoning": "SW1T lies above the band of FTA 503",
-                     *         "run_ids": [
-                     *           1
-                     *         ],
-                     *         "comparisons": [
-                     *           {
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "prediction_ids": [
-                     *               1
-                     *             ],
-                     *             "coefficient": "Cm"
-                     *           }
-                     *         ],
-                     *         "figure_ids": []
-                     *       },
-                     *       "state": "open",
-                     *       "revision": 1,
-                     *       "authors": [
-                     *         "Ann Analyst"
-                     *       ],
-                     *       "votes": {},
-                     *       "superseded_by": null,
-                     *       "version": 1,
-                     *       "created_at": "2026-11-21T11:17:48.943235Z",
-                     *       "changed_at": "2026-11-21T11:17:48.970034Z",
-                     *       "adopted_at": null,
-                     *       "id": 1,
-                     *       "rules": {
-                     *         "aircraft_id": 1,
-                     *         "quorum": 1,
-                     *         "own_allowed": false,
-                     *         "version": 0,
-                     *         "reason": "",
-                     *         "author": "",
-                     *         "created_at": null,
-                     *         "id": null
-                     *       },
-                     *       "events": [
-                     *         {
-                     *           "decision_id": 1,
-                     *           "number": 1,
-                     *           "kind": "proposed",
-                     *           "author": "Ann Analyst",
-                     *           "author_verified": false,
-                     *           "text": "SW1T lies above the band of FTA 503",
-                     *           "revision": 1,
-                     *           "derivative": null,
-                     *           "vote": null,
-                     *           "proposal": {
-                     *             "title": "SP + SW1B below 400 Pa",
-                     *             "structure": {
-                     *               "id": 1,
-                     *               "version": 1
-                     *             },
-                     *             "changes": null,
-                     *             "limits": {
-                     *               "dynamic_pressure_pa": [
-                     *                 0,
-                     *                 400
-                     *               ],
-                     *               "fuel_fraction": [
-                     *                 0,
-                     *                 1
-                     *               ]
-                     *             },
-                     *             "reasoning": "SW1T lies above the band of FTA 503",
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "comparisons": [
-                     *               {
-                     *                 "run_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "prediction_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "coefficient": "Cm"
-                     *               }
-                     *             ],
-                     *             "figure_ids": []
-                     *           },
-                     *           "rules": null,
-                     *           "by_decision_id": null,
-                     *           "data": {
-                     *             "structure 1 version 1": "6a16968cb3a053efee87eb5177cb5cb024dbacd401e68c7704c132f58e1963ef",
-                     *             "run 1": "fff816566f2766b324a8bc044f04d4aa6e4115114ff34637813b6115bb3e762e",
-                     *             "maneuver 1": "b04d95c0049b964e4077a240989c1e583a3b5be7bc5dadf91e5d64743e64cbdf",
-                     *             "prediction 1": "62470b9172f2a73eb55970dc5be203bfc330481fe1ac866946a7325e010caad7"
-                     *           },
-                     *           "data_hash": "da90a541851f2f9edc09e90d6f73ae1bf7dc629b1df3a180d564520b7186b0d0",
-                     *           "software": {
-                     *             "flexsid": "0.1.0",
-                     *             "python": "3.11.7",
-                     *             "numpy": "2.4.6",
-                     *             "scipy": "1.17.1",
-                     *             "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *           },
-                     *           "previous_hash": "",
-                     *           "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:48.970034Z\",\"data\":{\"maneuver 1\":\"b04d95c0049b964e4077a2409",
-                     *           "hash": "ff43e02717dda2afed5896efd988fdce8936ecef77136ea65bbadd96fc7aaada",
-                     *           "created_at": "2026-11-21T11:17:48.970034Z",
-                     *           "id": 1
-                     *         }
-                     *       ],
-                     *       "structure": {
-                     *         "structure_id": 1,
-                     *         "version": 1,
-                     *         "name": "SP + SW1B",
-                     *         "structure": {
-                     *           "modes": [
-                     *             7
-                     *           ],
-                     *           "inputs": [],
-                     *           "outputs": [],
-                     *           "free": null,
-                     *           "fixed": {},
-                     *           "free_delays": false,
-                     *           "also_free": [],
-                     *           "axis": "longitudinal",
-                     *           "absent": [],
-                     *           "fixed_to": {},
-                     *           "delays": {},
-                     *           "instruments": {}
-                     *         },
-                     *         "note": "for FTA 503, whose band ends below SW1T",
-                     *         "author": "",
-                     *         "created_at": "2026-11-21T10:59:42.917852Z",
-                     *         "id": 1
-                     *       },
-                     *       "newest_version": 1,
-                     *       "changes": null,
-                     *       "figures": []
-                     *     }
-                     */
                     "application/json": components["schemas"]["DecisionDetail"];
                 };
             };
@@ -15015,7 +11211,6 @@ export interface operations {
     get_campaign_audit: {
         parameters: {
             query: {
-                /** @example 1 */
                 aircraft_id: number;
                 /** @description For programs or for people. */
                 format?: "json" | "markdown";
@@ -15032,601 +11227,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft": {
-                     *         "name": "FLEX-28",
-                     *         "geometry": {
-                     *           "area_m2": 8.238641587200002,
-                     *           "chord_m": 1.1169310656,
-                     *           "span_m": 8.5344
-                     *         },
-                     *         "mass": {
-                     *           "fuel": [
-                     *             0,
-                     *             0.0625,
-                     *             0.125
-                     *           ],
-                     *           "mass_kg": [
-                     *             159.04435420967494,
-                     *             162.19109156099535,
-                     *             165.33797485134517
-                     *           ],
-                     *           "pitch_inertia_kg_m2": [
-                     *             66.07687236628946,
-                     *             66.19545220405053,
-                     *             66.31130684773544
-                     *           ],
-                     *           "x_cg_m": [
-                     *             1.4017916592,
-                     *             1.4047540104,
-                     *             1.4076035856
-                     *           ],
-                     *           "z_cg_m": [
-                     *             0.0036555304080000003,
-                     *             0.0035846064960000004,
-                     *             0.0035163831120000005
-                     *           ]
-                     *         },
-                     *         "surfaces": [
-                     *           {
-                     *             "name": "bfs",
-                     *             "instrument": "potentiometer",
-                     *             "actuator": null,
-                     *             "servo": "servo",
-                     *             "noise_std_rad": 0.00035
-                     *           },
-                     *           {
-                     *             "name": "wf1s",
-                     *             "instrument": "potentiometer",
-                     *             "actuator": null,
-                     *             "servo": "servo",
-                     *             "noise_std_rad": 0.00035
-                     *           }
-                     *         ],
-                     *         "sensors": [
-                     *           {
-                     *             "name": "alpha",
-                     *             "kind": "vane",
-                     *             "point": "boom",
-                     *             "axis": "y",
-                     *             "location_m": [
-                     *               -0.47244,
-                     *               0,
-                     *               0
-                     *             ],
-                     *             "instrument": "vane",
-                     *             "noise_std": 0.0008
-                     *           },
-                     *           {
-                     *             "name": "q",
-                     *             "kind": "gyro",
-                     *             "point": "nose_gyro",
-                     *             "axis": "y",
-                     *             "location_m": [
-                     *               0.10668,
-                     *               0,
-                     *               0
-                     *             ],
-                     *             "instrument": "gyro",
-                     *             "noise_std": 0.0012
-                     *           }
-                     *         ],
-                     *         "combinations": [
-                     *           {
-                     *             "name": "az_mfs",
-                     *             "terms": [
-                     *               [
-                     *                 "az_mfl",
-                     *                 0.5
-                     *               ],
-                     *               [
-                     *                 "az_mfr",
-                     *                 0.5
-                     *               ]
-                     *             ]
-                     *           },
-                     *           {
-                     *             "name": "az_mas",
-                     *             "terms": [
-                     *               [
-                     *                 "az_mal",
-                     *                 0.5
-                     *               ],
-                     *               [
-                     *                 "az_mar",
-                     *                 0.5
-                     *               ]
-                     *             ]
-                     *           }
-                     *         ],
-                     *         "instruments": {
-                     *           "servo": {
-                     *             "elements": [
-                     *               {
-                     *                 "natural_frequency": 62,
-                     *                 "damping": 0.75
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.0125
-                     *           },
-                     *           "potentiometer": {
-                     *             "elements": [
-                     *               {
-                     *                 "order": 6,
-                     *                 "corner": 251.32741228718345
-                     *               },
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0
-                     *           },
-                     *           "accelerometer": {
-                     *             "elements": [
-                     *               {
-                     *                 "natural_frequency": 942.5,
-                     *                 "damping": 0.7
-                     *               },
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.004
-                     *           },
-                     *           "gyro": {
-                     *             "elements": [
-                     *               {
-                     *                 "natural_frequency": 471.2,
-                     *                 "damping": 0.75
-                     *               },
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.006
-                     *           },
-                     *           "vane": {
-                     *             "elements": [
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.018
-                     *           },
-                     *           "attitude": {
-                     *             "elements": [
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.022
-                     *           },
-                     *           "strain": {
-                     *             "elements": [
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.01
-                     *           }
-                     *         },
-                     *         "polar": {
-                     *           "cd_min": 0.022,
-                     *           "oswald": 0.88,
-                     *           "aspect_ratio": 8.840776,
-                     *           "lift_slope": 4.651281
-                     *         },
-                     *         "flutter": {
-                     *           "fuel": [
-                     *             0,
-                     *             0.25,
-                     *             0.5
-                     *           ],
-                     *           "speed_m_s": [
-                     *             60.6552,
-                     *             59.820048,
-                     *             59.314080000000004
-                     *           ]
-                     *         },
-                     *         "description": "Invented flexible flying wing of 28 ft span with two full-span rows of trailing-edge surfaces. Every number comes from a beam finite element model and a vortex ",
-                     *         "id": 1
-                     *       },
-                     *       "exported_at": "2026-11-21T11:17:55.710735Z",
-                     *       "software": {
-                     *         "flexsid": "0.1.0",
-                     *         "python": "3.11.7",
-                     *         "numpy": "2.4.6",
-                     *         "scipy": "1.17.1",
-                     *         "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *       },
-                     *       "check": "sealed is an event as text, hash its SHA-256; previous_hash inside of it is the hash of the event before. Names are as the analysts set them; nobody verified th",
-                     *       "rules": [
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "quorum": 2,
-                     *           "own_allowed": false,
-                     *           "version": 1,
-                     *           "reason": "two pairs of eyes",
-                     *           "author": "Ann Analyst",
-                     *           "created_at": "2026-11-21T11:17:52.719022Z",
-                     *           "id": 1
-                     *         }
-                     *       ],
-                     *       "baselines": [
-                     *         {
-                     *           "decision_id": 1,
-                     *           "title": "SP + SW1B below 400 Pa",
-                     *           "limits": {
-                     *             "dynamic_pressure_pa": [
-                     *               0,
-                     *               400
-                     *             ],
-                     *             "fuel_fraction": [
-                     *               0,
-                     *               1
-                     *             ]
-                     *           },
-                     *           "approved_by": [
-                     *             "Bo"
-                     *           ],
-                     *           "structure": {
-                     *             "structure_id": 1,
-                     *             "version": 1,
-                     *             "name": "SP + SW1B",
-                     *             "structure": {
-                     *               "modes": [
-                     *                 7
-                     *               ],
-                     *               "inputs": [],
-                     *               "outputs": [],
-                     *               "free": null,
-                     *               "fixed": {},
-                     *               "free_delays": false,
-                     *               "also_free": [],
-                     *               "axis": "longitudinal",
-                     *               "absent": [],
-                     *               "fixed_to": {},
-                     *               "delays": {},
-                     *               "instruments": {}
-                     *             },
-                     *             "note": "for FTA 503, whose band ends below SW1T",
-                     *             "author": "",
-                     *             "created_at": "2026-11-21T10:59:42.917852Z",
-                     *             "id": 1
-                     *           }
-                     *         }
-                     *       ],
-                     *       "decisions": [
-                     *         {
-                     *           "decision": {
-                     *             "aircraft_id": 1,
-                     *             "axis": "longitudinal",
-                     *             "proposal": {
-                     *               "title": "SP + SW1B below 400 Pa",
-                     *               "structure": {
-                     *                 "id": 1,
-                     *                 "version": 1
-                     *               },
-                     *               "changes": null,
-                     *               "limits": {
-                     *                 "dynamic_pressure_pa": [
-                     *                   0,
-                     *                   400
-                     *                 ],
-                     *                 "fuel_fraction": [
-                     *                   0,
-                     *                   1
-                     *                 ]
-                     *               },
-                     *               "reasoning": "SW1T lies above the band of FTA 503",
-                     *               "run_ids": [
-                     *                 1
-                     *               ],
-                     *               "comparisons": [
-                     *                 {
-                     *                   "run_ids": [
-                     *                     1
-                     *                   ],
-                     *                   "prediction_ids": [
-                     *                     1
-                     *                   ],
-                     *                   "coefficient": "Cm"
-                     *                 }
-                     *               ],
-                     *               "figure_ids": []
-                     *             },
-                     *             "state": "approved",
-                     *             "revision": 2,
-                     *             "authors": [
-                     *               "Ann Analyst"
-                     *             ],
-                     *             "votes": {
-                     *               "Bo": "approve"
-                     *             },
-                     *             "superseded_by": null,
-                     *             "version": 5,
-                     *             "created_at": "2026-11-21T11:17:48.943235Z",
-                     *             "changed_at": "2026-11-21T11:17:49.045275Z",
-                     *             "adopted_at": "2026-11-21T11:17:49.045275Z",
-                     *             "id": 1
-                     *           },
-                     *           "events": [
-                     *             {
-                     *               "decision_id": 1,
-                     *               "number": 1,
-                     *               "kind": "proposed",
-                     *               "author": "Ann Analyst",
-                     *               "author_verified": false,
-                     *               "text": "SW1T lies above the band of FTA 503",
-                     *               "revision": 1,
-                     *               "derivative": null,
-                     *               "vote": null,
-                     *               "proposal": {
-                     *                 "title": "SP + SW1B below 400 Pa",
-                     *                 "structure": {
-                     *                   "id": 1,
-                     *                   "version": 1
-                     *                 },
-                     *                 "changes": null,
-                     *                 "limits": {
-                     *                   "dynamic_pressure_pa": [
-                     *                     0,
-                     *                     400
-                     *                   ],
-                     *                   "fuel_fraction": [
-                     *                     0,
-                     *                     1
-                     *                   ]
-                     *                 },
-                     *                 "reasoning": "SW1T lies above the band of FTA 503",
-                     *                 "run_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "comparisons": [
-                     *                   {
-                     *                     "run_ids": [
-                     *                       1
-                     *                     ],
-                     *                     "prediction_ids": [
-                     *                       1
-                     *                     ],
-                     *                     "coefficient": "Cm"
-                     *                   }
-                     *                 ],
-                     *                 "figure_ids": []
-                     *               },
-                     *               "rules": null,
-                     *               "by_decision_id": null,
-                     *               "data": {
-                     *                 "structure 1 version 1": "6a16968cb3a053efee87eb5177cb5cb024dbacd401e68c7704c132f58e1963ef",
-                     *                 "run 1": "fff816566f2766b324a8bc044f04d4aa6e4115114ff34637813b6115bb3e762e",
-                     *                 "maneuver 1": "b04d95c0049b964e4077a240989c1e583a3b5be7bc5dadf91e5d64743e64cbdf",
-                     *                 "prediction 1": "62470b9172f2a73eb55970dc5be203bfc330481fe1ac866946a7325e010caad7"
-                     *               },
-                     *               "data_hash": "da90a541851f2f9edc09e90d6f73ae1bf7dc629b1df3a180d564520b7186b0d0",
-                     *               "software": {
-                     *                 "flexsid": "0.1.0",
-                     *                 "python": "3.11.7",
-                     *                 "numpy": "2.4.6",
-                     *                 "scipy": "1.17.1",
-                     *                 "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *               },
-                     *               "previous_hash": "",
-                     *               "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:48.970034Z\",\"data\":{\"maneuver 1\":\"b04d95c0049b964e4077a2409",
-                     *               "hash": "ff43e02717dda2afed5896efd988fdce8936ecef77136ea65bbadd96fc7aaada",
-                     *               "created_at": "2026-11-21T11:17:48.970034Z",
-                     *               "id": 1
-                     *             },
-                     *             {
-                     *               "decision_id": 1,
-                     *               "number": 2,
-                     *               "kind": "revised",
-                     *               "author": "Ann Analyst",
-                     *               "author_verified": false,
-                     *               "text": "SW1T lies above the band of FTA 503",
-                     *               "revision": 2,
-                     *               "derivative": null,
-                     *               "vote": null,
-                     *               "proposal": {
-                     *                 "title": "SP + SW1B below 400 Pa",
-                     *                 "structure": {
-                     *                   "id": 1,
-                     *                   "version": 1
-                     *                 },
-                     *                 "changes": null,
-                     *                 "limits": {
-                     *                   "dynamic_pressure_pa": [
-                     *                     0,
-                     *                     400
-                     *                   ],
-                     *                   "fuel_fraction": [
-                     *                     0,
-                     *                     1
-                     *                   ]
-                     *                 },
-                     *                 "reasoning": "SW1T lies above the band of FTA 503",
-                     *                 "run_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "comparisons": [
-                     *                   {
-                     *                     "run_ids": [
-                     *                       1
-                     *                     ],
-                     *                     "prediction_ids": [
-                     *                       1
-                     *                     ],
-                     *                     "coefficient": "Cm"
-                     *                   }
-                     *                 ],
-                     *                 "figure_ids": []
-                     *               },
-                     *               "rules": null,
-                     *               "by_decision_id": null,
-                     *               "data": {
-                     *                 "structure 1 version 1": "6a16968cb3a053efee87eb5177cb5cb024dbacd401e68c7704c132f58e1963ef",
-                     *                 "run 1": "fff816566f2766b324a8bc044f04d4aa6e4115114ff34637813b6115bb3e762e",
-                     *                 "maneuver 1": "b04d95c0049b964e4077a240989c1e583a3b5be7bc5dadf91e5d64743e64cbdf",
-                     *                 "prediction 1": "62470b9172f2a73eb55970dc5be203bfc330481fe1ac866946a7325e010caad7"
-                     *               },
-                     *               "data_hash": "da90a541851f2f9edc09e90d6f73ae1bf7dc629b1df3a180d564520b7186b0d0",
-                     *               "software": {
-                     *                 "flexsid": "0.1.0",
-                     *                 "python": "3.11.7",
-                     *                 "numpy": "2.4.6",
-                     *                 "scipy": "1.17.1",
-                     *                 "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *               },
-                     *               "previous_hash": "ff43e02717dda2afed5896efd988fdce8936ecef77136ea65bbadd96fc7aaada",
-                     *               "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:48.998320Z\",\"data\":{\"maneuver 1\":\"b04d95c0049b964e4077a2409",
-                     *               "hash": "a7cd8cbf9d4ddb6d74991ea16d47fd3cf18e0b16b38550c32a3026bf115364ab",
-                     *               "created_at": "2026-11-21T11:17:48.998320Z",
-                     *               "id": 2
-                     *             }
-                     *           ],
-                     *           "whole": true,
-                     *           "changed_since": [],
-                     *           "structures": [
-                     *             {
-                     *               "structure_id": 1,
-                     *               "version": 1,
-                     *               "name": "SP + SW1B",
-                     *               "structure": {
-                     *                 "modes": [
-                     *                   7
-                     *                 ],
-                     *                 "inputs": [],
-                     *                 "outputs": [],
-                     *                 "free": null,
-                     *                 "fixed": {},
-                     *                 "free_delays": false,
-                     *                 "also_free": [],
-                     *                 "axis": "longitudinal",
-                     *                 "absent": [],
-                     *                 "fixed_to": {},
-                     *                 "delays": {},
-                     *                 "instruments": {}
-                     *               },
-                     *               "note": "for FTA 503, whose band ends below SW1T",
-                     *               "author": "",
-                     *               "created_at": "2026-11-21T10:59:42.917852Z",
-                     *               "id": 1
-                     *             },
-                     *             {
-                     *               "structure_id": 1,
-                     *               "version": 2,
-                     *               "name": "SP + SW1B",
-                     *               "structure": {
-                     *                 "modes": [
-                     *                   7,
-                     *                   9
-                     *                 ],
-                     *                 "inputs": [
-                     *                   "bfs",
-                     *                   "wf1s"
-                     *                 ],
-                     *                 "outputs": [
-                     *                   "q",
-                     *                   "az_egi"
-                     *                 ],
-                     *                 "free": null,
-                     *                 "fixed": {},
-                     *                 "free_delays": false,
-                     *                 "also_free": [],
-                     *                 "axis": "longitudinal",
-                     *                 "absent": [],
-                     *                 "fixed_to": {},
-                     *                 "delays": {},
-                     *                 "instruments": {}
-                     *               },
-                     *               "note": "",
-                     *               "author": "Ann Analyst",
-                     *               "created_at": "2026-11-21T11:17:52.707044Z",
-                     *               "id": 5
-                     *             }
-                     *           ],
-                     *           "runs": [
-                     *             {
-                     *               "id": 1,
-                     *               "maneuver_id": 1,
-                     *               "maneuver_label": "1-01 FTA 503",
-                     *               "method": "OE",
-                     *               "author": "Ann Analyst",
-                     *               "created_at": "2026-11-21T11:17:45.930337Z",
-                     *               "structure_id": null,
-                     *               "structure_version": null,
-                     *               "outcome": "converged",
-                     *               "r_squared": {
-                     *                 "alpha": 0.9993491591274395,
-                     *                 "q": 0.9999548394101978,
-                     *                 "theta": 0.9997162569562316,
-                     *                 "ax_egi": 0.9597132860905925,
-                     *                 "az_egi": 0.9986994278925991,
-                     *                 "az_cf": 0.9983821212975958,
-                     *                 "az_ca": 0.9996524413600925,
-                     *                 "az_mfs": 0.9922361517358008,
-                     *                 "az_mas": 0.997064450935704,
-                     *                 "az_ofs": 0.9993284322344708,
-                     *                 "az_oas": 0.9905704154627475,
-                     *                 "ax_oas": 0.41565556763340883,
-                     *                 "ay_wls": 0.9939630307371697,
-                     *                 "s_bend1s": 0.9661331927113678,
-                     *                 "s_ros1s_m45": 0.9812464561533867,
-                     *                 "s_ros1s_0": 0.9662990087994122,
-                     *                 "s_ros1s_p45": 0.8824858259009098,
-                     *                 "s_bend2s": 0.9898532472250332,
-                     *                 "s_ros2s_m45": 0.9941752459856109,
-                     *                 "s_ros2s_0": 0.989887661961429,
-                     *                 "s_ros2s_p45": 0.9735604517099828,
-                     *                 "s_bend3s": 0.9996952370950591,
-                     *                 "s_ros3s_m45": 0.9995635231124572,
-                     *                 "s_ros3s_0": 0.9996826973076939,
-                     *                 "s_ros3s_p45": 0.9993564010554388
-                     *               },
-                     *               "parameters": [
-                     *                 {
-                     *                   "name": "CZ_alpha",
-                     *                   "value": -4.999526340038098,
-                     *                   "std_error": 0.07200768053751322,
-                     *                   "start": -4.605150131394099,
-                     *                   "cramer_rao": 0.07329183219234223,
-                     *                   "insensitivity": 0.0038882970421724784
-                     *                 },
-                     *                 {
-                     *                   "name": "CZ_q",
-                     *                   "value": -5.15697763882933,
-                     *                   "std_error": 0.07978246912722135,
-                     *                   "start": -4.645435050849665,
-                     *                   "cramer_rao": 0.07589023611244636,
-                     *                   "insensitivity": 0.02996315121192243
-                     *                 }
-                     *               ],
-                     *               "versions": {
-                     *                 "flexsid": "0.1.0",
-                     *                 "python": "3.11.7",
-                     *                 "numpy": "2.4.6",
-                     *                 "scipy": "1.17.1"
-                     *               }
-                     *             }
-                     *           ],
-                     *           "figures": []
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["AuditTrail"];
-                    /**
-                     * @example # SP + SW1B below 400 Pa
-                     *
-                     *     - proposed by Ann Analyst
-                     */
                     "text/markdown": string;
                 };
             };
@@ -15646,10 +11247,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 decision_id: number;
             };
             cookie?: never;
@@ -15662,232 +11260,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "axis": "longitudinal",
-                     *       "proposal": {
-                     *         "title": "SP + SW1B below 400 Pa",
-                     *         "structure": {
-                     *           "id": 1,
-                     *           "version": 1
-                     *         },
-                     *         "changes": null,
-                     *         "limits": {
-                     *           "dynamic_pressure_pa": [
-                     *             0,
-                     *             400
-                     *           ],
-                     *           "fuel_fraction": [
-                     *             0,
-                     *             1
-                     *           ]
-                     *         },
-                     *         "reasoning": "SW1T lies above the band of FTA 503",
-                     *         "run_ids": [
-                     *           1
-                     *         ],
-                     *         "comparisons": [
-                     *           {
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "prediction_ids": [
-                     *               1
-                     *             ],
-                     *             "coefficient": "Cm"
-                     *           }
-                     *         ],
-                     *         "figure_ids": []
-                     *       },
-                     *       "state": "approved",
-                     *       "revision": 2,
-                     *       "authors": [
-                     *         "Ann Analyst"
-                     *       ],
-                     *       "votes": {
-                     *         "Bo": "approve"
-                     *       },
-                     *       "superseded_by": null,
-                     *       "version": 5,
-                     *       "created_at": "2026-11-21T11:17:48.943235Z",
-                     *       "changed_at": "2026-11-21T11:17:49.045275Z",
-                     *       "adopted_at": "2026-11-21T11:17:49.045275Z",
-                     *       "id": 1,
-                     *       "rules": {
-                     *         "aircraft_id": 1,
-                     *         "quorum": 2,
-                     *         "own_allowed": false,
-                     *         "version": 1,
-                     *         "reason": "two pairs of eyes",
-                     *         "author": "Ann Analyst",
-                     *         "created_at": "2026-11-21T11:17:52.719022Z",
-                     *         "id": 1
-                     *       },
-                     *       "events": [
-                     *         {
-                     *           "decision_id": 1,
-                     *           "number": 1,
-                     *           "kind": "proposed",
-                     *           "author": "Ann Analyst",
-                     *           "author_verified": false,
-                     *           "text": "SW1T lies above the band of FTA 503",
-                     *           "revision": 1,
-                     *           "derivative": null,
-                     *           "vote": null,
-                     *           "proposal": {
-                     *             "title": "SP + SW1B below 400 Pa",
-                     *             "structure": {
-                     *               "id": 1,
-                     *               "version": 1
-                     *             },
-                     *             "changes": null,
-                     *             "limits": {
-                     *               "dynamic_pressure_pa": [
-                     *                 0,
-                     *                 400
-                     *               ],
-                     *               "fuel_fraction": [
-                     *                 0,
-                     *                 1
-                     *               ]
-                     *             },
-                     *             "reasoning": "SW1T lies above the band of FTA 503",
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "comparisons": [
-                     *               {
-                     *                 "run_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "prediction_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "coefficient": "Cm"
-                     *               }
-                     *             ],
-                     *             "figure_ids": []
-                     *           },
-                     *           "rules": null,
-                     *           "by_decision_id": null,
-                     *           "data": {
-                     *             "structure 1 version 1": "6a16968cb3a053efee87eb5177cb5cb024dbacd401e68c7704c132f58e1963ef",
-                     *             "run 1": "fff816566f2766b324a8bc044f04d4aa6e4115114ff34637813b6115bb3e762e",
-                     *             "maneuver 1": "b04d95c0049b964e4077a240989c1e583a3b5be7bc5dadf91e5d64743e64cbdf",
-                     *             "prediction 1": "62470b9172f2a73eb55970dc5be203bfc330481fe1ac866946a7325e010caad7"
-                     *           },
-                     *           "data_hash": "da90a541851f2f9edc09e90d6f73ae1bf7dc629b1df3a180d564520b7186b0d0",
-                     *           "software": {
-                     *             "flexsid": "0.1.0",
-                     *             "python": "3.11.7",
-                     *             "numpy": "2.4.6",
-                     *             "scipy": "1.17.1",
-                     *             "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *           },
-                     *           "previous_hash": "",
-                     *           "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:48.970034Z\",\"data\":{\"maneuver 1\":\"b04d95c0049b964e4077a2409",
-                     *           "hash": "ff43e02717dda2afed5896efd988fdce8936ecef77136ea65bbadd96fc7aaada",
-                     *           "created_at": "2026-11-21T11:17:48.970034Z",
-                     *           "id": 1
-                     *         },
-                     *         {
-                     *           "decision_id": 1,
-                     *           "number": 2,
-                     *           "kind": "revised",
-                     *           "author": "Ann Analyst",
-                     *           "author_verified": false,
-                     *           "text": "SW1T lies above the band of FTA 503",
-                     *           "revision": 2,
-                     *           "derivative": null,
-                     *           "vote": null,
-                     *           "proposal": {
-                     *             "title": "SP + SW1B below 400 Pa",
-                     *             "structure": {
-                     *               "id": 1,
-                     *               "version": 1
-                     *             },
-                     *             "changes": null,
-                     *             "limits": {
-                     *               "dynamic_pressure_pa": [
-                     *                 0,
-                     *                 400
-                     *               ],
-                     *               "fuel_fraction": [
-                     *                 0,
-                     *                 1
-                     *               ]
-                     *             },
-                     *             "reasoning": "SW1T lies above the band of FTA 503",
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "comparisons": [
-                     *               {
-                     *                 "run_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "prediction_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "coefficient": "Cm"
-                     *               }
-                     *             ],
-                     *             "figure_ids": []
-                     *           },
-                     *           "rules": null,
-                     *           "by_decision_id": null,
-                     *           "data": {
-                     *             "structure 1 version 1": "6a16968cb3a053efee87eb5177cb5cb024dbacd401e68c7704c132f58e1963ef",
-                     *             "run 1": "fff816566f2766b324a8bc044f04d4aa6e4115114ff34637813b6115bb3e762e",
-                     *             "maneuver 1": "b04d95c0049b964e4077a240989c1e583a3b5be7bc5dadf91e5d64743e64cbdf",
-                     *             "prediction 1": "62470b9172f2a73eb55970dc5be203bfc330481fe1ac866946a7325e010caad7"
-                     *           },
-                     *           "data_hash": "da90a541851f2f9edc09e90d6f73ae1bf7dc629b1df3a180d564520b7186b0d0",
-                     *           "software": {
-                     *             "flexsid": "0.1.0",
-                     *             "python": "3.11.7",
-                     *             "numpy": "2.4.6",
-                     *             "scipy": "1.17.1",
-                     *             "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *           },
-                     *           "previous_hash": "ff43e02717dda2afed5896efd988fdce8936ecef77136ea65bbadd96fc7aaada",
-                     *           "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:48.998320Z\",\"data\":{\"maneuver 1\":\"b04d95c0049b964e4077a2409",
-                     *           "hash": "a7cd8cbf9d4ddb6d74991ea16d47fd3cf18e0b16b38550c32a3026bf115364ab",
-                     *           "created_at": "2026-11-21T11:17:48.998320Z",
-                     *           "id": 2
-                     *         }
-                     *       ],
-                     *       "structure": {
-                     *         "structure_id": 1,
-                     *         "version": 1,
-                     *         "name": "SP + SW1B",
-                     *         "structure": {
-                     *           "modes": [
-                     *             7
-                     *           ],
-                     *           "inputs": [],
-                     *           "outputs": [],
-                     *           "free": null,
-                     *           "fixed": {},
-                     *           "free_delays": false,
-                     *           "also_free": [],
-                     *           "axis": "longitudinal",
-                     *           "absent": [],
-                     *           "fixed_to": {},
-                     *           "delays": {},
-                     *           "instruments": {}
-                     *         },
-                     *         "note": "for FTA 503, whose band ends below SW1T",
-                     *         "author": "",
-                     *         "created_at": "2026-11-21T10:59:42.917852Z",
-                     *         "id": 1
-                     *       },
-                     *       "newest_version": 2,
-                     *       "changes": null,
-                     *       "figures": []
-                     *     }
-                     */
                     "application/json": components["schemas"]["DecisionDetail"];
                 };
             };
@@ -15906,60 +11278,17 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst": string;
             };
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 decision_id: number;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "revision": 1,
-                 *       "proposal": {
-                 *         "title": "SP + SW1B below 400 Pa",
-                 *         "structure": {
-                 *           "id": 1,
-                 *           "version": 1
-                 *         },
-                 *         "limits": {
-                 *           "dynamic_pressure_pa": [
-                 *             0,
-                 *             400
-                 *           ],
-                 *           "fuel_fraction": [
-                 *             0,
-                 *             1
-                 *           ]
-                 *         },
-                 *         "reasoning": "SW1T lies above the band of FTA 503",
-                 *         "run_ids": [
-                 *           1
-                 *         ],
-                 *         "comparisons": [
-                 *           {
-                 *             "run_ids": [
-                 *               1
-                 *             ],
-                 *             "prediction_ids": [
-                 *               1
-                 *             ],
-                 *             "coefficient": "Cm"
-                 *           }
-                 *         ]
-                 *       }
-                 *     }
-                 */
                 "application/json": components["schemas"]["RevisionRequest"];
             };
         };
@@ -15970,230 +11299,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "axis": "longitudinal",
-                     *       "proposal": {
-                     *         "title": "SP + SW1B below 400 Pa",
-                     *         "structure": {
-                     *           "id": 1,
-                     *           "version": 1
-                     *         },
-                     *         "changes": null,
-                     *         "limits": {
-                     *           "dynamic_pressure_pa": [
-                     *             0,
-                     *             400
-                     *           ],
-                     *           "fuel_fraction": [
-                     *             0,
-                     *             1
-                     *           ]
-                     *         },
-                     *         "reasoning": "SW1T lies above the band of FTA 503",
-                     *         "run_ids": [
-                     *           1
-                     *         ],
-                     *         "comparisons": [
-                     *           {
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "prediction_ids": [
-                     *               1
-                     *             ],
-                     *             "coefficient": "Cm"
-                     *           }
-                     *         ],
-                     *         "figure_ids": []
-                     *       },
-                     *       "state": "open",
-                     *       "revision": 2,
-                     *       "authors": [
-                     *         "Ann Analyst"
-                     *       ],
-                     *       "votes": {},
-                     *       "superseded_by": null,
-                     *       "version": 2,
-                     *       "created_at": "2026-11-21T11:17:48.943235Z",
-                     *       "changed_at": "2026-11-21T11:17:48.998320Z",
-                     *       "adopted_at": null,
-                     *       "id": 1,
-                     *       "rules": {
-                     *         "aircraft_id": 1,
-                     *         "quorum": 1,
-                     *         "own_allowed": false,
-                     *         "version": 0,
-                     *         "reason": "",
-                     *         "author": "",
-                     *         "created_at": null,
-                     *         "id": null
-                     *       },
-                     *       "events": [
-                     *         {
-                     *           "decision_id": 1,
-                     *           "number": 1,
-                     *           "kind": "proposed",
-                     *           "author": "Ann Analyst",
-                     *           "author_verified": false,
-                     *           "text": "SW1T lies above the band of FTA 503",
-                     *           "revision": 1,
-                     *           "derivative": null,
-                     *           "vote": null,
-                     *           "proposal": {
-                     *             "title": "SP + SW1B below 400 Pa",
-                     *             "structure": {
-                     *               "id": 1,
-                     *               "version": 1
-                     *             },
-                     *             "changes": null,
-                     *             "limits": {
-                     *               "dynamic_pressure_pa": [
-                     *                 0,
-                     *                 400
-                     *               ],
-                     *               "fuel_fraction": [
-                     *                 0,
-                     *                 1
-                     *               ]
-                     *             },
-                     *             "reasoning": "SW1T lies above the band of FTA 503",
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "comparisons": [
-                     *               {
-                     *                 "run_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "prediction_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "coefficient": "Cm"
-                     *               }
-                     *             ],
-                     *             "figure_ids": []
-                     *           },
-                     *           "rules": null,
-                     *           "by_decision_id": null,
-                     *           "data": {
-                     *             "structure 1 version 1": "6a16968cb3a053efee87eb5177cb5cb024dbacd401e68c7704c132f58e1963ef",
-                     *             "run 1": "fff816566f2766b324a8bc044f04d4aa6e4115114ff34637813b6115bb3e762e",
-                     *             "maneuver 1": "b04d95c0049b964e4077a240989c1e583a3b5be7bc5dadf91e5d64743e64cbdf",
-                     *             "prediction 1": "62470b9172f2a73eb55970dc5be203bfc330481fe1ac866946a7325e010caad7"
-                     *           },
-                     *           "data_hash": "da90a541851f2f9edc09e90d6f73ae1bf7dc629b1df3a180d564520b7186b0d0",
-                     *           "software": {
-                     *             "flexsid": "0.1.0",
-                     *             "python": "3.11.7",
-                     *             "numpy": "2.4.6",
-                     *             "scipy": "1.17.1",
-                     *             "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *           },
-                     *           "previous_hash": "",
-                     *           "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:48.970034Z\",\"data\":{\"maneuver 1\":\"b04d95c0049b964e4077a2409",
-                     *           "hash": "ff43e02717dda2afed5896efd988fdce8936ecef77136ea65bbadd96fc7aaada",
-                     *           "created_at": "2026-11-21T11:17:48.970034Z",
-                     *           "id": 1
-                     *         },
-                     *         {
-                     *           "decision_id": 1,
-                     *           "number": 2,
-                     *           "kind": "revised",
-                     *           "author": "Ann Analyst",
-                     *           "author_verified": false,
-                     *           "text": "SW1T lies above the band of FTA 503",
-                     *           "revision": 2,
-                     *           "derivative": null,
-                     *           "vote": null,
-                     *           "proposal": {
-                     *             "title": "SP + SW1B below 400 Pa",
-                     *             "structure": {
-                     *               "id": 1,
-                     *               "version": 1
-                     *             },
-                     *             "changes": null,
-                     *             "limits": {
-                     *               "dynamic_pressure_pa": [
-                     *                 0,
-                     *                 400
-                     *               ],
-                     *               "fuel_fraction": [
-                     *                 0,
-                     *                 1
-                     *               ]
-                     *             },
-                     *             "reasoning": "SW1T lies above the band of FTA 503",
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "comparisons": [
-                     *               {
-                     *                 "run_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "prediction_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "coefficient": "Cm"
-                     *               }
-                     *             ],
-                     *             "figure_ids": []
-                     *           },
-                     *           "rules": null,
-                     *           "by_decision_id": null,
-                     *           "data": {
-                     *             "structure 1 version 1": "6a16968cb3a053efee87eb5177cb5cb024dbacd401e68c7704c132f58e1963ef",
-                     *             "run 1": "fff816566f2766b324a8bc044f04d4aa6e4115114ff34637813b6115bb3e762e",
-                     *             "maneuver 1": "b04d95c0049b964e4077a240989c1e583a3b5be7bc5dadf91e5d64743e64cbdf",
-                     *             "prediction 1": "62470b9172f2a73eb55970dc5be203bfc330481fe1ac866946a7325e010caad7"
-                     *           },
-                     *           "data_hash": "da90a541851f2f9edc09e90d6f73ae1bf7dc629b1df3a180d564520b7186b0d0",
-                     *           "software": {
-                     *             "flexsid": "0.1.0",
-                     *             "python": "3.11.7",
-                     *             "numpy": "2.4.6",
-                     *             "scipy": "1.17.1",
-                     *             "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *           },
-                     *           "previous_hash": "ff43e02717dda2afed5896efd988fdce8936ecef77136ea65bbadd96fc7aaada",
-                     *           "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:48.998320Z\",\"data\":{\"maneuver 1\":\"b04d95c0049b964e4077a2409",
-                     *           "hash": "a7cd8cbf9d4ddb6d74991ea16d47fd3cf18e0b16b38550c32a3026bf115364ab",
-                     *           "created_at": "2026-11-21T11:17:48.998320Z",
-                     *           "id": 2
-                     *         }
-                     *       ],
-                     *       "structure": {
-                     *         "structure_id": 1,
-                     *         "version": 1,
-                     *         "name": "SP + SW1B",
-                     *         "structure": {
-                     *           "modes": [
-                     *             7
-                     *           ],
-                     *           "inputs": [],
-                     *           "outputs": [],
-                     *           "free": null,
-                     *           "fixed": {},
-                     *           "free_delays": false,
-                     *           "also_free": [],
-                     *           "axis": "longitudinal",
-                     *           "absent": [],
-                     *           "fixed_to": {},
-                     *           "delays": {},
-                     *           "instruments": {}
-                     *         },
-                     *         "note": "for FTA 503, whose band ends below SW1T",
-                     *         "author": "",
-                     *         "created_at": "2026-11-21T10:59:42.917852Z",
-                     *         "id": 1
-                     *       },
-                     *       "newest_version": 1,
-                     *       "changes": null,
-                     *       "figures": []
-                     *     }
-                     */
                     "application/json": components["schemas"]["DecisionDetail"];
                 };
             };
@@ -16221,29 +11326,17 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst": string;
             };
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 decision_id: number;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "text": "within 2 σ of zero everywhere",
-                 *       "derivative": "CZ_q"
-                 *     }
-                 */
                 "application/json": components["schemas"]["CommentRequest"];
             };
         };
@@ -16254,230 +11347,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "axis": "longitudinal",
-                     *       "proposal": {
-                     *         "title": "SP + SW1B below 400 Pa",
-                     *         "structure": {
-                     *           "id": 1,
-                     *           "version": 1
-                     *         },
-                     *         "changes": null,
-                     *         "limits": {
-                     *           "dynamic_pressure_pa": [
-                     *             0,
-                     *             400
-                     *           ],
-                     *           "fuel_fraction": [
-                     *             0,
-                     *             1
-                     *           ]
-                     *         },
-                     *         "reasoning": "SW1T lies above the band of FTA 503",
-                     *         "run_ids": [
-                     *           1
-                     *         ],
-                     *         "comparisons": [
-                     *           {
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "prediction_ids": [
-                     *               1
-                     *             ],
-                     *             "coefficient": "Cm"
-                     *           }
-                     *         ],
-                     *         "figure_ids": []
-                     *       },
-                     *       "state": "open",
-                     *       "revision": 2,
-                     *       "authors": [
-                     *         "Ann Analyst"
-                     *       ],
-                     *       "votes": {},
-                     *       "superseded_by": null,
-                     *       "version": 3,
-                     *       "created_at": "2026-11-21T11:17:48.943235Z",
-                     *       "changed_at": "2026-11-21T11:17:49.020542Z",
-                     *       "adopted_at": null,
-                     *       "id": 1,
-                     *       "rules": {
-                     *         "aircraft_id": 1,
-                     *         "quorum": 1,
-                     *         "own_allowed": false,
-                     *         "version": 0,
-                     *         "reason": "",
-                     *         "author": "",
-                     *         "created_at": null,
-                     *         "id": null
-                     *       },
-                     *       "events": [
-                     *         {
-                     *           "decision_id": 1,
-                     *           "number": 1,
-                     *           "kind": "proposed",
-                     *           "author": "Ann Analyst",
-                     *           "author_verified": false,
-                     *           "text": "SW1T lies above the band of FTA 503",
-                     *           "revision": 1,
-                     *           "derivative": null,
-                     *           "vote": null,
-                     *           "proposal": {
-                     *             "title": "SP + SW1B below 400 Pa",
-                     *             "structure": {
-                     *               "id": 1,
-                     *               "version": 1
-                     *             },
-                     *             "changes": null,
-                     *             "limits": {
-                     *               "dynamic_pressure_pa": [
-                     *                 0,
-                     *                 400
-                     *               ],
-                     *               "fuel_fraction": [
-                     *                 0,
-                     *                 1
-                     *               ]
-                     *             },
-                     *             "reasoning": "SW1T lies above the band of FTA 503",
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "comparisons": [
-                     *               {
-                     *                 "run_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "prediction_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "coefficient": "Cm"
-                     *               }
-                     *             ],
-                     *             "figure_ids": []
-                     *           },
-                     *           "rules": null,
-                     *           "by_decision_id": null,
-                     *           "data": {
-                     *             "structure 1 version 1": "6a16968cb3a053efee87eb5177cb5cb024dbacd401e68c7704c132f58e1963ef",
-                     *             "run 1": "fff816566f2766b324a8bc044f04d4aa6e4115114ff34637813b6115bb3e762e",
-                     *             "maneuver 1": "b04d95c0049b964e4077a240989c1e583a3b5be7bc5dadf91e5d64743e64cbdf",
-                     *             "prediction 1": "62470b9172f2a73eb55970dc5be203bfc330481fe1ac866946a7325e010caad7"
-                     *           },
-                     *           "data_hash": "da90a541851f2f9edc09e90d6f73ae1bf7dc629b1df3a180d564520b7186b0d0",
-                     *           "software": {
-                     *             "flexsid": "0.1.0",
-                     *             "python": "3.11.7",
-                     *             "numpy": "2.4.6",
-                     *             "scipy": "1.17.1",
-                     *             "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *           },
-                     *           "previous_hash": "",
-                     *           "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:48.970034Z\",\"data\":{\"maneuver 1\":\"b04d95c0049b964e4077a2409",
-                     *           "hash": "ff43e02717dda2afed5896efd988fdce8936ecef77136ea65bbadd96fc7aaada",
-                     *           "created_at": "2026-11-21T11:17:48.970034Z",
-                     *           "id": 1
-                     *         },
-                     *         {
-                     *           "decision_id": 1,
-                     *           "number": 2,
-                     *           "kind": "revised",
-                     *           "author": "Ann Analyst",
-                     *           "author_verified": false,
-                     *           "text": "SW1T lies above the band of FTA 503",
-                     *           "revision": 2,
-                     *           "derivative": null,
-                     *           "vote": null,
-                     *           "proposal": {
-                     *             "title": "SP + SW1B below 400 Pa",
-                     *             "structure": {
-                     *               "id": 1,
-                     *               "version": 1
-                     *             },
-                     *             "changes": null,
-                     *             "limits": {
-                     *               "dynamic_pressure_pa": [
-                     *                 0,
-                     *                 400
-                     *               ],
-                     *               "fuel_fraction": [
-                     *                 0,
-                     *                 1
-                     *               ]
-                     *             },
-                     *             "reasoning": "SW1T lies above the band of FTA 503",
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "comparisons": [
-                     *               {
-                     *                 "run_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "prediction_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "coefficient": "Cm"
-                     *               }
-                     *             ],
-                     *             "figure_ids": []
-                     *           },
-                     *           "rules": null,
-                     *           "by_decision_id": null,
-                     *           "data": {
-                     *             "structure 1 version 1": "6a16968cb3a053efee87eb5177cb5cb024dbacd401e68c7704c132f58e1963ef",
-                     *             "run 1": "fff816566f2766b324a8bc044f04d4aa6e4115114ff34637813b6115bb3e762e",
-                     *             "maneuver 1": "b04d95c0049b964e4077a240989c1e583a3b5be7bc5dadf91e5d64743e64cbdf",
-                     *             "prediction 1": "62470b9172f2a73eb55970dc5be203bfc330481fe1ac866946a7325e010caad7"
-                     *           },
-                     *           "data_hash": "da90a541851f2f9edc09e90d6f73ae1bf7dc629b1df3a180d564520b7186b0d0",
-                     *           "software": {
-                     *             "flexsid": "0.1.0",
-                     *             "python": "3.11.7",
-                     *             "numpy": "2.4.6",
-                     *             "scipy": "1.17.1",
-                     *             "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *           },
-                     *           "previous_hash": "ff43e02717dda2afed5896efd988fdce8936ecef77136ea65bbadd96fc7aaada",
-                     *           "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:48.998320Z\",\"data\":{\"maneuver 1\":\"b04d95c0049b964e4077a2409",
-                     *           "hash": "a7cd8cbf9d4ddb6d74991ea16d47fd3cf18e0b16b38550c32a3026bf115364ab",
-                     *           "created_at": "2026-11-21T11:17:48.998320Z",
-                     *           "id": 2
-                     *         }
-                     *       ],
-                     *       "structure": {
-                     *         "structure_id": 1,
-                     *         "version": 1,
-                     *         "name": "SP + SW1B",
-                     *         "structure": {
-                     *           "modes": [
-                     *             7
-                     *           ],
-                     *           "inputs": [],
-                     *           "outputs": [],
-                     *           "free": null,
-                     *           "fixed": {},
-                     *           "free_delays": false,
-                     *           "also_free": [],
-                     *           "axis": "longitudinal",
-                     *           "absent": [],
-                     *           "fixed_to": {},
-                     *           "delays": {},
-                     *           "instruments": {}
-                     *         },
-                     *         "note": "for FTA 503, whose band ends below SW1T",
-                     *         "author": "",
-                     *         "created_at": "2026-11-21T10:59:42.917852Z",
-                     *         "id": 1
-                     *       },
-                     *       "newest_version": 1,
-                     *       "changes": null,
-                     *       "figures": []
-                     *     }
-                     */
                     "application/json": components["schemas"]["DecisionDetail"];
                 };
             };
@@ -16496,30 +11365,17 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst": string;
             };
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 decision_id: number;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "revision": 1,
-                 *       "vote": "approve",
-                 *       "text": "agreed"
-                 *     }
-                 */
                 "application/json": components["schemas"]["VoteRequest"];
             };
         };
@@ -16530,232 +11386,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "axis": "longitudinal",
-                     *       "proposal": {
-                     *         "title": "SP + SW1B below 400 Pa",
-                     *         "structure": {
-                     *           "id": 1,
-                     *           "version": 1
-                     *         },
-                     *         "changes": null,
-                     *         "limits": {
-                     *           "dynamic_pressure_pa": [
-                     *             0,
-                     *             400
-                     *           ],
-                     *           "fuel_fraction": [
-                     *             0,
-                     *             1
-                     *           ]
-                     *         },
-                     *         "reasoning": "SW1T lies above the band of FTA 503",
-                     *         "run_ids": [
-                     *           1
-                     *         ],
-                     *         "comparisons": [
-                     *           {
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "prediction_ids": [
-                     *               1
-                     *             ],
-                     *             "coefficient": "Cm"
-                     *           }
-                     *         ],
-                     *         "figure_ids": []
-                     *       },
-                     *       "state": "approved",
-                     *       "revision": 2,
-                     *       "authors": [
-                     *         "Ann Analyst"
-                     *       ],
-                     *       "votes": {
-                     *         "Bo": "approve"
-                     *       },
-                     *       "superseded_by": null,
-                     *       "version": 5,
-                     *       "created_at": "2026-11-21T11:17:48.943235Z",
-                     *       "changed_at": "2026-11-21T11:17:49.045275Z",
-                     *       "adopted_at": "2026-11-21T11:17:49.045275Z",
-                     *       "id": 1,
-                     *       "rules": {
-                     *         "aircraft_id": 1,
-                     *         "quorum": 1,
-                     *         "own_allowed": false,
-                     *         "version": 0,
-                     *         "reason": "",
-                     *         "author": "",
-                     *         "created_at": null,
-                     *         "id": null
-                     *       },
-                     *       "events": [
-                     *         {
-                     *           "decision_id": 1,
-                     *           "number": 1,
-                     *           "kind": "proposed",
-                     *           "author": "Ann Analyst",
-                     *           "author_verified": false,
-                     *           "text": "SW1T lies above the band of FTA 503",
-                     *           "revision": 1,
-                     *           "derivative": null,
-                     *           "vote": null,
-                     *           "proposal": {
-                     *             "title": "SP + SW1B below 400 Pa",
-                     *             "structure": {
-                     *               "id": 1,
-                     *               "version": 1
-                     *             },
-                     *             "changes": null,
-                     *             "limits": {
-                     *               "dynamic_pressure_pa": [
-                     *                 0,
-                     *                 400
-                     *               ],
-                     *               "fuel_fraction": [
-                     *                 0,
-                     *                 1
-                     *               ]
-                     *             },
-                     *             "reasoning": "SW1T lies above the band of FTA 503",
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "comparisons": [
-                     *               {
-                     *                 "run_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "prediction_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "coefficient": "Cm"
-                     *               }
-                     *             ],
-                     *             "figure_ids": []
-                     *           },
-                     *           "rules": null,
-                     *           "by_decision_id": null,
-                     *           "data": {
-                     *             "structure 1 version 1": "6a16968cb3a053efee87eb5177cb5cb024dbacd401e68c7704c132f58e1963ef",
-                     *             "run 1": "fff816566f2766b324a8bc044f04d4aa6e4115114ff34637813b6115bb3e762e",
-                     *             "maneuver 1": "b04d95c0049b964e4077a240989c1e583a3b5be7bc5dadf91e5d64743e64cbdf",
-                     *             "prediction 1": "62470b9172f2a73eb55970dc5be203bfc330481fe1ac866946a7325e010caad7"
-                     *           },
-                     *           "data_hash": "da90a541851f2f9edc09e90d6f73ae1bf7dc629b1df3a180d564520b7186b0d0",
-                     *           "software": {
-                     *             "flexsid": "0.1.0",
-                     *             "python": "3.11.7",
-                     *             "numpy": "2.4.6",
-                     *             "scipy": "1.17.1",
-                     *             "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *           },
-                     *           "previous_hash": "",
-                     *           "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:48.970034Z\",\"data\":{\"maneuver 1\":\"b04d95c0049b964e4077a2409",
-                     *           "hash": "ff43e02717dda2afed5896efd988fdce8936ecef77136ea65bbadd96fc7aaada",
-                     *           "created_at": "2026-11-21T11:17:48.970034Z",
-                     *           "id": 1
-                     *         },
-                     *         {
-                     *           "decision_id": 1,
-                     *           "number": 2,
-                     *           "kind": "revised",
-                     *           "author": "Ann Analyst",
-                     *           "author_verified": false,
-                     *           "text": "SW1T lies above the band of FTA 503",
-                     *           "revision": 2,
-                     *           "derivative": null,
-                     *           "vote": null,
-                     *           "proposal": {
-                     *             "title": "SP + SW1B below 400 Pa",
-                     *             "structure": {
-                     *               "id": 1,
-                     *               "version": 1
-                     *             },
-                     *             "changes": null,
-                     *             "limits": {
-                     *               "dynamic_pressure_pa": [
-                     *                 0,
-                     *                 400
-                     *               ],
-                     *               "fuel_fraction": [
-                     *                 0,
-                     *                 1
-                     *               ]
-                     *             },
-                     *             "reasoning": "SW1T lies above the band of FTA 503",
-                     *             "run_ids": [
-                     *               1
-                     *             ],
-                     *             "comparisons": [
-                     *               {
-                     *                 "run_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "prediction_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "coefficient": "Cm"
-                     *               }
-                     *             ],
-                     *             "figure_ids": []
-                     *           },
-                     *           "rules": null,
-                     *           "by_decision_id": null,
-                     *           "data": {
-                     *             "structure 1 version 1": "6a16968cb3a053efee87eb5177cb5cb024dbacd401e68c7704c132f58e1963ef",
-                     *             "run 1": "fff816566f2766b324a8bc044f04d4aa6e4115114ff34637813b6115bb3e762e",
-                     *             "maneuver 1": "b04d95c0049b964e4077a240989c1e583a3b5be7bc5dadf91e5d64743e64cbdf",
-                     *             "prediction 1": "62470b9172f2a73eb55970dc5be203bfc330481fe1ac866946a7325e010caad7"
-                     *           },
-                     *           "data_hash": "da90a541851f2f9edc09e90d6f73ae1bf7dc629b1df3a180d564520b7186b0d0",
-                     *           "software": {
-                     *             "flexsid": "0.1.0",
-                     *             "python": "3.11.7",
-                     *             "numpy": "2.4.6",
-                     *             "scipy": "1.17.1",
-                     *             "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *           },
-                     *           "previous_hash": "ff43e02717dda2afed5896efd988fdce8936ecef77136ea65bbadd96fc7aaada",
-                     *           "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:48.998320Z\",\"data\":{\"maneuver 1\":\"b04d95c0049b964e4077a2409",
-                     *           "hash": "a7cd8cbf9d4ddb6d74991ea16d47fd3cf18e0b16b38550c32a3026bf115364ab",
-                     *           "created_at": "2026-11-21T11:17:48.998320Z",
-                     *           "id": 2
-                     *         }
-                     *       ],
-                     *       "structure": {
-                     *         "structure_id": 1,
-                     *         "version": 1,
-                     *         "name": "SP + SW1B",
-                     *         "structure": {
-                     *           "modes": [
-                     *             7
-                     *           ],
-                     *           "inputs": [],
-                     *           "outputs": [],
-                     *           "free": null,
-                     *           "fixed": {},
-                     *           "free_delays": false,
-                     *           "also_free": [],
-                     *           "axis": "longitudinal",
-                     *           "absent": [],
-                     *           "fixed_to": {},
-                     *           "delays": {},
-                     *           "instruments": {}
-                     *         },
-                     *         "note": "for FTA 503, whose band ends below SW1T",
-                     *         "author": "",
-                     *         "created_at": "2026-11-21T10:59:42.917852Z",
-                     *         "id": 1
-                     *       },
-                     *       "newest_version": 1,
-                     *       "changes": null,
-                     *       "figures": []
-                     *     }
-                     */
                     "application/json": components["schemas"]["DecisionDetail"];
                 };
             };
@@ -16783,29 +11413,17 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst": string;
             };
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 decision_id: number;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "revision": 1,
-                 *       "text": "the record was cut wrongly"
-                 *     }
-                 */
                 "application/json": components["schemas"]["WithdrawalRequest"];
             };
         };
@@ -16816,150 +11434,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "axis": "longitudinal",
-                     *       "proposal": {
-                     *         "title": "Another",
-                     *         "structure": {
-                     *           "id": 2,
-                     *           "version": 1
-                     *         },
-                     *         "changes": null,
-                     *         "limits": {},
-                     *         "reasoning": "x",
-                     *         "run_ids": [],
-                     *         "comparisons": [],
-                     *         "figure_ids": []
-                     *       },
-                     *       "state": "withdrawn",
-                     *       "revision": 1,
-                     *       "authors": [
-                     *         "Ann Analyst"
-                     *       ],
-                     *       "votes": {},
-                     *       "superseded_by": null,
-                     *       "version": 2,
-                     *       "created_at": "2026-11-21T11:17:58.852917Z",
-                     *       "changed_at": "2026-11-21T11:17:58.860380Z",
-                     *       "adopted_at": null,
-                     *       "id": 2,
-                     *       "rules": {
-                     *         "aircraft_id": 1,
-                     *         "quorum": 2,
-                     *         "own_allowed": false,
-                     *         "version": 1,
-                     *         "reason": "two pairs of eyes",
-                     *         "author": "Ann Analyst",
-                     *         "created_at": "2026-11-21T11:17:52.719022Z",
-                     *         "id": 1
-                     *       },
-                     *       "events": [
-                     *         {
-                     *           "decision_id": 2,
-                     *           "number": 1,
-                     *           "kind": "proposed",
-                     *           "author": "Ann Analyst",
-                     *           "author_verified": false,
-                     *           "text": "x",
-                     *           "revision": 1,
-                     *           "derivative": null,
-                     *           "vote": null,
-                     *           "proposal": {
-                     *             "title": "Another",
-                     *             "structure": {
-                     *               "id": 2,
-                     *               "version": 1
-                     *             },
-                     *             "changes": null,
-                     *             "limits": {},
-                     *             "reasoning": "x",
-                     *             "run_ids": [],
-                     *             "comparisons": [],
-                     *             "figure_ids": []
-                     *           },
-                     *           "rules": null,
-                     *           "by_decision_id": null,
-                     *           "data": {
-                     *             "structure 2 version 1": "24807de6deff3a9addcc2749bec2d8e9d9034587082ebf64778621ffa8107c6a"
-                     *           },
-                     *           "data_hash": "f7c6abb92b4b1c2de35b2b44f16865b26cccdc4633a43aed64783b0af8ca981c",
-                     *           "software": {
-                     *             "flexsid": "0.1.0",
-                     *             "python": "3.11.7",
-                     *             "numpy": "2.4.6",
-                     *             "scipy": "1.17.1",
-                     *             "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *           },
-                     *           "previous_hash": "",
-                     *           "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:58.854234Z\",\"data\":{\"structure 2 version 1\":\"24807de6deff3a",
-                     *           "hash": "7494c3154b818b1971f1d433221626d0f7ac647aa7810475485fa71a71f854c9",
-                     *           "created_at": "2026-11-21T11:17:58.854234Z",
-                     *           "id": 6
-                     *         },
-                     *         {
-                     *           "decision_id": 2,
-                     *           "number": 2,
-                     *           "kind": "withdrawn",
-                     *           "author": "Ann Analyst",
-                     *           "author_verified": false,
-                     *           "text": "the record was cut wrongly",
-                     *           "revision": 1,
-                     *           "derivative": null,
-                     *           "vote": null,
-                     *           "proposal": null,
-                     *           "rules": null,
-                     *           "by_decision_id": null,
-                     *           "data": {
-                     *             "structure 2 version 1": "24807de6deff3a9addcc2749bec2d8e9d9034587082ebf64778621ffa8107c6a"
-                     *           },
-                     *           "data_hash": "f7c6abb92b4b1c2de35b2b44f16865b26cccdc4633a43aed64783b0af8ca981c",
-                     *           "software": {
-                     *             "flexsid": "0.1.0",
-                     *             "python": "3.11.7",
-                     *             "numpy": "2.4.6",
-                     *             "scipy": "1.17.1",
-                     *             "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *           },
-                     *           "previous_hash": "7494c3154b818b1971f1d433221626d0f7ac647aa7810475485fa71a71f854c9",
-                     *           "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:58.860380Z\",\"data\":{\"structure 2 version 1\":\"24807de6deff3a",
-                     *           "hash": "af30ea72f4e71513b2e005986af98afaf7604dfa6a52a936d951bf82a4f95af4",
-                     *           "created_at": "2026-11-21T11:17:58.860380Z",
-                     *           "id": 7
-                     *         }
-                     *       ],
-                     *       "structure": {
-                     *         "structure_id": 2,
-                     *         "version": 1,
-                     *         "name": "SP + SW1B + SW1T",
-                     *         "structure": {
-                     *           "modes": [
-                     *             7,
-                     *             9
-                     *           ],
-                     *           "inputs": [],
-                     *           "outputs": [],
-                     *           "free": null,
-                     *           "fixed": {},
-                     *           "free_delays": false,
-                     *           "also_free": [],
-                     *           "axis": "longitudinal",
-                     *           "absent": [],
-                     *           "fixed_to": {},
-                     *           "delays": {},
-                     *           "instruments": {}
-                     *         },
-                     *         "note": "for FTA 506; SFA and SWL remain as bias",
-                     *         "author": "",
-                     *         "created_at": "2026-11-21T10:59:42.920511Z",
-                     *         "id": 2
-                     *       },
-                     *       "newest_version": 1,
-                     *       "changes": null,
-                     *       "figures": []
-                     *     }
-                     */
                     "application/json": components["schemas"]["DecisionDetail"];
                 };
             };
@@ -16991,10 +11465,7 @@ export interface operations {
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 decision_id: number;
             };
             cookie?: never;
@@ -17007,601 +11478,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft": {
-                     *         "name": "FLEX-28",
-                     *         "geometry": {
-                     *           "area_m2": 8.238641587200002,
-                     *           "chord_m": 1.1169310656,
-                     *           "span_m": 8.5344
-                     *         },
-                     *         "mass": {
-                     *           "fuel": [
-                     *             0,
-                     *             0.0625,
-                     *             0.125
-                     *           ],
-                     *           "mass_kg": [
-                     *             159.04435420967494,
-                     *             162.19109156099535,
-                     *             165.33797485134517
-                     *           ],
-                     *           "pitch_inertia_kg_m2": [
-                     *             66.07687236628946,
-                     *             66.19545220405053,
-                     *             66.31130684773544
-                     *           ],
-                     *           "x_cg_m": [
-                     *             1.4017916592,
-                     *             1.4047540104,
-                     *             1.4076035856
-                     *           ],
-                     *           "z_cg_m": [
-                     *             0.0036555304080000003,
-                     *             0.0035846064960000004,
-                     *             0.0035163831120000005
-                     *           ]
-                     *         },
-                     *         "surfaces": [
-                     *           {
-                     *             "name": "bfs",
-                     *             "instrument": "potentiometer",
-                     *             "actuator": null,
-                     *             "servo": "servo",
-                     *             "noise_std_rad": 0.00035
-                     *           },
-                     *           {
-                     *             "name": "wf1s",
-                     *             "instrument": "potentiometer",
-                     *             "actuator": null,
-                     *             "servo": "servo",
-                     *             "noise_std_rad": 0.00035
-                     *           }
-                     *         ],
-                     *         "sensors": [
-                     *           {
-                     *             "name": "alpha",
-                     *             "kind": "vane",
-                     *             "point": "boom",
-                     *             "axis": "y",
-                     *             "location_m": [
-                     *               -0.47244,
-                     *               0,
-                     *               0
-                     *             ],
-                     *             "instrument": "vane",
-                     *             "noise_std": 0.0008
-                     *           },
-                     *           {
-                     *             "name": "q",
-                     *             "kind": "gyro",
-                     *             "point": "nose_gyro",
-                     *             "axis": "y",
-                     *             "location_m": [
-                     *               0.10668,
-                     *               0,
-                     *               0
-                     *             ],
-                     *             "instrument": "gyro",
-                     *             "noise_std": 0.0012
-                     *           }
-                     *         ],
-                     *         "combinations": [
-                     *           {
-                     *             "name": "az_mfs",
-                     *             "terms": [
-                     *               [
-                     *                 "az_mfl",
-                     *                 0.5
-                     *               ],
-                     *               [
-                     *                 "az_mfr",
-                     *                 0.5
-                     *               ]
-                     *             ]
-                     *           },
-                     *           {
-                     *             "name": "az_mas",
-                     *             "terms": [
-                     *               [
-                     *                 "az_mal",
-                     *                 0.5
-                     *               ],
-                     *               [
-                     *                 "az_mar",
-                     *                 0.5
-                     *               ]
-                     *             ]
-                     *           }
-                     *         ],
-                     *         "instruments": {
-                     *           "servo": {
-                     *             "elements": [
-                     *               {
-                     *                 "natural_frequency": 62,
-                     *                 "damping": 0.75
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.0125
-                     *           },
-                     *           "potentiometer": {
-                     *             "elements": [
-                     *               {
-                     *                 "order": 6,
-                     *                 "corner": 251.32741228718345
-                     *               },
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0
-                     *           },
-                     *           "accelerometer": {
-                     *             "elements": [
-                     *               {
-                     *                 "natural_frequency": 942.5,
-                     *                 "damping": 0.7
-                     *               },
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.004
-                     *           },
-                     *           "gyro": {
-                     *             "elements": [
-                     *               {
-                     *                 "natural_frequency": 471.2,
-                     *                 "damping": 0.75
-                     *               },
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.006
-                     *           },
-                     *           "vane": {
-                     *             "elements": [
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.018
-                     *           },
-                     *           "attitude": {
-                     *             "elements": [
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.022
-                     *           },
-                     *           "strain": {
-                     *             "elements": [
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.01
-                     *           }
-                     *         },
-                     *         "polar": {
-                     *           "cd_min": 0.022,
-                     *           "oswald": 0.88,
-                     *           "aspect_ratio": 8.840776,
-                     *           "lift_slope": 4.651281
-                     *         },
-                     *         "flutter": {
-                     *           "fuel": [
-                     *             0,
-                     *             0.25,
-                     *             0.5
-                     *           ],
-                     *           "speed_m_s": [
-                     *             60.6552,
-                     *             59.820048,
-                     *             59.314080000000004
-                     *           ]
-                     *         },
-                     *         "description": "Invented flexible flying wing of 28 ft span with two full-span rows of trailing-edge surfaces. Every number comes from a beam finite element model and a vortex ",
-                     *         "id": 1
-                     *       },
-                     *       "exported_at": "2026-11-21T11:17:55.726431Z",
-                     *       "software": {
-                     *         "flexsid": "0.1.0",
-                     *         "python": "3.11.7",
-                     *         "numpy": "2.4.6",
-                     *         "scipy": "1.17.1",
-                     *         "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *       },
-                     *       "check": "sealed is an event as text, hash its SHA-256; previous_hash inside of it is the hash of the event before. Names are as the analysts set them; nobody verified th",
-                     *       "rules": [
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "quorum": 2,
-                     *           "own_allowed": false,
-                     *           "version": 1,
-                     *           "reason": "two pairs of eyes",
-                     *           "author": "Ann Analyst",
-                     *           "created_at": "2026-11-21T11:17:52.719022Z",
-                     *           "id": 1
-                     *         }
-                     *       ],
-                     *       "baselines": [
-                     *         {
-                     *           "decision_id": 1,
-                     *           "title": "SP + SW1B below 400 Pa",
-                     *           "limits": {
-                     *             "dynamic_pressure_pa": [
-                     *               0,
-                     *               400
-                     *             ],
-                     *             "fuel_fraction": [
-                     *               0,
-                     *               1
-                     *             ]
-                     *           },
-                     *           "approved_by": [
-                     *             "Bo"
-                     *           ],
-                     *           "structure": {
-                     *             "structure_id": 1,
-                     *             "version": 1,
-                     *             "name": "SP + SW1B",
-                     *             "structure": {
-                     *               "modes": [
-                     *                 7
-                     *               ],
-                     *               "inputs": [],
-                     *               "outputs": [],
-                     *               "free": null,
-                     *               "fixed": {},
-                     *               "free_delays": false,
-                     *               "also_free": [],
-                     *               "axis": "longitudinal",
-                     *               "absent": [],
-                     *               "fixed_to": {},
-                     *               "delays": {},
-                     *               "instruments": {}
-                     *             },
-                     *             "note": "for FTA 503, whose band ends below SW1T",
-                     *             "author": "",
-                     *             "created_at": "2026-11-21T10:59:42.917852Z",
-                     *             "id": 1
-                     *           }
-                     *         }
-                     *       ],
-                     *       "decisions": [
-                     *         {
-                     *           "decision": {
-                     *             "aircraft_id": 1,
-                     *             "axis": "longitudinal",
-                     *             "proposal": {
-                     *               "title": "SP + SW1B below 400 Pa",
-                     *               "structure": {
-                     *                 "id": 1,
-                     *                 "version": 1
-                     *               },
-                     *               "changes": null,
-                     *               "limits": {
-                     *                 "dynamic_pressure_pa": [
-                     *                   0,
-                     *                   400
-                     *                 ],
-                     *                 "fuel_fraction": [
-                     *                   0,
-                     *                   1
-                     *                 ]
-                     *               },
-                     *               "reasoning": "SW1T lies above the band of FTA 503",
-                     *               "run_ids": [
-                     *                 1
-                     *               ],
-                     *               "comparisons": [
-                     *                 {
-                     *                   "run_ids": [
-                     *                     1
-                     *                   ],
-                     *                   "prediction_ids": [
-                     *                     1
-                     *                   ],
-                     *                   "coefficient": "Cm"
-                     *                 }
-                     *               ],
-                     *               "figure_ids": []
-                     *             },
-                     *             "state": "approved",
-                     *             "revision": 2,
-                     *             "authors": [
-                     *               "Ann Analyst"
-                     *             ],
-                     *             "votes": {
-                     *               "Bo": "approve"
-                     *             },
-                     *             "superseded_by": null,
-                     *             "version": 5,
-                     *             "created_at": "2026-11-21T11:17:48.943235Z",
-                     *             "changed_at": "2026-11-21T11:17:49.045275Z",
-                     *             "adopted_at": "2026-11-21T11:17:49.045275Z",
-                     *             "id": 1
-                     *           },
-                     *           "events": [
-                     *             {
-                     *               "decision_id": 1,
-                     *               "number": 1,
-                     *               "kind": "proposed",
-                     *               "author": "Ann Analyst",
-                     *               "author_verified": false,
-                     *               "text": "SW1T lies above the band of FTA 503",
-                     *               "revision": 1,
-                     *               "derivative": null,
-                     *               "vote": null,
-                     *               "proposal": {
-                     *                 "title": "SP + SW1B below 400 Pa",
-                     *                 "structure": {
-                     *                   "id": 1,
-                     *                   "version": 1
-                     *                 },
-                     *                 "changes": null,
-                     *                 "limits": {
-                     *                   "dynamic_pressure_pa": [
-                     *                     0,
-                     *                     400
-                     *                   ],
-                     *                   "fuel_fraction": [
-                     *                     0,
-                     *                     1
-                     *                   ]
-                     *                 },
-                     *                 "reasoning": "SW1T lies above the band of FTA 503",
-                     *                 "run_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "comparisons": [
-                     *                   {
-                     *                     "run_ids": [
-                     *                       1
-                     *                     ],
-                     *                     "prediction_ids": [
-                     *                       1
-                     *                     ],
-                     *                     "coefficient": "Cm"
-                     *                   }
-                     *                 ],
-                     *                 "figure_ids": []
-                     *               },
-                     *               "rules": null,
-                     *               "by_decision_id": null,
-                     *               "data": {
-                     *                 "structure 1 version 1": "6a16968cb3a053efee87eb5177cb5cb024dbacd401e68c7704c132f58e1963ef",
-                     *                 "run 1": "fff816566f2766b324a8bc044f04d4aa6e4115114ff34637813b6115bb3e762e",
-                     *                 "maneuver 1": "b04d95c0049b964e4077a240989c1e583a3b5be7bc5dadf91e5d64743e64cbdf",
-                     *                 "prediction 1": "62470b9172f2a73eb55970dc5be203bfc330481fe1ac866946a7325e010caad7"
-                     *               },
-                     *               "data_hash": "da90a541851f2f9edc09e90d6f73ae1bf7dc629b1df3a180d564520b7186b0d0",
-                     *               "software": {
-                     *                 "flexsid": "0.1.0",
-                     *                 "python": "3.11.7",
-                     *                 "numpy": "2.4.6",
-                     *                 "scipy": "1.17.1",
-                     *                 "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *               },
-                     *               "previous_hash": "",
-                     *               "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:48.970034Z\",\"data\":{\"maneuver 1\":\"b04d95c0049b964e4077a2409",
-                     *               "hash": "ff43e02717dda2afed5896efd988fdce8936ecef77136ea65bbadd96fc7aaada",
-                     *               "created_at": "2026-11-21T11:17:48.970034Z",
-                     *               "id": 1
-                     *             },
-                     *             {
-                     *               "decision_id": 1,
-                     *               "number": 2,
-                     *               "kind": "revised",
-                     *               "author": "Ann Analyst",
-                     *               "author_verified": false,
-                     *               "text": "SW1T lies above the band of FTA 503",
-                     *               "revision": 2,
-                     *               "derivative": null,
-                     *               "vote": null,
-                     *               "proposal": {
-                     *                 "title": "SP + SW1B below 400 Pa",
-                     *                 "structure": {
-                     *                   "id": 1,
-                     *                   "version": 1
-                     *                 },
-                     *                 "changes": null,
-                     *                 "limits": {
-                     *                   "dynamic_pressure_pa": [
-                     *                     0,
-                     *                     400
-                     *                   ],
-                     *                   "fuel_fraction": [
-                     *                     0,
-                     *                     1
-                     *                   ]
-                     *                 },
-                     *                 "reasoning": "SW1T lies above the band of FTA 503",
-                     *                 "run_ids": [
-                     *                   1
-                     *                 ],
-                     *                 "comparisons": [
-                     *                   {
-                     *                     "run_ids": [
-                     *                       1
-                     *                     ],
-                     *                     "prediction_ids": [
-                     *                       1
-                     *                     ],
-                     *                     "coefficient": "Cm"
-                     *                   }
-                     *                 ],
-                     *                 "figure_ids": []
-                     *               },
-                     *               "rules": null,
-                     *               "by_decision_id": null,
-                     *               "data": {
-                     *                 "structure 1 version 1": "6a16968cb3a053efee87eb5177cb5cb024dbacd401e68c7704c132f58e1963ef",
-                     *                 "run 1": "fff816566f2766b324a8bc044f04d4aa6e4115114ff34637813b6115bb3e762e",
-                     *                 "maneuver 1": "b04d95c0049b964e4077a240989c1e583a3b5be7bc5dadf91e5d64743e64cbdf",
-                     *                 "prediction 1": "62470b9172f2a73eb55970dc5be203bfc330481fe1ac866946a7325e010caad7"
-                     *               },
-                     *               "data_hash": "da90a541851f2f9edc09e90d6f73ae1bf7dc629b1df3a180d564520b7186b0d0",
-                     *               "software": {
-                     *                 "flexsid": "0.1.0",
-                     *                 "python": "3.11.7",
-                     *                 "numpy": "2.4.6",
-                     *                 "scipy": "1.17.1",
-                     *                 "source": "e9ff689ecee67b35a578b48171ac490f845328e38abdcafb009a8c089ad2e5ae"
-                     *               },
-                     *               "previous_hash": "ff43e02717dda2afed5896efd988fdce8936ecef77136ea65bbadd96fc7aaada",
-                     *               "sealed": "{\"author\":\"Ann Analyst\",\"author_verified\":false,\"by_decision_id\":null,\"created_at\":\"2026-11-21T11:17:48.998320Z\",\"data\":{\"maneuver 1\":\"b04d95c0049b964e4077a2409",
-                     *               "hash": "a7cd8cbf9d4ddb6d74991ea16d47fd3cf18e0b16b38550c32a3026bf115364ab",
-                     *               "created_at": "2026-11-21T11:17:48.998320Z",
-                     *               "id": 2
-                     *             }
-                     *           ],
-                     *           "whole": true,
-                     *           "changed_since": [],
-                     *           "structures": [
-                     *             {
-                     *               "structure_id": 1,
-                     *               "version": 1,
-                     *               "name": "SP + SW1B",
-                     *               "structure": {
-                     *                 "modes": [
-                     *                   7
-                     *                 ],
-                     *                 "inputs": [],
-                     *                 "outputs": [],
-                     *                 "free": null,
-                     *                 "fixed": {},
-                     *                 "free_delays": false,
-                     *                 "also_free": [],
-                     *                 "axis": "longitudinal",
-                     *                 "absent": [],
-                     *                 "fixed_to": {},
-                     *                 "delays": {},
-                     *                 "instruments": {}
-                     *               },
-                     *               "note": "for FTA 503, whose band ends below SW1T",
-                     *               "author": "",
-                     *               "created_at": "2026-11-21T10:59:42.917852Z",
-                     *               "id": 1
-                     *             },
-                     *             {
-                     *               "structure_id": 1,
-                     *               "version": 2,
-                     *               "name": "SP + SW1B",
-                     *               "structure": {
-                     *                 "modes": [
-                     *                   7,
-                     *                   9
-                     *                 ],
-                     *                 "inputs": [
-                     *                   "bfs",
-                     *                   "wf1s"
-                     *                 ],
-                     *                 "outputs": [
-                     *                   "q",
-                     *                   "az_egi"
-                     *                 ],
-                     *                 "free": null,
-                     *                 "fixed": {},
-                     *                 "free_delays": false,
-                     *                 "also_free": [],
-                     *                 "axis": "longitudinal",
-                     *                 "absent": [],
-                     *                 "fixed_to": {},
-                     *                 "delays": {},
-                     *                 "instruments": {}
-                     *               },
-                     *               "note": "",
-                     *               "author": "Ann Analyst",
-                     *               "created_at": "2026-11-21T11:17:52.707044Z",
-                     *               "id": 5
-                     *             }
-                     *           ],
-                     *           "runs": [
-                     *             {
-                     *               "id": 1,
-                     *               "maneuver_id": 1,
-                     *               "maneuver_label": "1-01 FTA 503",
-                     *               "method": "OE",
-                     *               "author": "Ann Analyst",
-                     *               "created_at": "2026-11-21T11:17:45.930337Z",
-                     *               "structure_id": null,
-                     *               "structure_version": null,
-                     *               "outcome": "converged",
-                     *               "r_squared": {
-                     *                 "alpha": 0.9993491591274395,
-                     *                 "q": 0.9999548394101978,
-                     *                 "theta": 0.9997162569562316,
-                     *                 "ax_egi": 0.9597132860905925,
-                     *                 "az_egi": 0.9986994278925991,
-                     *                 "az_cf": 0.9983821212975958,
-                     *                 "az_ca": 0.9996524413600925,
-                     *                 "az_mfs": 0.9922361517358008,
-                     *                 "az_mas": 0.997064450935704,
-                     *                 "az_ofs": 0.9993284322344708,
-                     *                 "az_oas": 0.9905704154627475,
-                     *                 "ax_oas": 0.41565556763340883,
-                     *                 "ay_wls": 0.9939630307371697,
-                     *                 "s_bend1s": 0.9661331927113678,
-                     *                 "s_ros1s_m45": 0.9812464561533867,
-                     *                 "s_ros1s_0": 0.9662990087994122,
-                     *                 "s_ros1s_p45": 0.8824858259009098,
-                     *                 "s_bend2s": 0.9898532472250332,
-                     *                 "s_ros2s_m45": 0.9941752459856109,
-                     *                 "s_ros2s_0": 0.989887661961429,
-                     *                 "s_ros2s_p45": 0.9735604517099828,
-                     *                 "s_bend3s": 0.9996952370950591,
-                     *                 "s_ros3s_m45": 0.9995635231124572,
-                     *                 "s_ros3s_0": 0.9996826973076939,
-                     *                 "s_ros3s_p45": 0.9993564010554388
-                     *               },
-                     *               "parameters": [
-                     *                 {
-                     *                   "name": "CZ_alpha",
-                     *                   "value": -4.999526340038098,
-                     *                   "std_error": 0.07200768053751322,
-                     *                   "start": -4.605150131394099,
-                     *                   "cramer_rao": 0.07329183219234223,
-                     *                   "insensitivity": 0.0038882970421724784
-                     *                 },
-                     *                 {
-                     *                   "name": "CZ_q",
-                     *                   "value": -5.15697763882933,
-                     *                   "std_error": 0.07978246912722135,
-                     *                   "start": -4.645435050849665,
-                     *                   "cramer_rao": 0.07589023611244636,
-                     *                   "insensitivity": 0.02996315121192243
-                     *                 }
-                     *               ],
-                     *               "versions": {
-                     *                 "flexsid": "0.1.0",
-                     *                 "python": "3.11.7",
-                     *                 "numpy": "2.4.6",
-                     *                 "scipy": "1.17.1"
-                     *               }
-                     *             }
-                     *           ],
-                     *           "figures": []
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["AuditTrail"];
-                    /**
-                     * @example # SP + SW1B below 400 Pa
-                     *
-                     *     - proposed by Ann Analyst
-                     */
                     "text/markdown": string;
                 };
             };
@@ -17621,10 +11498,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 aircraft_id: number;
             };
             cookie?: never;
@@ -17637,32 +11511,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "current": {
-                     *         "aircraft_id": 1,
-                     *         "quorum": 2,
-                     *         "own_allowed": false,
-                     *         "version": 1,
-                     *         "reason": "two pairs of eyes",
-                     *         "author": "Ann Analyst",
-                     *         "created_at": "2026-11-21T11:17:52.719022Z",
-                     *         "id": 1
-                     *       },
-                     *       "items": [
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "quorum": 2,
-                     *           "own_allowed": false,
-                     *           "version": 1,
-                     *           "reason": "two pairs of eyes",
-                     *           "author": "Ann Analyst",
-                     *           "created_at": "2026-11-21T11:17:52.719022Z",
-                     *           "id": 1
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["RulesHistory"];
                 };
             };
@@ -17681,31 +11529,17 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst": string;
             };
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 aircraft_id: number;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "quorum": 2,
-                 *       "own_allowed": false,
-                 *       "version": 0,
-                 *       "reason": "two pairs of eyes"
-                 *     }
-                 */
                 "application/json": components["schemas"]["RulesRequest"];
             };
         };
@@ -17716,18 +11550,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "quorum": 2,
-                     *       "own_allowed": false,
-                     *       "version": 1,
-                     *       "reason": "two pairs of eyes",
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:52.719022Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["ReviewRules"];
                 };
             };
@@ -17745,7 +11567,6 @@ export interface operations {
     list_campaign_baselines: {
         parameters: {
             query: {
-                /** @example 1 */
                 aircraft_id: number;
             };
             header?: never;
@@ -17760,54 +11581,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "decision_id": 1,
-                     *           "title": "SP + SW1B below 400 Pa",
-                     *           "limits": {
-                     *             "dynamic_pressure_pa": [
-                     *               0,
-                     *               400
-                     *             ],
-                     *             "fuel_fraction": [
-                     *               0,
-                     *               1
-                     *             ]
-                     *           },
-                     *           "approved_by": [
-                     *             "Bo"
-                     *           ],
-                     *           "structure": {
-                     *             "structure_id": 1,
-                     *             "version": 1,
-                     *             "name": "SP + SW1B",
-                     *             "structure": {
-                     *               "modes": [
-                     *                 7
-                     *               ],
-                     *               "inputs": [],
-                     *               "outputs": [],
-                     *               "free": null,
-                     *               "fixed": {},
-                     *               "free_delays": false,
-                     *               "also_free": [],
-                     *               "axis": "longitudinal",
-                     *               "absent": [],
-                     *               "fixed_to": {},
-                     *               "delays": {},
-                     *               "instruments": {}
-                     *             },
-                     *             "note": "for FTA 503, whose band ends below SW1T",
-                     *             "author": "",
-                     *             "created_at": "2026-11-21T10:59:42.917852Z",
-                     *             "id": 1
-                     *           }
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["BaselineList"];
                 };
             };
@@ -17825,10 +11598,7 @@ export interface operations {
     list_maneuver_baselines: {
         parameters: {
             query: {
-                /**
-                 * @description Ids of maneuvers, separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids of maneuvers, separated by commas. */
                 maneuver_ids: string;
             };
             header?: never;
@@ -17843,16 +11613,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "maneuver_id": 1,
-                     *           "baseline": null
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["ManeuverBaselineList"];
                 };
             };
@@ -17871,10 +11631,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst": string;
             };
             path?: never;
@@ -17882,13 +11639,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "kind": "spectrum",
-                 *       "query": "maneuver_id=1",
-                 *       "title": "Inputs as flown"
-                 *     }
-                 */
                 "application/json": components["schemas"]["FreezeRequest"];
             };
         };
@@ -17899,17 +11649,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "kind": "spectrum",
-                     *       "query": "maneuver_id=1",
-                     *       "title": "Inputs as flown",
-                     *       "array": "48b396212bc532a24a34496022869561558b878744e432fe7d7fab3be086ec29",
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:49.105129Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["FrozenFigure"];
                 };
             };
@@ -17929,10 +11668,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 figure_id: number;
             };
             cookie?: never;
@@ -17945,17 +11681,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "kind": "spectrum",
-                     *       "query": "maneuver_id=1",
-                     *       "title": "Inputs as flown",
-                     *       "array": "48b396212bc532a24a34496022869561558b878744e432fe7d7fab3be086ec29",
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:49.105129Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["FrozenFigure"];
                 };
             };
@@ -17974,10 +11699,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst": string;
             };
             path?: never;
@@ -17991,12 +11713,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "waiting": [],
-                     *       "changes": []
-                     *     }
-                     */
                     "application/json": components["schemas"]["Notifications"];
                 };
             };
@@ -18015,10 +11731,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst": string;
             };
             path?: never;
@@ -18048,17 +11761,11 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst": string;
             };
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 decision_id: number;
             };
             cookie?: never;
@@ -18087,17 +11794,11 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst": string;
             };
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 structure_id: number;
             };
             cookie?: never;
@@ -18125,44 +11826,26 @@ export interface operations {
     list_runs: {
         parameters: {
             query?: {
-                /**
-                 * @description `-` for falling order, then one of airspeed_ratio, author, created_at, dynamic_pressure_pa, finished_at, flight_number, fta, fuel_fraction, id, maneuver_label, method, state.
-                 * @example -airspeed_ratio
-                 */
+                /** @description `-` for falling order, then one of airspeed_ratio, author, created_at, dynamic_pressure_pa, finished_at, flight_number, fta, fuel_fraction, id, maneuver_label, method, state. */
                 sort?: string;
-                /**
-                 * @description Most items to answer.
-                 * @example 100
-                 */
+                /** @description Most items to answer. */
                 limit?: number;
                 /** @description `next` of the page before. */
                 after?: string | null;
-                /** @example 1 */
                 aircraft_id?: number | null;
-                /** @example 1 */
                 flight_id?: number | null;
-                /** @example 1 */
                 maneuver_id?: number | null;
-                /** @example 1 */
                 structure_id?: number | null;
-                /** @example 506 */
                 fta?: number | null;
-                /** @example 0.5 */
                 min_airspeed_ratio?: number | null;
-                /** @example 1.1 */
                 max_airspeed_ratio?: number | null;
-                /** @example 0 */
                 min_fuel?: number | null;
-                /** @example 1 */
                 max_fuel?: number | null;
                 method?: components["schemas"]["Method"] | null;
                 state?: components["schemas"]["RunState"] | null;
                 /** @description Only tagged so. */
                 tag?: string | null;
-                /**
-                 * @description Part of maneuver or author, or an id.
-                 * @example FLEX
-                 */
+                /** @description Part of maneuver or author, or an id. */
                 search?: string | null;
                 /** @description What was deleted instead. */
                 deleted?: boolean;
@@ -18179,83 +11862,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "id": 7,
-                     *           "maneuver_id": 34,
-                     *           "maneuver_label": "Rehearsal of FTA 500, first try, medium",
-                     *           "flight_id": 6,
-                     *           "flight_number": 0,
-                     *           "aircraft_id": 1,
-                     *           "aircraft_name": "FLEX-28",
-                     *           "fta": 500,
-                     *           "airspeed_ratio": 0.5601601993194201,
-                     *           "dynamic_pressure_pa": 572.5090253763958,
-                     *           "fuel_fraction": 0.920003333389759,
-                     *           "method": "OE",
-                     *           "state": "succeeded",
-                     *           "modes": [
-                     *             7,
-                     *             9
-                     *           ],
-                     *           "start": "best",
-                     *           "prediction_id": null,
-                     *           "structure_id": null,
-                     *           "structure_version": null,
-                     *           "outcome": "converged",
-                     *           "n_iterations": 70,
-                     *           "n_warnings": 5,
-                     *           "worst_r_squared": 0.7465641170925144,
-                     *           "has_model": true,
-                     *           "error_code": null,
-                     *           "author": "",
-                     *           "tags": [],
-                     *           "created_at": "2026-11-21T11:17:54.481063Z",
-                     *           "started_at": "2026-11-21T11:17:54.485429Z",
-                     *           "finished_at": "2026-11-21T11:17:54.706891Z",
-                     *           "deleted_at": null
-                     *         },
-                     *         {
-                     *           "id": 6,
-                     *           "maneuver_id": 1,
-                     *           "maneuver_label": "1-01 FTA 503",
-                     *           "flight_id": 1,
-                     *           "flight_number": 1,
-                     *           "aircraft_id": 1,
-                     *           "aircraft_name": "FLEX-28",
-                     *           "fta": 503,
-                     *           "airspeed_ratio": 0.5601601993194201,
-                     *           "dynamic_pressure_pa": 572.5090253763958,
-                     *           "fuel_fraction": 0.920003333389759,
-                     *           "method": "OE",
-                     *           "state": "succeeded",
-                     *           "modes": [
-                     *             7,
-                     *             9
-                     *           ],
-                     *           "start": "run",
-                     *           "prediction_id": null,
-                     *           "structure_id": null,
-                     *           "structure_version": null,
-                     *           "outcome": "converged",
-                     *           "n_iterations": 22,
-                     *           "n_warnings": 4,
-                     *           "worst_r_squared": 0.4192454749356618,
-                     *           "has_model": true,
-                     *           "error_code": null,
-                     *           "author": "Ann Analyst",
-                     *           "tags": [],
-                     *           "created_at": "2026-11-21T11:17:52.558378Z",
-                     *           "started_at": "2026-11-21T11:17:52.777188Z",
-                     *           "finished_at": "2026-11-21T11:17:52.912767Z",
-                     *           "deleted_at": null
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["RunList"];
                 };
             };
@@ -18274,10 +11880,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst"?: string;
             };
             path?: never;
@@ -18285,21 +11888,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "maneuver_id": 1,
-                 *       "method": "OE",
-                 *       "structure": {
-                 *         "modes": [
-                 *           7,
-                 *           9
-                 *         ]
-                 *       },
-                 *       "settings": {
-                 *         "prior_spread": 0.5
-                 *       }
-                 *     }
-                 */
                 "application/json": components["schemas"]["RunRequest"];
             };
         };
@@ -18310,67 +11898,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": 3,
-                     *       "maneuver_id": 1,
-                     *       "method": "OE",
-                     *       "state": "queued",
-                     *       "structure": {
-                     *         "modes": [
-                     *           7,
-                     *           9
-                     *         ],
-                     *         "inputs": [],
-                     *         "outputs": [],
-                     *         "free": null,
-                     *         "fixed": {},
-                     *         "free_delays": false,
-                     *         "also_free": [],
-                     *         "axis": "longitudinal",
-                     *         "absent": [],
-                     *         "fixed_to": {},
-                     *         "delays": {},
-                     *         "instruments": {}
-                     *       },
-                     *       "settings": {
-                     *         "start": "best",
-                     *         "band_hz": null,
-                     *         "max_iterations": 100,
-                     *         "noise": "diagonal",
-                     *         "priors": {},
-                     *         "prior_spread": 0.5,
-                     *         "start_run_id": null,
-                     *         "together_with": []
-                     *       },
-                     *       "modal_table_id": null,
-                     *       "damping_table_id": null,
-                     *       "prediction_id": null,
-                     *       "structure_id": null,
-                     *       "structure_version": null,
-                     *       "parameters": [],
-                     *       "fit": null,
-                     *       "poles": [],
-                     *       "blocks": [],
-                     *       "residualized_prediction": null,
-                     *       "error": null,
-                     *       "progress": null,
-                     *       "versions": null,
-                     *       "attempt": 0,
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:49.133171Z",
-                     *       "started_at": null,
-                     *       "finished_at": null,
-                     *       "deleted_at": null,
-                     *       "priority": 0,
-                     *       "limits": null,
-                     *       "after_run_id": null,
-                     *       "data_hash": "9ab19200b66eb667e95748206a1124e43c3f6c29031f808ec3e531777e991253",
-                     *       "input_hash": "0c1da807602b6e3ed05c12a99b884c76bc45b99e7aab8bef64ce1a8bc2edd69b",
-                     *       "worker": null,
-                     *       "repeated": false
-                     *     }
-                     */
                     "application/json": components["schemas"]["Run"];
                 };
             };
@@ -18380,67 +11907,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": 3,
-                     *       "maneuver_id": 1,
-                     *       "method": "OE",
-                     *       "state": "queued",
-                     *       "structure": {
-                     *         "modes": [
-                     *           7,
-                     *           9
-                     *         ],
-                     *         "inputs": [],
-                     *         "outputs": [],
-                     *         "free": null,
-                     *         "fixed": {},
-                     *         "free_delays": false,
-                     *         "also_free": [],
-                     *         "axis": "longitudinal",
-                     *         "absent": [],
-                     *         "fixed_to": {},
-                     *         "delays": {},
-                     *         "instruments": {}
-                     *       },
-                     *       "settings": {
-                     *         "start": "best",
-                     *         "band_hz": null,
-                     *         "max_iterations": 100,
-                     *         "noise": "diagonal",
-                     *         "priors": {},
-                     *         "prior_spread": 0.5,
-                     *         "start_run_id": null,
-                     *         "together_with": []
-                     *       },
-                     *       "modal_table_id": null,
-                     *       "damping_table_id": null,
-                     *       "prediction_id": null,
-                     *       "structure_id": null,
-                     *       "structure_version": null,
-                     *       "parameters": [],
-                     *       "fit": null,
-                     *       "poles": [],
-                     *       "blocks": [],
-                     *       "residualized_prediction": null,
-                     *       "error": null,
-                     *       "progress": null,
-                     *       "versions": null,
-                     *       "attempt": 0,
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:49.133171Z",
-                     *       "started_at": null,
-                     *       "finished_at": null,
-                     *       "deleted_at": null,
-                     *       "priority": 0,
-                     *       "limits": null,
-                     *       "after_run_id": null,
-                     *       "data_hash": "9ab19200b66eb667e95748206a1124e43c3f6c29031f808ec3e531777e991253",
-                     *       "input_hash": "0c1da807602b6e3ed05c12a99b884c76bc45b99e7aab8bef64ce1a8bc2edd69b",
-                     *       "worker": null,
-                     *       "repeated": false
-                     *     }
-                     */
                     "application/json": components["schemas"]["Run"];
                 };
             };
@@ -18458,32 +11924,20 @@ export interface operations {
     list_run_facets: {
         parameters: {
             query?: {
-                /** @example 1 */
                 aircraft_id?: number | null;
-                /** @example 1 */
                 flight_id?: number | null;
-                /** @example 1 */
                 maneuver_id?: number | null;
-                /** @example 1 */
                 structure_id?: number | null;
-                /** @example 506 */
                 fta?: number | null;
-                /** @example 0.5 */
                 min_airspeed_ratio?: number | null;
-                /** @example 1.1 */
                 max_airspeed_ratio?: number | null;
-                /** @example 0 */
                 min_fuel?: number | null;
-                /** @example 1 */
                 max_fuel?: number | null;
                 method?: components["schemas"]["Method"] | null;
                 state?: components["schemas"]["RunState"] | null;
                 /** @description Only tagged so. */
                 tag?: string | null;
-                /**
-                 * @description Part of maneuver or author, or an id.
-                 * @example FLEX
-                 */
+                /** @description Part of maneuver or author, or an id. */
                 search?: string | null;
                 /** @description What was deleted instead. */
                 deleted?: boolean;
@@ -18500,70 +11954,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "total": 7,
-                     *       "choices": {
-                     *         "aircraft_id": [
-                     *           {
-                     *             "value": "1",
-                     *             "label": "FLEX-28",
-                     *             "count": 7
-                     *           }
-                     *         ],
-                     *         "flight_id": [
-                     *           {
-                     *             "value": "6",
-                     *             "label": "0",
-                     *             "count": 1
-                     *           },
-                     *           {
-                     *             "value": "1",
-                     *             "label": "1",
-                     *             "count": 6
-                     *           }
-                     *         ],
-                     *         "fta": [
-                     *           {
-                     *             "value": "500",
-                     *             "label": "500",
-                     *             "count": 1
-                     *           },
-                     *           {
-                     *             "value": "503",
-                     *             "label": "503",
-                     *             "count": 6
-                     *           }
-                     *         ],
-                     *         "method": [
-                     *           {
-                     *             "value": "EE",
-                     *             "label": "EE",
-                     *             "count": 3
-                     *           },
-                     *           {
-                     *             "value": "OE",
-                     *             "label": "OE",
-                     *             "count": 4
-                     *           }
-                     *         ],
-                     *         "state": [
-                     *           {
-                     *             "value": "succeeded",
-                     *             "label": "succeeded",
-                     *             "count": 7
-                     *           }
-                     *         ],
-                     *         "tag": [
-                     *           {
-                     *             "value": "baseline",
-                     *             "label": "baseline",
-                     *             "count": 1
-                     *           }
-                     *         ]
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Facets"];
                 };
             };
@@ -18587,15 +11977,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "ids": [
-                 *         1
-                 *       ],
-                 *       "action": "tag",
-                 *       "tag": "baseline"
-                 *     }
-                 */
                 "application/json": components["schemas"]["ChangeRequest"];
             };
         };
@@ -18606,13 +11987,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "ids": [
-                     *         1
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["Changed"];
                 };
             };
@@ -18632,10 +12006,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 run_id: number;
             };
             cookie?: never;
@@ -18648,241 +12019,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": 1,
-                     *       "maneuver_id": 1,
-                     *       "method": "OE",
-                     *       "state": "succeeded",
-                     *       "structure": {
-                     *         "modes": [
-                     *           7,
-                     *           9
-                     *         ],
-                     *         "inputs": [],
-                     *         "outputs": [],
-                     *         "free": null,
-                     *         "fixed": {},
-                     *         "free_delays": false,
-                     *         "also_free": [],
-                     *         "axis": "longitudinal",
-                     *         "absent": [],
-                     *         "fixed_to": {},
-                     *         "delays": {},
-                     *         "instruments": {}
-                     *       },
-                     *       "settings": {
-                     *         "start": "best",
-                     *         "band_hz": null,
-                     *         "max_iterations": 100,
-                     *         "noise": "diagonal",
-                     *         "priors": {},
-                     *         "prior_spread": null,
-                     *         "start_run_id": null,
-                     *         "together_with": []
-                     *       },
-                     *       "modal_table_id": null,
-                     *       "damping_table_id": null,
-                     *       "prediction_id": null,
-                     *       "structure_id": null,
-                     *       "structure_version": null,
-                     *       "parameters": [
-                     *         {
-                     *           "name": "CZ_alpha",
-                     *           "label": "C_Zα",
-                     *           "value": -4.999526340038098,
-                     *           "std_error": 0.07200768053751322,
-                     *           "start": -4.605150131394099,
-                     *           "cramer_rao": 0.07329183219234223,
-                     *           "insensitivity": 0.0038882970421724784
-                     *         },
-                     *         {
-                     *           "name": "CZ_q",
-                     *           "label": "C_Zq",
-                     *           "value": -5.15697763882933,
-                     *           "std_error": 0.07978246912722135,
-                     *           "start": -4.645435050849665,
-                     *           "cramer_rao": 0.07589023611244636,
-                     *           "insensitivity": 0.02996315121192243
-                     *         }
-                     *       ],
-                     *       "fit": {
-                     *         "outcome": "converged",
-                     *         "message": "Converged in 14 iterations.",
-                     *         "iterations": [
-                     *           {
-                     *             "iteration": 0,
-                     *             "cost": -38282.64366075375,
-                     *             "step": 0
-                     *           },
-                     *           {
-                     *             "iteration": 1,
-                     *             "cost": -44048.08017743167,
-                     *             "step": 143.03981278087542
-                     *           }
-                     *         ],
-                     *         "cost": -46947.37076917839,
-                     *         "r_squared": {
-                     *           "alpha": 0.9993491591274395,
-                     *           "q": 0.9999548394101978,
-                     *           "theta": 0.9997162569562316,
-                     *           "ax_egi": 0.9597132860905925,
-                     *           "az_egi": 0.9986994278925991,
-                     *           "az_cf": 0.9983821212975958,
-                     *           "az_ca": 0.9996524413600925,
-                     *           "az_mfs": 0.9922361517358008,
-                     *           "az_mas": 0.997064450935704,
-                     *           "az_ofs": 0.9993284322344708,
-                     *           "az_oas": 0.9905704154627475,
-                     *           "ax_oas": 0.41565556763340883,
-                     *           "ay_wls": 0.9939630307371697,
-                     *           "s_bend1s": 0.9661331927113678,
-                     *           "s_ros1s_m45": 0.9812464561533867,
-                     *           "s_ros1s_0": 0.9662990087994122,
-                     *           "s_ros1s_p45": 0.8824858259009098,
-                     *           "s_bend2s": 0.9898532472250332,
-                     *           "s_ros2s_m45": 0.9941752459856109,
-                     *           "s_ros2s_0": 0.989887661961429,
-                     *           "s_ros2s_p45": 0.9735604517099828,
-                     *           "s_bend3s": 0.9996952370950591,
-                     *           "s_ros3s_m45": 0.9995635231124572,
-                     *           "s_ros3s_0": 0.9996826973076939,
-                     *           "s_ros3s_p45": 0.9993564010554388
-                     *         },
-                     *         "n_lines": 125,
-                     *         "n_parameters": 44,
-                     *         "seconds": 0.2532075810013339,
-                     *         "start": "Panel code, residualized",
-                     *         "warnings": [
-                     *           "SW1T (10.8 Hz in vacuo) lies above the highest line (5.42 Hz): the data hold little of its dynamics.",
-                     *           "2 of 44 derivatives are within two standard errors of zero: CZ_etadot9, Cm_eta7.",
-                     *           "98 pairs of parameters are correlated above 0.9: Cm_eta9 with Cm_wf2s, CQ7_eta9 with CQ7_wf2s, CQ9_eta9 with CQ9_wf2s, CZ_eta9 with CZ_wf2s, Cm_wf2s with Cm_wf3"
-                     *         ],
-                     *         "quality": [
-                     *           {
-                     *             "block": "OE",
-                     *             "output": "alpha",
-                     *             "r_squared": 0.9993491591274395,
-                     *             "theil": 0.012744611148502102,
-                     *             "whiteness": 0.0011098683741086787
-                     *           },
-                     *           {
-                     *             "block": "OE",
-                     *             "output": "q",
-                     *             "r_squared": 0.9999548394101978,
-                     *             "theil": 0.0033591070689201713,
-                     *             "whiteness": 0.3564227235862944
-                     *           }
-                     *         ]
-                     *       },
-                     *       "poles": [
-                     *         {
-                     *           "real": -3.215539493248084,
-                     *           "imag": 7.557125803872474,
-                     *           "name": "SP",
-                     *           "real_std": 0.004798762507776563,
-                     *           "imag_std": 0.00395827966185121,
-                     *           "frequency": 8.212785437851966,
-                     *           "frequency_std": 0.004061880842853433,
-                     *           "damping": 0.3915284914698928,
-                     *           "damping_std": 0.0005278676237370474
-                     *         },
-                     *         {
-                     *           "real": -2.7344524143209585,
-                     *           "imag": 22.288224238548736,
-                     *           "name": "SW1B",
-                     *           "real_std": 0.0047378247852831205,
-                     *           "imag_std": 0.004535469959487474,
-                     *           "frequency": 22.455337221115542,
-                     *           "frequency_std": 0.004478707739945791,
-                     *           "damping": 0.12177293920795172,
-                     *           "damping_std": 0.00021179195754063776
-                     *         }
-                     *       ],
-                     *       "blocks": [
-                     *         {
-                     *           "name": "OE",
-                     *           "outputs": [
-                     *             "alpha",
-                     *             "q",
-                     *             "theta"
-                     *           ]
-                     *         }
-                     *       ],
-                     *       "residualized_prediction": {
-                     *         "CZ_alpha": -4.605150131394099,
-                     *         "CZ_q": -4.645435050849665,
-                     *         "CZ_eta7": -0.31350672020870873,
-                     *         "CZ_eta9": 1.5461722965383415,
-                     *         "CZ_etadot7": 0.15510484613108488,
-                     *         "CZ_etadot9": 0.672076594292821,
-                     *         "CZ_bfs": -0.8294090822782648,
-                     *         "CZ_wf1s": -0.7336409890021071,
-                     *         "CZ_wf2s": -0.5816646653819812,
-                     *         "CZ_wf3s": -0.4059676463937056,
-                     *         "CZ_wf4s": -0.3951948422421545,
-                     *         "Cm_alpha": -0.6904072127652793,
-                     *         "Cm_q": -2.1360632770364023,
-                     *         "Cm_eta7": -0.008701183033629708,
-                     *         "Cm_eta9": 0.6559157867524116,
-                     *         "Cm_etadot7": 0.18989808602474398,
-                     *         "Cm_etadot9": 0.404390025976657,
-                     *         "Cm_bfs": -0.05803274658711228,
-                     *         "Cm_wf1s": -0.11928436511926271,
-                     *         "Cm_wf2s": -0.24139270834342624,
-                     *         "Cm_wf3s": -0.31927961830942103,
-                     *         "Cm_wf4s": -0.34905921055462025,
-                     *         "CQ7_alpha": 0.24768590515514252,
-                     *         "CQ7_q": 0.3624535606665095,
-                     *         "CQ7_eta7": 0.010749527902285989,
-                     *         "CQ7_eta9": -0.1887817003486773,
-                     *         "CQ7_etadot7": -0.062385758815454787,
-                     *         "CQ7_etadot9": -0.07114857082353357,
-                     *         "CQ7_bfs": -0.01049531375786715,
-                     *         "CQ7_wf1s": 0.0001088191448189149,
-                     *         "CQ7_wf2s": 0.021950902325553447,
-                     *         "CQ7_wf3s": 0.049218070003480476,
-                     *         "CQ7_wf4s": 0.07018033842198858,
-                     *         "CQ9_alpha": -0.11630928960200687,
-                     *         "CQ9_q": -0.06781407539478741,
-                     *         "CQ9_eta7": -0.0048475351193961675,
-                     *         "CQ9_eta9": 0.07204986294376839,
-                     *         "CQ9_etadot7": 0.02656362081407724,
-                     *         "CQ9_etadot9": -0.037674067590160336,
-                     *         "CQ9_bfs": -0.004567564559699312,
-                     *         "CQ9_wf1s": 0.004864790232069805,
-                     *         "CQ9_wf2s": 0.019011308760624176,
-                     *         "CQ9_wf3s": 0.026114987102907012,
-                     *         "CQ9_wf4s": 0.029913872468470964
-                     *       },
-                     *       "error": null,
-                     *       "progress": {
-                     *         "iteration": 8,
-                     *         "cost": -46893.17045424392,
-                     *         "fraction": 0.52,
-                     *         "message": "Iteration 8 from Panel code, residualized"
-                     *       },
-                     *       "versions": {
-                     *         "flexsid": "0.1.0",
-                     *         "python": "3.11.7",
-                     *         "numpy": "2.4.6",
-                     *         "scipy": "1.17.1"
-                     *       },
-                     *       "attempt": 1,
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:45.930337Z",
-                     *       "started_at": "2026-11-21T11:17:45.938619Z",
-                     *       "finished_at": "2026-11-21T11:17:47.360965Z",
-                     *       "deleted_at": null,
-                     *       "priority": 0,
-                     *       "limits": null,
-                     *       "after_run_id": null,
-                     *       "data_hash": "18bb9af4cca276fd14256491631f1cccdd00f61a4771f07c71927de10f187b47",
-                     *       "input_hash": "efd2e526e175a9ab757fe93b13f254b1f638b253e41dafa7b839cb7f1057c9a6",
-                     *       "worker": "vm/28635",
-                     *       "repeated": false
-                     *     }
-                     */
                     "application/json": components["schemas"]["Run"];
                 };
             };
@@ -18902,10 +12038,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 run_id: number;
             };
             cookie?: never;
@@ -18935,10 +12068,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 run_id: number;
             };
             cookie?: never;
@@ -18951,598 +12081,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft": {
-                     *         "name": "FLEX-28",
-                     *         "geometry": {
-                     *           "area_m2": 8.238641587200002,
-                     *           "chord_m": 1.1169310656,
-                     *           "span_m": 8.5344
-                     *         },
-                     *         "mass": {
-                     *           "fuel": [
-                     *             0,
-                     *             0.0625,
-                     *             0.125
-                     *           ],
-                     *           "mass_kg": [
-                     *             159.04435420967494,
-                     *             162.19109156099535,
-                     *             165.33797485134517
-                     *           ],
-                     *           "pitch_inertia_kg_m2": [
-                     *             66.07687236628946,
-                     *             66.19545220405053,
-                     *             66.31130684773544
-                     *           ],
-                     *           "x_cg_m": [
-                     *             1.4017916592,
-                     *             1.4047540104,
-                     *             1.4076035856
-                     *           ],
-                     *           "z_cg_m": [
-                     *             0.0036555304080000003,
-                     *             0.0035846064960000004,
-                     *             0.0035163831120000005
-                     *           ]
-                     *         },
-                     *         "surfaces": [
-                     *           {
-                     *             "name": "bfs",
-                     *             "instrument": "potentiometer",
-                     *             "actuator": null,
-                     *             "servo": "servo",
-                     *             "noise_std_rad": 0.00035
-                     *           },
-                     *           {
-                     *             "name": "wf1s",
-                     *             "instrument": "potentiometer",
-                     *             "actuator": null,
-                     *             "servo": "servo",
-                     *             "noise_std_rad": 0.00035
-                     *           }
-                     *         ],
-                     *         "sensors": [
-                     *           {
-                     *             "name": "alpha",
-                     *             "kind": "vane",
-                     *             "point": "boom",
-                     *             "axis": "y",
-                     *             "location_m": [
-                     *               -0.47244,
-                     *               0,
-                     *               0
-                     *             ],
-                     *             "instrument": "vane",
-                     *             "noise_std": 0.0008
-                     *           },
-                     *           {
-                     *             "name": "q",
-                     *             "kind": "gyro",
-                     *             "point": "nose_gyro",
-                     *             "axis": "y",
-                     *             "location_m": [
-                     *               0.10668,
-                     *               0,
-                     *               0
-                     *             ],
-                     *             "instrument": "gyro",
-                     *             "noise_std": 0.0012
-                     *           }
-                     *         ],
-                     *         "combinations": [
-                     *           {
-                     *             "name": "az_mfs",
-                     *             "terms": [
-                     *               [
-                     *                 "az_mfl",
-                     *                 0.5
-                     *               ],
-                     *               [
-                     *                 "az_mfr",
-                     *                 0.5
-                     *               ]
-                     *             ]
-                     *           },
-                     *           {
-                     *             "name": "az_mas",
-                     *             "terms": [
-                     *               [
-                     *                 "az_mal",
-                     *                 0.5
-                     *               ],
-                     *               [
-                     *                 "az_mar",
-                     *                 0.5
-                     *               ]
-                     *             ]
-                     *           }
-                     *         ],
-                     *         "instruments": {
-                     *           "servo": {
-                     *             "elements": [
-                     *               {
-                     *                 "natural_frequency": 62,
-                     *                 "damping": 0.75
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.0125
-                     *           },
-                     *           "potentiometer": {
-                     *             "elements": [
-                     *               {
-                     *                 "order": 6,
-                     *                 "corner": 251.32741228718345
-                     *               },
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0
-                     *           },
-                     *           "accelerometer": {
-                     *             "elements": [
-                     *               {
-                     *                 "natural_frequency": 942.5,
-                     *                 "damping": 0.7
-                     *               },
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.004
-                     *           },
-                     *           "gyro": {
-                     *             "elements": [
-                     *               {
-                     *                 "natural_frequency": 471.2,
-                     *                 "damping": 0.75
-                     *               },
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.006
-                     *           },
-                     *           "vane": {
-                     *             "elements": [
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.018
-                     *           },
-                     *           "attitude": {
-                     *             "elements": [
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.022
-                     *           },
-                     *           "strain": {
-                     *             "elements": [
-                     *               {
-                     *                 "order": 4,
-                     *                 "corner": 439.822971502571
-                     *               }
-                     *             ],
-                     *             "delay_s": 0.01
-                     *           }
-                     *         },
-                     *         "polar": {
-                     *           "cd_min": 0.022,
-                     *           "oswald": 0.88,
-                     *           "aspect_ratio": 8.840776,
-                     *           "lift_slope": 4.651281
-                     *         },
-                     *         "flutter": {
-                     *           "fuel": [
-                     *             0,
-                     *             0.25,
-                     *             0.5
-                     *           ],
-                     *           "speed_m_s": [
-                     *             60.6552,
-                     *             59.820048,
-                     *             59.314080000000004
-                     *           ]
-                     *         },
-                     *         "description": "Invented flexible flying wing of 28 ft span with two full-span rows of trailing-edge surfaces. Every number comes from a beam finite element model and a vortex ",
-                     *         "id": 1
-                     *       },
-                     *       "flight": {
-                     *         "aircraft_id": 1,
-                     *         "number": 1,
-                     *         "flown_on": "2025-05-13",
-                     *         "description": "Clearance to 0.80 of the flutter speed, heavy",
-                     *         "id": 1
-                     *       },
-                     *       "maneuver": {
-                     *         "aircraft_id": 1,
-                     *         "flight_id": 1,
-                     *         "label": "1-01 FTA 503",
-                     *         "start_s": 600,
-                     *         "duration_s": 30,
-                     *         "condition": {
-                     *           "airspeed_m_s": 32.934927469889324,
-                     *           "density_kg_m3": 1.0555988550186157,
-                     *           "fuel_fraction": 0.920003333389759,
-                     *           "mass_kg": 205.36551742315032,
-                     *           "pitch_inertia_kg_m2": 67.59959689632092,
-                     *           "x_cg_m": 1.436225683053807,
-                     *           "z_cg_m": 0.002831142321709305,
-                     *           "alpha_rad": 0.0918513834476471,
-                     *           "gamma_rad": 0,
-                     *           "thrust_n": 138.91128540039062,
-                     *           "flutter_speed_m_s": 58.795550826182215
-                     *         },
-                     *         "fta": 503,
-                     *         "axis": "longitudinal",
-                     *         "excitation": {
-                     *           "period_s": 24,
-                     *           "harmonics": {
-                     *             "bfs": [
-                     *               6,
-                     *               11,
-                     *               16
-                     *             ],
-                     *             "wf1s": [
-                     *               8,
-                     *               13,
-                     *               18
-                     *             ],
-                     *             "wf2s": [
-                     *               10,
-                     *               15,
-                     *               20
-                     *             ],
-                     *             "wf3s": [
-                     *               7,
-                     *               12,
-                     *               17
-                     *             ],
-                     *             "wf4s": [
-                     *               9,
-                     *               14,
-                     *               19
-                     *             ]
-                     *           },
-                     *           "start_s": 602,
-                     *           "n_periods": 1
-                     *         },
-                     *         "airspeed_ratio": 0.5601601993194201,
-                     *         "max_input_correlation": 0.008060978930632621,
-                     *         "source_file": null,
-                     *         "source_hash": null,
-                     *         "note": "8 symmetric modes in the truth",
-                     *         "created_at": "2026-11-21T11:00:02.744091Z",
-                     *         "deleted_at": null,
-                     *         "id": 1
-                     *       },
-                     *       "run": {
-                     *         "maneuver_id": 1,
-                     *         "method": "OE",
-                     *         "structure": {
-                     *           "modes": [
-                     *             7,
-                     *             9
-                     *           ],
-                     *           "inputs": [],
-                     *           "outputs": [],
-                     *           "free": null,
-                     *           "fixed": {},
-                     *           "free_delays": false,
-                     *           "also_free": [],
-                     *           "axis": "longitudinal",
-                     *           "absent": [],
-                     *           "fixed_to": {},
-                     *           "delays": {},
-                     *           "instruments": {}
-                     *         },
-                     *         "settings": {
-                     *           "start": "best",
-                     *           "band_hz": null,
-                     *           "max_iterations": 100,
-                     *           "noise": "diagonal",
-                     *           "priors": {},
-                     *           "prior_spread": null,
-                     *           "start_run_id": null,
-                     *           "together_with": []
-                     *         },
-                     *         "modal_table_id": null,
-                     *         "damping_table_id": null,
-                     *         "prediction_id": null,
-                     *         "structure_id": null,
-                     *         "structure_version": null,
-                     *         "state": "succeeded",
-                     *         "attempt": 1,
-                     *         "progress": {
-                     *           "iteration": 8,
-                     *           "cost": -46893.17045424392,
-                     *           "fraction": 0.52,
-                     *           "message": "Iteration 8 from Panel code, residualized"
-                     *         },
-                     *         "error": null,
-                     *         "result": {
-                     *           "parameters": [
-                     *             {
-                     *               "name": "CZ_alpha",
-                     *               "value": -4.999526340038098,
-                     *               "std_error": 0.07200768053751322,
-                     *               "start": -4.605150131394099,
-                     *               "cramer_rao": 0.07329183219234223,
-                     *               "insensitivity": 0.0038882970421724784
-                     *             },
-                     *             {
-                     *               "name": "CZ_q",
-                     *               "value": -5.15697763882933,
-                     *               "std_error": 0.07978246912722135,
-                     *               "start": -4.645435050849665,
-                     *               "cramer_rao": 0.07589023611244636,
-                     *               "insensitivity": 0.02996315121192243
-                     *             }
-                     *           ],
-                     *           "covariance": "1a261c993852ff7bd6a9b8ffc2cad70a9e1b8f69db4707499e13d4d58d5048e0",
-                     *           "fit": {
-                     *             "outcome": "converged",
-                     *             "message": "Converged in 14 iterations.",
-                     *             "iterations": [
-                     *               {
-                     *                 "iteration": 0,
-                     *                 "cost": -38282.64366075375,
-                     *                 "step": 0
-                     *               },
-                     *               {
-                     *                 "iteration": 1,
-                     *                 "cost": -44048.08017743167,
-                     *                 "step": 143.03981278087542
-                     *               }
-                     *             ],
-                     *             "cost": -46947.37076917839,
-                     *             "r_squared": {
-                     *               "alpha": 0.9993491591274395,
-                     *               "q": 0.9999548394101978,
-                     *               "theta": 0.9997162569562316,
-                     *               "ax_egi": 0.9597132860905925,
-                     *               "az_egi": 0.9986994278925991,
-                     *               "az_cf": 0.9983821212975958,
-                     *               "az_ca": 0.9996524413600925,
-                     *               "az_mfs": 0.9922361517358008,
-                     *               "az_mas": 0.997064450935704,
-                     *               "az_ofs": 0.9993284322344708,
-                     *               "az_oas": 0.9905704154627475,
-                     *               "ax_oas": 0.41565556763340883,
-                     *               "ay_wls": 0.9939630307371697,
-                     *               "s_bend1s": 0.9661331927113678,
-                     *               "s_ros1s_m45": 0.9812464561533867,
-                     *               "s_ros1s_0": 0.9662990087994122,
-                     *               "s_ros1s_p45": 0.8824858259009098,
-                     *               "s_bend2s": 0.9898532472250332,
-                     *               "s_ros2s_m45": 0.9941752459856109,
-                     *               "s_ros2s_0": 0.989887661961429,
-                     *               "s_ros2s_p45": 0.9735604517099828,
-                     *               "s_bend3s": 0.9996952370950591,
-                     *               "s_ros3s_m45": 0.9995635231124572,
-                     *               "s_ros3s_0": 0.9996826973076939,
-                     *               "s_ros3s_p45": 0.9993564010554388
-                     *             },
-                     *             "n_lines": 125,
-                     *             "n_parameters": 44,
-                     *             "seconds": 0.2532075810013339,
-                     *             "start": "Panel code, residualized",
-                     *             "warnings": [
-                     *               "SW1T (10.8 Hz in vacuo) lies above the highest line (5.42 Hz): the data hold little of its dynamics.",
-                     *               "2 of 44 derivatives are within two standard errors of zero: CZ_etadot9, Cm_eta7.",
-                     *               "98 pairs of parameters are correlated above 0.9: Cm_eta9 with Cm_wf2s, CQ7_eta9 with CQ7_wf2s, CQ9_eta9 with CQ9_wf2s, CZ_eta9 with CZ_wf2s, Cm_wf2s with Cm_wf3"
-                     *             ],
-                     *             "quality": [
-                     *               {
-                     *                 "block": "OE",
-                     *                 "output": "alpha",
-                     *                 "r_squared": 0.9993491591274395,
-                     *                 "theil": 0.012744611148502102,
-                     *                 "whiteness": 0.0011098683741086787
-                     *               },
-                     *               {
-                     *                 "block": "OE",
-                     *                 "output": "q",
-                     *                 "r_squared": 0.9999548394101978,
-                     *                 "theil": 0.0033591070689201713,
-                     *                 "whiteness": 0.3564227235862944
-                     *               }
-                     *             ]
-                     *           },
-                     *           "poles": [
-                     *             {
-                     *               "real": -3.215539493248084,
-                     *               "imag": 7.557125803872474,
-                     *               "name": "SP",
-                     *               "real_std": 0.004798762507776563,
-                     *               "imag_std": 0.00395827966185121,
-                     *               "frequency": 8.212785437851966,
-                     *               "frequency_std": 0.004061880842853433,
-                     *               "damping": 0.3915284914698928,
-                     *               "damping_std": 0.0005278676237370474
-                     *             },
-                     *             {
-                     *               "real": -2.7344524143209585,
-                     *               "imag": 22.288224238548736,
-                     *               "name": "SW1B",
-                     *               "real_std": 0.0047378247852831205,
-                     *               "imag_std": 0.004535469959487474,
-                     *               "frequency": 22.455337221115542,
-                     *               "frequency_std": 0.004478707739945791,
-                     *               "damping": 0.12177293920795172,
-                     *               "damping_std": 0.00021179195754063776
-                     *             }
-                     *           ],
-                     *           "blocks": [
-                     *             {
-                     *               "name": "OE",
-                     *               "outputs": [
-                     *                 "alpha",
-                     *                 "q",
-                     *                 "theta"
-                     *               ],
-                     *               "arrays": {
-                     *                 "omega": "69b1876a064f0afebb5c52bf72314c8697b41effc9ea40032df21b3908f25e3f",
-                     *                 "measured": "ccbeb5ff065fd3255d786a5d619a183f8f85f2b264b4025c0fe95d14f75e503b",
-                     *                 "fitted": "f277cc98b1c8622e3bec115482f82322e36669bc25a07f8829507c95a925d1c3"
-                     *               }
-                     *             }
-                     *           ],
-                     *           "residualized_prediction": {
-                     *             "CZ_alpha": -4.605150131394099,
-                     *             "CZ_q": -4.645435050849665,
-                     *             "CZ_eta7": -0.31350672020870873,
-                     *             "CZ_eta9": 1.5461722965383415,
-                     *             "CZ_etadot7": 0.15510484613108488,
-                     *             "CZ_etadot9": 0.672076594292821,
-                     *             "CZ_bfs": -0.8294090822782648,
-                     *             "CZ_wf1s": -0.7336409890021071,
-                     *             "CZ_wf2s": -0.5816646653819812,
-                     *             "CZ_wf3s": -0.4059676463937056,
-                     *             "CZ_wf4s": -0.3951948422421545,
-                     *             "Cm_alpha": -0.6904072127652793,
-                     *             "Cm_q": -2.1360632770364023,
-                     *             "Cm_eta7": -0.008701183033629708,
-                     *             "Cm_eta9": 0.6559157867524116,
-                     *             "Cm_etadot7": 0.18989808602474398,
-                     *             "Cm_etadot9": 0.404390025976657,
-                     *             "Cm_bfs": -0.05803274658711228,
-                     *             "Cm_wf1s": -0.11928436511926271,
-                     *             "Cm_wf2s": -0.24139270834342624,
-                     *             "Cm_wf3s": -0.31927961830942103,
-                     *             "Cm_wf4s": -0.34905921055462025,
-                     *             "CQ7_alpha": 0.24768590515514252,
-                     *             "CQ7_q": 0.3624535606665095,
-                     *             "CQ7_eta7": 0.010749527902285989,
-                     *             "CQ7_eta9": -0.1887817003486773,
-                     *             "CQ7_etadot7": -0.062385758815454787,
-                     *             "CQ7_etadot9": -0.07114857082353357,
-                     *             "CQ7_bfs": -0.01049531375786715,
-                     *             "CQ7_wf1s": 0.0001088191448189149,
-                     *             "CQ7_wf2s": 0.021950902325553447,
-                     *             "CQ7_wf3s": 0.049218070003480476,
-                     *             "CQ7_wf4s": 0.07018033842198858,
-                     *             "CQ9_alpha": -0.11630928960200687,
-                     *             "CQ9_q": -0.06781407539478741,
-                     *             "CQ9_eta7": -0.0048475351193961675,
-                     *             "CQ9_eta9": 0.07204986294376839,
-                     *             "CQ9_etadot7": 0.02656362081407724,
-                     *             "CQ9_etadot9": -0.037674067590160336,
-                     *             "CQ9_bfs": -0.004567564559699312,
-                     *             "CQ9_wf1s": 0.004864790232069805,
-                     *             "CQ9_wf2s": 0.019011308760624176,
-                     *             "CQ9_wf3s": 0.026114987102907012,
-                     *             "CQ9_wf4s": 0.029913872468470964
-                     *           },
-                     *           "prediction_id": 1,
-                     *           "held": {}
-                     *         },
-                     *         "versions": {
-                     *           "flexsid": "0.1.0",
-                     *           "python": "3.11.7",
-                     *           "numpy": "2.4.6",
-                     *           "scipy": "1.17.1"
-                     *         },
-                     *         "author": "Ann Analyst",
-                     *         "created_at": "2026-11-21T11:17:45.930337Z",
-                     *         "started_at": "2026-11-21T11:17:45.938619Z",
-                     *         "finished_at": "2026-11-21T11:17:47.360965Z",
-                     *         "deleted_at": null,
-                     *         "priority": 0,
-                     *         "after_run_id": null,
-                     *         "limits": null,
-                     *         "data_hash": "18bb9af4cca276fd14256491631f1cccdd00f61a4771f07c71927de10f187b47",
-                     *         "input_hash": "efd2e526e175a9ab757fe93b13f254b1f638b253e41dafa7b839cb7f1057c9a6",
-                     *         "worker": "vm/28635",
-                     *         "id": 1
-                     *       },
-                     *       "covariance": [
-                     *         [
-                     *           0.005185106056392561,
-                     *           -0.000004524085296022786,
-                     *           0.0003746950406196908
-                     *         ],
-                     *         [
-                     *           -0.000004524085296022786,
-                     *           0.006365242380036029,
-                     *           -0.000021560391794386522
-                     *         ]
-                     *       ],
-                     *       "lines": [
-                     *         {
-                     *           "name": "OE",
-                     *           "outputs": [
-                     *             "alpha",
-                     *             "q",
-                     *             "theta"
-                     *           ],
-                     *           "omega": [
-                     *             1.5707963267948966,
-                     *             1.832595714594046,
-                     *             2.0943951023931953
-                     *           ],
-                     *           "measured_real": [
-                     *             [
-                     *               -0.005145346800367082,
-                     *               0.015092050027181975,
-                     *               -0.0006695481787933797
-                     *             ],
-                     *             [
-                     *               0.004689741873010292,
-                     *               -0.03328593426897959,
-                     *               0.03437607061954462
-                     *             ]
-                     *           ],
-                     *           "measured_imag": [
-                     *             [
-                     *               -0.006876031216045124,
-                     *               -0.0007684960191923835,
-                     *               -0.009461347823622662
-                     *             ],
-                     *             [
-                     *               0.018016444376394502,
-                     *               0.06173823792380259,
-                     *               0.01731914095423717
-                     *             ]
-                     *           ],
-                     *           "fitted_real": [
-                     *             [
-                     *               -0.0050315724352087594,
-                     *               0.014513999773556855,
-                     *               -0.0005178059102216796
-                     *             ],
-                     *             [
-                     *               0.004289950543048662,
-                     *               -0.033606981142759076,
-                     *               0.03463416143571546
-                     *             ]
-                     *           ],
-                     *           "fitted_imag": [
-                     *             [
-                     *               -0.006548667199697061,
-                     *               -0.0005457163266740577,
-                     *               -0.009207108021667965
-                     *             ],
-                     *             [
-                     *               0.017877561900190023,
-                     *               0.06271204269160206,
-                     *               0.017522314496203124
-                     *             ]
-                     *           ]
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["RunExport"];
                 };
             };
@@ -19565,10 +12103,7 @@ export interface operations {
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 run_id: number;
             };
             cookie?: never;
@@ -19581,181 +12116,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "run_id": 1,
-                     *       "maneuver_id": 1,
-                     *       "method": "OE",
-                     *       "airspeed_m_s": 32.934927469889324,
-                     *       "dynamic_pressure_pa": 572.5090253763958,
-                     *       "fuel_fraction": 0.920003333389759,
-                     *       "modes": [
-                     *         7,
-                     *         9
-                     *       ],
-                     *       "states": [
-                     *         "alpha",
-                     *         "q",
-                     *         "theta"
-                     *       ],
-                     *       "inputs": [
-                     *         "bfs",
-                     *         "wf1s",
-                     *         "wf2s"
-                     *       ],
-                     *       "outputs": [
-                     *         "alpha",
-                     *         "q",
-                     *         "theta"
-                     *       ],
-                     *       "units": {
-                     *         "alpha": "rad",
-                     *         "q": "rad/s",
-                     *         "theta": "rad",
-                     *         "eta7": "1",
-                     *         "eta9": "1",
-                     *         "etadot7": "1/s",
-                     *         "etadot9": "1/s",
-                     *         "bfs": "rad",
-                     *         "wf1s": "rad",
-                     *         "wf2s": "rad",
-                     *         "wf3s": "rad",
-                     *         "wf4s": "rad",
-                     *         "ax_egi": "m/s2",
-                     *         "az_egi": "m/s2",
-                     *         "az_cf": "m/s2",
-                     *         "az_ca": "m/s2",
-                     *         "az_mfs": "m/s2",
-                     *         "az_mas": "m/s2",
-                     *         "az_ofs": "m/s2",
-                     *         "az_oas": "m/s2",
-                     *         "ax_oas": "m/s2",
-                     *         "ay_wls": "m/s2",
-                     *         "s_bend1s": "strain",
-                     *         "s_ros1s_m45": "strain",
-                     *         "s_ros1s_0": "strain",
-                     *         "s_ros1s_p45": "strain",
-                     *         "s_bend2s": "strain",
-                     *         "s_ros2s_m45": "strain",
-                     *         "s_ros2s_0": "strain",
-                     *         "s_ros2s_p45": "strain",
-                     *         "s_bend3s": "strain",
-                     *         "s_ros3s_m45": "strain",
-                     *         "s_ros3s_0": "strain",
-                     *         "s_ros3s_p45": "strain"
-                     *       },
-                     *       "A": [
-                     *         [
-                     *           -3.506894226019935,
-                     *           0.9390198309822133,
-                     *           0
-                     *         ],
-                     *         [
-                     *           -40.02442043797725,
-                     *           -3.0249665598097724,
-                     *           0
-                     *         ]
-                     *       ],
-                     *       "B": [
-                     *         [
-                     *           -0.43370402894364446,
-                     *           -0.41112302849058324,
-                     *           -0.2777682817894875
-                     *         ],
-                     *         [
-                     *           -3.98564046596469,
-                     *           -11.051316859072436,
-                     *           -20.598230771973842
-                     *         ]
-                     *       ],
-                     *       "C": [
-                     *         [
-                     *           1,
-                     *           -0.05795263052571771,
-                     *           0
-                     *         ],
-                     *         [
-                     *           0,
-                     *           1,
-                     *           0
-                     *         ]
-                     *       ],
-                     *       "D": [
-                     *         [
-                     *           0,
-                     *           0,
-                     *           0
-                     *         ],
-                     *         [
-                     *           0,
-                     *           0,
-                     *           0
-                     *         ]
-                     *       ],
-                     *       "delays_s": [
-                     *         0,
-                     *         0,
-                     *         0
-                     *       ],
-                     *       "scales": [
-                     *         1,
-                     *         1,
-                     *         1
-                     *       ],
-                     *       "derivatives": {
-                     *         "CZ_alpha": -4.999526340038098,
-                     *         "CZ_q": -5.15697763882933,
-                     *         "CZ_eta7": -0.3146228987944693,
-                     *         "CZ_eta9": -1.5881289996662515,
-                     *         "CZ_etadot7": 0.23649639754935245,
-                     *         "CZ_etadot9": 0.2685320804440202,
-                     *         "CZ_bfs": -0.621927476757147,
-                     *         "CZ_wf1s": -0.5895465356147966,
-                     *         "CZ_wf2s": -0.39831708973806074,
-                     *         "CZ_wf3s": -0.29983915794536214,
-                     *         "CZ_wf4s": -0.20940611904633932,
-                     *         "Cm_alpha": -0.5135761420231655,
-                     *         "Cm_q": -2.289078589717075,
-                     *         "Cm_eta7": 0.0007290807006358961,
-                     *         "Cm_eta9": 1.821026484707267,
-                     *         "Cm_etadot7": 0.192625124003995,
-                     *         "Cm_etadot9": 0.42125666580045124,
-                     *         "Cm_bfs": -0.051142023584664416,
-                     *         "Cm_wf1s": -0.14180574296018028,
-                     *         "Cm_wf2s": -0.2643076346043851,
-                     *         "Cm_wf3s": -0.32584160443350907,
-                     *         "Cm_wf4s": -0.30858489516292953,
-                     *         "CQ7_alpha": 0.24599590630405932,
-                     *         "CQ7_q": 0.3807773104100071,
-                     *         "CQ7_eta7": 0.01008672022827981,
-                     *         "CQ7_eta9": -0.27862829088458274,
-                     *         "CQ7_etadot7": -0.05871896954669186,
-                     *         "CQ7_etadot9": -0.05102084270616055,
-                     *         "CQ7_bfs": -0.009750279223086133,
-                     *         "CQ7_wf1s": 0.005320776215996553,
-                     *         "CQ7_wf2s": 0.028184015982886567,
-                     *         "CQ7_wf3s": 0.0515342946136926,
-                     *         "CQ7_wf4s": 0.06260201121430851,
-                     *         "CQ9_alpha": -0.20169476207804707,
-                     *         "CQ9_q": -0.037038053888883454,
-                     *         "CQ9_eta7": -0.010040314992118769,
-                     *         "CQ9_eta9": -0.6096169928653676,
-                     *         "CQ9_etadot7": 0.05063814422878253,
-                     *         "CQ9_etadot9": -0.12310621276066008,
-                     *         "CQ9_bfs": -0.007215102044269288,
-                     *         "CQ9_wf1s": 0.0363848242046858,
-                     *         "CQ9_wf2s": 0.07795955540100856,
-                     *         "CQ9_wf3s": 0.07831112721357013,
-                     *         "CQ9_wf4s": 0.05379678259641671
-                     *       },
-                     *       "versions": {
-                     *         "flexsid": "0.1.0",
-                     *         "python": "3.11.7",
-                     *         "numpy": "2.4.6",
-                     *         "scipy": "1.17.1"
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["ModelExport"];
                     "application/octet-stream": string;
                 };
@@ -19788,20 +12148,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "page": "runs",
-                     *           "name": "my runs",
-                     *           "search": "method=OE",
-                     *           "author": "",
-                     *           "created_at": "2026-11-21T11:17:49.145921Z",
-                     *           "id": 1
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["SavedViewList"];
                 };
             };
@@ -19825,13 +12171,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "page": "runs",
-                 *       "name": "my runs",
-                 *       "search": "method=OE"
-                 *     }
-                 */
                 "application/json": components["schemas"]["SavedViewRequest"];
             };
         };
@@ -19842,16 +12181,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "page": "runs",
-                     *       "name": "my runs",
-                     *       "search": "method=OE",
-                     *       "author": "",
-                     *       "created_at": "2026-11-21T11:17:49.145921Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["SavedView"];
                 };
             };
@@ -19871,10 +12200,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 view_id: number;
             };
             cookie?: never;
@@ -19902,7 +12228,6 @@ export interface operations {
     list_searches: {
         parameters: {
             query?: {
-                /** @example 1 */
                 aircraft_id?: number | null;
             };
             header?: never;
@@ -19917,28 +12242,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "id": 1,
-                     *           "aircraft_id": 1,
-                     *           "maneuver_ids": [
-                     *             1
-                     *           ],
-                     *           "method": "EE",
-                     *           "modes": [
-                     *             7,
-                     *             9
-                     *           ],
-                     *           "state": "succeeded",
-                     *           "sentence": "EE over 1-01 FTA 503 asks for 38 of 44 terms; without support: CZ_eta9, Cm_eta9, CQ7_eta9, CQ7_wf1s, CQ9_etadot7, CQ9_bfs.",
-                     *           "author": "Ann Analyst",
-                     *           "created_at": "2026-11-21T11:17:49.170907Z"
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["SearchList"];
                 };
             };
@@ -19957,10 +12260,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst"?: string;
             };
             path?: never;
@@ -19968,24 +12268,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "maneuver_ids": [
-                 *         1
-                 *       ],
-                 *       "method": "EE",
-                 *       "structure": {
-                 *         "modes": [
-                 *           7,
-                 *           9
-                 *         ]
-                 *       },
-                 *       "settings": {
-                 *         "f_in": 20,
-                 *         "f_out": 20
-                 *       }
-                 *     }
-                 */
                 "application/json": components["schemas"]["SearchRequest"];
             };
         };
@@ -19996,56 +12278,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "maneuver_ids": [
-                     *         1
-                     *       ],
-                     *       "method": "EE",
-                     *       "structure": {
-                     *         "modes": [
-                     *           7,
-                     *           9
-                     *         ],
-                     *         "inputs": [],
-                     *         "outputs": [],
-                     *         "free": null,
-                     *         "fixed": {},
-                     *         "free_delays": false,
-                     *         "also_free": [],
-                     *         "axis": "longitudinal",
-                     *         "absent": [],
-                     *         "fixed_to": {},
-                     *         "delays": {},
-                     *         "instruments": {}
-                     *       },
-                     *       "settings": {
-                     *         "algorithm": "stepwise",
-                     *         "begin": "all",
-                     *         "f_in": 20,
-                     *         "f_out": 20,
-                     *         "pse_noise": 25,
-                     *         "draws": 30,
-                     *         "validate_on": [],
-                     *         "band_hz": null,
-                     *         "max_iterations": 100,
-                     *         "noise": "diagonal"
-                     *       },
-                     *       "modal_table_id": null,
-                     *       "damping_table_id": null,
-                     *       "prediction_id": null,
-                     *       "state": "queued",
-                     *       "progress": null,
-                     *       "error": null,
-                     *       "result": null,
-                     *       "versions": null,
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:49.170907Z",
-                     *       "finished_at": null,
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["StructureSearch"];
                 };
             };
@@ -20065,10 +12297,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 search_id: number;
             };
             cookie?: never;
@@ -20081,276 +12310,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "maneuver_ids": [
-                     *         1
-                     *       ],
-                     *       "method": "EE",
-                     *       "structure": {
-                     *         "modes": [
-                     *           7,
-                     *           9
-                     *         ],
-                     *         "inputs": [],
-                     *         "outputs": [],
-                     *         "free": null,
-                     *         "fixed": {},
-                     *         "free_delays": false,
-                     *         "also_free": [],
-                     *         "axis": "longitudinal",
-                     *         "absent": [],
-                     *         "fixed_to": {},
-                     *         "delays": {},
-                     *         "instruments": {}
-                     *       },
-                     *       "settings": {
-                     *         "algorithm": "stepwise",
-                     *         "begin": "all",
-                     *         "f_in": 20,
-                     *         "f_out": 20,
-                     *         "pse_noise": 25,
-                     *         "draws": 30,
-                     *         "validate_on": [],
-                     *         "band_hz": null,
-                     *         "max_iterations": 100,
-                     *         "noise": "diagonal"
-                     *       },
-                     *       "modal_table_id": null,
-                     *       "damping_table_id": null,
-                     *       "prediction_id": null,
-                     *       "state": "succeeded",
-                     *       "progress": {
-                     *         "iteration": 0,
-                     *         "cost": null,
-                     *         "fraction": 0.8,
-                     *         "message": "Predicting with stepwise"
-                     *       },
-                     *       "error": null,
-                     *       "result": {
-                     *         "sentence": "EE over 1-01 FTA 503 asks for 38 of 44 terms; without support: CZ_eta9, Cm_eta9, CQ7_eta9, CQ7_wf1s, CQ9_etadot7, CQ9_bfs.",
-                     *         "groups": [
-                     *           {
-                     *             "name": "CZ",
-                     *             "path": [
-                     *               {
-                     *                 "action": "enter",
-                     *                 "term": "CZ_alpha",
-                     *                 "f": 650101.4927967599,
-                     *                 "n_terms": 1,
-                     *                 "r_squared": 0.701429986450947,
-                     *                 "pse": 1057.8144565460896,
-                     *                 "bic": 1746.487882454965
-                     *               },
-                     *               {
-                     *                 "action": "enter",
-                     *                 "term": "CZ_bfs",
-                     *                 "f": 86357.70933095439,
-                     *                 "n_terms": 2,
-                     *                 "r_squared": 0.7987119761880599,
-                     *                 "pse": 713.2831733056936,
-                     *                 "bic": 1653.442438389116
-                     *               }
-                     *             ],
-                     *             "terms": [
-                     *               {
-                     *                 "name": "CZ_alpha",
-                     *                 "chosen": true,
-                     *                 "value": -4.820472833422376,
-                     *                 "std_error": 0.010438104979366482,
-                     *                 "f": 213273.03957372045,
-                     *                 "support": 1,
-                     *                 "stability": 1,
-                     *                 "inflation": 2.456818434024464
-                     *               },
-                     *               {
-                     *                 "name": "CZ_q",
-                     *                 "chosen": true,
-                     *                 "value": -5.132261914228554,
-                     *                 "std_error": 0.08006729727056615,
-                     *                 "f": 4108.726995338788,
-                     *                 "support": 1,
-                     *                 "stability": 1,
-                     *                 "inflation": 2.577435265936919
-                     *               }
-                     *             ],
-                     *             "dependencies": [],
-                     *             "r_squared": 0.9997767273226957,
-                     *             "pse": 1.7909660308123567,
-                     *             "bic": -3.4104550083931073
-                     *           },
-                     *           {
-                     *             "name": "Cm",
-                     *             "path": [
-                     *               {
-                     *                 "action": "enter",
-                     *                 "term": "Cm_eta7",
-                     *                 "f": 579170.3354758875,
-                     *                 "n_terms": 1,
-                     *                 "r_squared": 0.6198618726571442,
-                     *                 "pse": 1336.852375113124,
-                     *                 "bic": 1805.0210485701377
-                     *               },
-                     *               {
-                     *                 "action": "enter",
-                     *                 "term": "Cm_etadot9",
-                     *                 "f": 119216.07758798303,
-                     *                 "n_terms": 2,
-                     *                 "r_squared": 0.7775230081898747,
-                     *                 "pse": 782.5383812852288,
-                     *                 "bic": 1676.6147617340123
-                     *               }
-                     *             ],
-                     *             "terms": [
-                     *               {
-                     *                 "name": "Cm_alpha",
-                     *                 "chosen": true,
-                     *                 "value": -0.7118090631680071,
-                     *                 "std_error": 0.002659345624699422,
-                     *                 "f": 71643.6094396,
-                     *                 "support": 1,
-                     *                 "stability": 1,
-                     *                 "inflation": 7.806676622627323
-                     *               },
-                     *               {
-                     *                 "name": "Cm_q",
-                     *                 "chosen": true,
-                     *                 "value": -2.2910310380510057,
-                     *                 "std_error": 0.015043111841244634,
-                     *                 "f": 23194.583427514473,
-                     *                 "support": 1,
-                     *                 "stability": 1,
-                     *                 "inflation": 4.417216473475511
-                     *               }
-                     *             ],
-                     *             "dependencies": [],
-                     *             "r_squared": 0.9996677187914256,
-                     *             "pse": 2.1684639419680463,
-                     *             "bic": 94.13711321059088
-                     *           }
-                     *         ],
-                     *         "candidates": [
-                     *           {
-                     *             "name": "all terms",
-                     *             "why": "all candidates",
-                     *             "structure": {
-                     *               "modes": [
-                     *                 7,
-                     *                 9
-                     *               ],
-                     *               "inputs": [],
-                     *               "outputs": [],
-                     *               "free": [
-                     *                 "CZ_alpha",
-                     *                 "CZ_q",
-                     *                 "CZ_eta7"
-                     *               ],
-                     *               "fixed": {},
-                     *               "free_delays": false,
-                     *               "also_free": [],
-                     *               "axis": "longitudinal",
-                     *               "absent": [],
-                     *               "fixed_to": {},
-                     *               "delays": {},
-                     *               "instruments": {}
-                     *             },
-                     *             "n_terms": 44,
-                     *             "proposed": false,
-                     *             "converged": true,
-                     *             "cost": null,
-                     *             "bic": null,
-                     *             "likelihood_ratio": null,
-                     *             "foretold": null,
-                     *             "predicted": [
-                     *               {
-                     *                 "name": "second half of the lines",
-                     *                 "cost": -22289.972966867495,
-                     *                 "r_squared": 0.9655688162929696
-                     *               },
-                     *               {
-                     *                 "name": "first half of the lines",
-                     *                 "cost": -24070.543213897832,
-                     *                 "r_squared": 0.9638551524242766
-                     *               }
-                     *             ],
-                     *             "predictive_cost": -46360.51618076533,
-                     *             "flutter_m_s": null,
-                     *             "flutter_std_m_s": null,
-                     *             "flutter": "Already unstable at 11.5 m/s in SW1T; look at lower speeds.",
-                     *             "run_id": 4
-                     *           },
-                     *           {
-                     *             "name": "stepwise",
-                     *             "why": "chosen by stepwise",
-                     *             "structure": {
-                     *               "modes": [
-                     *                 7,
-                     *                 9
-                     *               ],
-                     *               "inputs": [],
-                     *               "outputs": [],
-                     *               "free": [
-                     *                 "CZ_alpha",
-                     *                 "CZ_q",
-                     *                 "CZ_eta7"
-                     *               ],
-                     *               "fixed": {},
-                     *               "free_delays": false,
-                     *               "also_free": [],
-                     *               "axis": "longitudinal",
-                     *               "absent": [
-                     *                 "CZ_eta9",
-                     *                 "Cm_eta9",
-                     *                 "CQ7_eta9"
-                     *               ],
-                     *               "fixed_to": {},
-                     *               "delays": {},
-                     *               "instruments": {}
-                     *             },
-                     *             "n_terms": 38,
-                     *             "proposed": true,
-                     *             "converged": true,
-                     *             "cost": null,
-                     *             "bic": null,
-                     *             "likelihood_ratio": null,
-                     *             "foretold": null,
-                     *             "predicted": [
-                     *               {
-                     *                 "name": "second half of the lines",
-                     *                 "cost": -21463.51628497781,
-                     *                 "r_squared": 0.9633497146431589
-                     *               },
-                     *               {
-                     *                 "name": "first half of the lines",
-                     *                 "cost": -23793.434730206434,
-                     *                 "r_squared": 0.9635262170967964
-                     *               }
-                     *             ],
-                     *             "predictive_cost": -45256.95101518424,
-                     *             "flutter_m_s": null,
-                     *             "flutter_std_m_s": null,
-                     *             "flutter": "Already unstable at 11.5 m/s in SW1T; look at lower speeds.",
-                     *             "run_id": null
-                     *           }
-                     *         ],
-                     *         "warnings": [
-                     *           "SW1T (10.8 Hz in vacuo) lies above the highest line (5.42 Hz): the data hold little of its dynamics."
-                     *         ],
-                     *         "seconds": 1.0285477750003338
-                     *       },
-                     *       "versions": {
-                     *         "flexsid": "0.1.0",
-                     *         "python": "3.11.7",
-                     *         "numpy": "2.4.6",
-                     *         "scipy": "1.17.1"
-                     *       },
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:49.170907Z",
-                     *       "finished_at": "2026-11-21T11:17:52.469909Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["StructureSearch"];
                 };
             };
@@ -20370,10 +12329,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 search_id: number;
             };
             cookie?: never;
@@ -20386,57 +12342,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "maneuver_ids": [
-                     *         2
-                     *       ],
-                     *       "method": "OE",
-                     *       "structure": {
-                     *         "modes": [
-                     *           7,
-                     *           9,
-                     *           11
-                     *         ],
-                     *         "inputs": [],
-                     *         "outputs": [],
-                     *         "free": null,
-                     *         "fixed": {},
-                     *         "free_delays": false,
-                     *         "also_free": [],
-                     *         "axis": "longitudinal",
-                     *         "absent": [],
-                     *         "fixed_to": {},
-                     *         "delays": {},
-                     *         "instruments": {}
-                     *       },
-                     *       "settings": {
-                     *         "algorithm": "stepwise",
-                     *         "begin": "all",
-                     *         "f_in": 20,
-                     *         "f_out": 20,
-                     *         "pse_noise": 25,
-                     *         "draws": 30,
-                     *         "validate_on": [],
-                     *         "band_hz": null,
-                     *         "max_iterations": 100,
-                     *         "noise": "diagonal"
-                     *       },
-                     *       "modal_table_id": null,
-                     *       "damping_table_id": null,
-                     *       "prediction_id": null,
-                     *       "state": "cancelled",
-                     *       "progress": null,
-                     *       "error": null,
-                     *       "result": null,
-                     *       "versions": null,
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:58.877381Z",
-                     *       "finished_at": "2026-11-21T11:17:58.885072Z",
-                     *       "id": 2
-                     *     }
-                     */
                     "application/json": components["schemas"]["StructureSearch"];
                 };
             };
@@ -20455,22 +12360,13 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 search_id: number;
-                /**
-                 * @description Place among the candidates, from 0.
-                 * @example 0
-                 */
+                /** @description Place among the candidates, from 0. */
                 place: number;
             };
             cookie?: never;
@@ -20483,71 +12379,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": 4,
-                     *       "maneuver_id": 1,
-                     *       "method": "EE",
-                     *       "state": "queued",
-                     *       "structure": {
-                     *         "modes": [
-                     *           7,
-                     *           9
-                     *         ],
-                     *         "inputs": [],
-                     *         "outputs": [],
-                     *         "free": [
-                     *           "CZ_alpha",
-                     *           "CZ_q",
-                     *           "CZ_eta7"
-                     *         ],
-                     *         "fixed": {},
-                     *         "free_delays": false,
-                     *         "also_free": [],
-                     *         "axis": "longitudinal",
-                     *         "absent": [],
-                     *         "fixed_to": {},
-                     *         "delays": {},
-                     *         "instruments": {}
-                     *       },
-                     *       "settings": {
-                     *         "start": "best",
-                     *         "band_hz": null,
-                     *         "max_iterations": 100,
-                     *         "noise": "diagonal",
-                     *         "priors": {},
-                     *         "prior_spread": null,
-                     *         "start_run_id": null,
-                     *         "together_with": []
-                     *       },
-                     *       "modal_table_id": null,
-                     *       "damping_table_id": null,
-                     *       "prediction_id": null,
-                     *       "structure_id": null,
-                     *       "structure_version": null,
-                     *       "parameters": [],
-                     *       "fit": null,
-                     *       "poles": [],
-                     *       "blocks": [],
-                     *       "residualized_prediction": null,
-                     *       "error": null,
-                     *       "progress": null,
-                     *       "versions": null,
-                     *       "attempt": 0,
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:52.497368Z",
-                     *       "started_at": null,
-                     *       "finished_at": null,
-                     *       "deleted_at": null,
-                     *       "priority": 0,
-                     *       "limits": null,
-                     *       "after_run_id": null,
-                     *       "data_hash": "9ab19200b66eb667e95748206a1124e43c3f6c29031f808ec3e531777e991253",
-                     *       "input_hash": "74357aff632f421c95219d327185139d9ea7a660ec005177e8c1b8846b8a7e89",
-                     *       "worker": null,
-                     *       "repeated": false
-                     *     }
-                     */
                     "application/json": components["schemas"]["Run"];
                 };
             };
@@ -20566,12 +12397,8 @@ export interface operations {
         parameters: {
             query?: {
                 state?: components["schemas"]["RunState"] | null;
-                /** @example 1 */
                 batch_id?: number | null;
-                /**
-                 * @description Most items to answer.
-                 * @example 100
-                 */
+                /** @description Most items to answer. */
                 limit?: number;
                 /** @description `next` of the page before. */
                 after?: string | null;
@@ -20588,59 +12415,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "id": 7,
-                     *           "run_id": 7,
-                     *           "maneuver_id": 34,
-                     *           "maneuver_label": "Rehearsal of FTA 500, first try, medium",
-                     *           "method": "OE",
-                     *           "state": "succeeded",
-                     *           "attempt": 1,
-                     *           "priority": 0,
-                     *           "after_run_id": null,
-                     *           "progress": {
-                     *             "iteration": 0,
-                     *             "cost": null,
-                     *             "fraction": 0,
-                     *             "message": "Finding starting values by equation error"
-                     *           },
-                     *           "error": null,
-                     *           "worker": "vm/28635",
-                     *           "author": "",
-                     *           "created_at": "2026-11-21T11:17:54.481063Z",
-                     *           "started_at": "2026-11-21T11:17:54.485429Z",
-                     *           "finished_at": "2026-11-21T11:17:54.706891Z"
-                     *         },
-                     *         {
-                     *           "id": 6,
-                     *           "run_id": 6,
-                     *           "maneuver_id": 1,
-                     *           "maneuver_label": "1-01 FTA 503",
-                     *           "method": "OE",
-                     *           "state": "succeeded",
-                     *           "attempt": 1,
-                     *           "priority": 0,
-                     *           "after_run_id": 5,
-                     *           "progress": {
-                     *             "iteration": 1,
-                     *             "cost": -44482.874694867685,
-                     *             "fraction": 0.01,
-                     *             "message": "Iteration 1 from run 5"
-                     *           },
-                     *           "error": null,
-                     *           "worker": "vm/28635",
-                     *           "author": "Ann Analyst",
-                     *           "created_at": "2026-11-21T11:17:52.558378Z",
-                     *           "started_at": "2026-11-21T11:17:52.777188Z",
-                     *           "finished_at": "2026-11-21T11:17:52.912767Z"
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["JobList"];
                 };
             };
@@ -20670,26 +12444,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "states": {
-                     *         "queued": 0,
-                     *         "running": 0,
-                     *         "succeeded": 7,
-                     *         "failed": 0,
-                     *         "cancelled": 0
-                     *       },
-                     *       "ended": 7,
-                     *       "window_s": 9.865032,
-                     *       "remaining_s": 0,
-                     *       "crew": {
-                     *         "server": "vm/28570",
-                     *         "place": "processes of this computer",
-                     *         "workers": 3,
-                     *         "running": []
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["QueueStatus"];
                 };
             };
@@ -20709,10 +12463,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 job_id: number;
             };
             cookie?: never;
@@ -20725,31 +12476,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": 1,
-                     *       "run_id": 1,
-                     *       "maneuver_id": 1,
-                     *       "maneuver_label": "1-01 FTA 503",
-                     *       "method": "OE",
-                     *       "state": "succeeded",
-                     *       "attempt": 1,
-                     *       "priority": 0,
-                     *       "after_run_id": null,
-                     *       "progress": {
-                     *         "iteration": 8,
-                     *         "cost": -46893.17045424392,
-                     *         "fraction": 0.52,
-                     *         "message": "Iteration 8 from Panel code, residualized"
-                     *       },
-                     *       "error": null,
-                     *       "worker": "vm/28635",
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:45.930337Z",
-                     *       "started_at": "2026-11-21T11:17:45.938619Z",
-                     *       "finished_at": "2026-11-21T11:17:47.360965Z"
-                     *     }
-                     */
                     "application/json": components["schemas"]["Job"];
                 };
             };
@@ -20769,10 +12495,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 job_id: number;
             };
             cookie?: never;
@@ -20785,28 +12508,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "id": 1,
-                     *           "run_id": 1,
-                     *           "at": "2026-11-21T11:17:45.934735Z",
-                     *           "kind": "queued",
-                     *           "attempt": 0,
-                     *           "message": "asked for by Ann Analyst"
-                     *         },
-                     *         {
-                     *           "id": 2,
-                     *           "run_id": 1,
-                     *           "at": "2026-11-21T11:17:45.940972Z",
-                     *           "kind": "started",
-                     *           "attempt": 1,
-                     *           "message": ""
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["JobLog"];
                 };
             };
@@ -20826,10 +12527,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 job_id: number;
             };
             cookie?: never;
@@ -20842,26 +12540,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": 8,
-                     *       "run_id": 8,
-                     *       "maneuver_id": 2,
-                     *       "maneuver_label": "1-02 FTA 506",
-                     *       "method": "OE",
-                     *       "state": "cancelled",
-                     *       "attempt": 1,
-                     *       "priority": 0,
-                     *       "after_run_id": null,
-                     *       "progress": null,
-                     *       "error": null,
-                     *       "worker": null,
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:58.910275Z",
-                     *       "started_at": "2026-11-21T11:17:58.917071Z",
-                     *       "finished_at": "2026-11-21T11:17:58.931899Z"
-                     *     }
-                     */
                     "application/json": components["schemas"]["Job"];
                 };
             };
@@ -20881,10 +12559,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 job_id: number;
             };
             cookie?: never;
@@ -20897,26 +12572,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": 9,
-                     *       "run_id": 9,
-                     *       "maneuver_id": 2,
-                     *       "maneuver_label": "1-02 FTA 506",
-                     *       "method": "OE",
-                     *       "state": "queued",
-                     *       "attempt": 1,
-                     *       "priority": 0,
-                     *       "after_run_id": null,
-                     *       "progress": null,
-                     *       "error": null,
-                     *       "worker": null,
-                     *       "author": "Ann Analyst",
-                     *       "created_at": "2026-11-21T11:17:58.968248Z",
-                     *       "started_at": null,
-                     *       "finished_at": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["Job"];
                 };
             };
@@ -20973,10 +12628,7 @@ export interface operations {
     list_batches: {
         parameters: {
             query?: {
-                /**
-                 * @description Most items to answer.
-                 * @example 100
-                 */
+                /** @description Most items to answer. */
                 limit?: number;
                 /** @description `next` of the page before. */
                 after?: string | null;
@@ -20993,30 +12645,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "batch": {
-                     *             "name": "flight 1",
-                     *             "author": "Ann Analyst",
-                     *             "created_at": "2026-11-21T11:17:52.556521Z",
-                     *             "id": 1
-                     *           },
-                     *           "states": {
-                     *             "queued": 0,
-                     *             "running": 0,
-                     *             "succeeded": 2,
-                     *             "failed": 0,
-                     *             "cancelled": 0
-                     *           },
-                     *           "started_at": "2026-11-21T11:17:52.576106Z",
-                     *           "finished_at": "2026-11-21T11:17:52.912767Z"
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["BatchList"];
                 };
             };
@@ -21035,10 +12663,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /**
-                 * @description Name of the analyst, percent-encoded UTF-8; nobody verifies it.
-                 * @example Ann%20Analyst
-                 */
+                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
                 "X-Flexsid-Analyst"?: string;
             };
             path?: never;
@@ -21046,29 +12671,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "name": "flight 1",
-                 *       "maneuver_ids": [
-                 *         1
-                 *       ],
-                 *       "methods": [
-                 *         "EE",
-                 *         "OE"
-                 *       ],
-                 *       "structures": [
-                 *         {
-                 *           "structure": {
-                 *             "modes": [
-                 *               7,
-                 *               9
-                 *             ]
-                 *           }
-                 *         }
-                 *       ],
-                 *       "from_equation_error": true
-                 *     }
-                 */
                 "application/json": components["schemas"]["BatchRequest"];
             };
         };
@@ -21079,13 +12681,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": 1,
-                     *       "total": 2,
-                     *       "repeated": 0
-                     *     }
-                     */
                     "application/json": components["schemas"]["QueuedBatch"];
                 };
             };
@@ -21105,10 +12700,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 batch_id: number;
             };
             cookie?: never;
@@ -21121,25 +12713,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "batch": {
-                     *         "name": "flight 1",
-                     *         "author": "Ann Analyst",
-                     *         "created_at": "2026-11-21T11:17:52.556521Z",
-                     *         "id": 1
-                     *       },
-                     *       "states": {
-                     *         "queued": 0,
-                     *         "running": 0,
-                     *         "succeeded": 2,
-                     *         "failed": 0,
-                     *         "cancelled": 0
-                     *       },
-                     *       "started_at": "2026-11-21T11:17:52.576106Z",
-                     *       "finished_at": "2026-11-21T11:17:52.912767Z"
-                     *     }
-                     */
                     "application/json": components["schemas"]["BatchProgress"];
                 };
             };
@@ -21159,10 +12732,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 batch_id: number;
             };
             cookie?: never;
@@ -21175,25 +12745,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "batch": {
-                     *         "name": "flight 1",
-                     *         "author": "Ann Analyst",
-                     *         "created_at": "2026-11-21T11:17:52.556521Z",
-                     *         "id": 1
-                     *       },
-                     *       "states": {
-                     *         "queued": 0,
-                     *         "running": 0,
-                     *         "succeeded": 2,
-                     *         "failed": 0,
-                     *         "cancelled": 0
-                     *       },
-                     *       "started_at": "2026-11-21T11:17:52.576106Z",
-                     *       "finished_at": "2026-11-21T11:17:52.912767Z"
-                     *     }
-                     */
                     "application/json": components["schemas"]["BatchProgress"];
                 };
             };
@@ -21213,10 +12764,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 batch_id: number;
             };
             cookie?: never;
@@ -21229,25 +12777,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "batch": {
-                     *         "name": "flight 1",
-                     *         "author": "Ann Analyst",
-                     *         "created_at": "2026-11-21T11:17:52.556521Z",
-                     *         "id": 1
-                     *       },
-                     *       "states": {
-                     *         "queued": 0,
-                     *         "running": 0,
-                     *         "succeeded": 2,
-                     *         "failed": 0,
-                     *         "cancelled": 0
-                     *       },
-                     *       "started_at": "2026-11-21T11:17:52.576106Z",
-                     *       "finished_at": "2026-11-21T11:17:52.912767Z"
-                     *     }
-                     */
                     "application/json": components["schemas"]["BatchProgress"];
                 };
             };
@@ -21265,15 +12794,9 @@ export interface operations {
     get_comparison: {
         parameters: {
             query: {
-                /**
-                 * @description Ids of runs, separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids of runs, separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Ids of predictions, separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids of predictions, separated by commas. */
                 prediction_ids?: string | null;
             };
             header?: never;
@@ -21288,60 +12811,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "maneuver_ids": [
-                     *         1
-                     *       ],
-                     *       "sources": [
-                     *         {
-                     *           "key": "run-1",
-                     *           "label": "OE 1",
-                     *           "kind": "OE",
-                     *           "run_id": 1,
-                     *           "prediction_id": null
-                     *         }
-                     *       ],
-                     *       "rows": [
-                     *         {
-                     *           "name": "CZ_alpha",
-                     *           "label": "C_Zα",
-                     *           "values": [
-                     *             {
-                     *               "key": "run-1",
-                     *               "value": -4.999526340038098,
-                     *               "std_error": 0.07200768053751322
-                     *             }
-                     *           ],
-                     *           "consistent": null,
-                     *           "max_difference_sigma": null,
-                     *           "mean": null,
-                     *           "mean_std_error": null,
-                     *           "chi_square": null,
-                     *           "probability": null
-                     *         },
-                     *         {
-                     *           "name": "CZ_q",
-                     *           "label": "C_Zq",
-                     *           "values": [
-                     *             {
-                     *               "key": "run-1",
-                     *               "value": -5.15697763882933,
-                     *               "std_error": 0.07978246912722135
-                     *             }
-                     *           ],
-                     *           "consistent": null,
-                     *           "max_difference_sigma": null,
-                     *           "mean": null,
-                     *           "mean_std_error": null,
-                     *           "chi_square": null,
-                     *           "probability": null
-                     *         }
-                     *       ],
-                     *       "pairs": [],
-                     *       "setup": []
-                     *     }
-                     */
                     "application/json": components["schemas"]["Comparison"];
                 };
             };
@@ -21359,27 +12828,14 @@ export interface operations {
     get_trend: {
         parameters: {
             query: {
-                /**
-                 * @description Ids of runs, separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids of runs, separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Derivative, e.g. Cm_alpha.
-                 * @example Cm_alpha
-                 */
+                /** @description Derivative, e.g. Cm_alpha. */
                 name: string;
-                /** @example dynamic_pressure */
                 against?: components["schemas"]["Against"];
-                /**
-                 * @description Ids of predictions, separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids of predictions, separated by commas. */
                 prediction_ids?: string | null;
-                /**
-                 * @description Of the weighted polynomial.
-                 * @example 1
-                 */
+                /** @description Of the weighted polynomial. */
                 degree?: number;
             };
             header?: never;
@@ -21394,25 +12850,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "name": "Cm_alpha",
-                     *       "label": "C_mα",
-                     *       "against": "dynamic_pressure",
-                     *       "points": [
-                     *         {
-                     *           "run_id": 1,
-                     *           "maneuver_id": 1,
-                     *           "label": "OE 1, 1-01 FTA 503",
-                     *           "kind": "OE",
-                     *           "x": 572.5090253763958,
-                     *           "value": -0.5135761420231655,
-                     *           "std_error": 0.01733783559352988
-                     *         }
-                     *       ],
-                     *       "lines": []
-                     *     }
-                     */
                     "application/json": components["schemas"]["DerivativeTrend"];
                 };
             };
@@ -21435,10 +12872,7 @@ export interface operations {
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 run_id: number;
             };
             cookie?: never;
@@ -21451,10 +12885,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example <!doctype html>
-                     *     <title>Run 1, output error</title>
-                     */
                     "text/html": string;
                     "application/pdf": string;
                 };
@@ -21473,15 +12903,9 @@ export interface operations {
     report_comparison: {
         parameters: {
             query: {
-                /**
-                 * @description Ids of runs, separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids of runs, separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Ids of predictions, separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids of predictions, separated by commas. */
                 prediction_ids?: string | null;
                 /** @description `pdf` where the server has Chromium. */
                 format?: "html" | "pdf";
@@ -21498,10 +12922,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example <!doctype html>
-                     *     <title>Run 1, output error</title>
-                     */
                     "text/html": string;
                     "application/pdf": string;
                 };
@@ -21525,10 +12945,7 @@ export interface operations {
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 decision_id: number;
             };
             cookie?: never;
@@ -21541,10 +12958,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example <!doctype html>
-                     *     <title>Run 1, output error</title>
-                     */
                     "text/html": string;
                     "application/pdf": string;
                 };
@@ -21565,33 +12978,17 @@ export interface operations {
             query?: {
                 /** @description `pdf` where the server has Chromium. */
                 format?: "html" | "pdf";
-                /** @example 1 */
                 aircraft_id?: number | null;
-                /** @example 1 */
                 flight_id?: number | null;
-                /**
-                 * @description Number of the flight-test aid.
-                 * @example 506
-                 */
+                /** @description Number of the flight-test aid. */
                 fta?: number | null;
-                /**
-                 * @description Least V/V_f.
-                 * @example 0.5
-                 */
+                /** @description Least V/V_f. */
                 min_airspeed_ratio?: number | null;
-                /**
-                 * @description Largest V/V_f.
-                 * @example 1.1
-                 */
+                /** @description Largest V/V_f. */
                 max_airspeed_ratio?: number | null;
-                /** @example 0 */
                 min_fuel?: number | null;
-                /** @example 1 */
                 max_fuel?: number | null;
-                /**
-                 * @description Part of label, note, file or aircraft.
-                 * @example FLEX
-                 */
+                /** @description Part of label, note, file or aircraft. */
                 search?: string | null;
                 /** @description Only maneuvers with a run of this method. */
                 method?: components["schemas"]["Method"] | null;
@@ -21616,10 +13013,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example <!doctype html>
-                     *     <title>Run 1, output error</title>
-                     */
                     "text/html": string;
                     "application/pdf": string;
                 };
@@ -21650,125 +13043,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "name": "FTA 500, first try",
-                     *           "wish": {
-                     *             "duration_s": 24,
-                     *             "rate_hz": 100,
-                     *             "inputs": [
-                     *               {
-                     *                 "name": "bfs",
-                     *                 "harmonics": [
-                     *                   6,
-                     *                   11,
-                     *                   16
-                     *                 ],
-                     *                 "relative_peak": 1,
-                     *                 "power": null
-                     *               },
-                     *               {
-                     *                 "name": "wf3s",
-                     *                 "harmonics": [
-                     *                   7,
-                     *                   12,
-                     *                   17
-                     *                 ],
-                     *                 "relative_peak": 0.85,
-                     *                 "power": null
-                     *               }
-                     *             ],
-                     *             "peaks": [
-                     *               0.0175,
-                     *               0.035,
-                     *               0.07
-                     *             ],
-                     *             "effort": "quick",
-                     *             "seed": 0
-                     *           },
-                     *           "phases": {
-                     *             "bfs": [
-                     *               2.231039361475812,
-                     *               1.110236268663673,
-                     *               -1.2365640931860504
-                     *             ],
-                     *             "wf3s": [
-                     *               2.011060152029966,
-                     *               0.12850270147113463,
-                     *               -3.1404847690511097
-                     *             ],
-                     *             "wf1s": [
-                     *               1.4018335381162217,
-                     *               0.14277073788231398,
-                     *               -2.4618164088720143
-                     *             ],
-                     *             "wf4s": [
-                     *               2.0204004119669356,
-                     *               0.08515122095307603,
-                     *               2.958069338638179
-                     *             ],
-                     *             "wf2s": [
-                     *               -1.3760381638708417,
-                     *               -2.5894301003275224,
-                     *               1.123498007719558
-                     *             ]
-                     *           },
-                     *           "peak_factors": {
-                     *             "bfs": 1.2512788028093,
-                     *             "wf3s": 1.2435619969004341,
-                     *             "wf1s": 1.2497504278592362,
-                     *             "wf4s": 1.241178696348055,
-                     *             "wf2s": 1.0675822226047498
-                     *           },
-                     *           "fta": 500,
-                     *           "note": "",
-                     *           "created_at": "2026-11-21T11:17:52.620309Z",
-                     *           "id": 1
-                     *         },
-                     *         {
-                     *           "name": "As flown",
-                     *           "wish": {
-                     *             "duration_s": 4,
-                     *             "rate_hz": 50,
-                     *             "inputs": [
-                     *               {
-                     *                 "name": "commands",
-                     *                 "harmonics": [
-                     *                   10
-                     *                 ],
-                     *                 "relative_peak": 1,
-                     *                 "power": [
-                     *                   0.0003046249801107031
-                     *                 ]
-                     *               }
-                     *             ],
-                     *             "peaks": [
-                     *               0.017453509105927755,
-                     *               0.017453509105927755,
-                     *               0.017453509105927755
-                     *             ],
-                     *             "effort": "thorough",
-                     *             "seed": 0
-                     *           },
-                     *           "phases": {
-                     *             "commands": [
-                     *               -3.141592653589786
-                     *             ]
-                     *           },
-                     *           "peak_factors": {
-                     *             "commands": 1
-                     *           },
-                     *           "fta": null,
-                     *           "note": "As flown: commands.csv",
-                     *           "created_at": "2026-11-21T11:17:52.643337Z",
-                     *           "id": 2
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["DesignList"];
                 };
             };
@@ -21792,21 +13066,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "name": "FTA 500, first try",
-                 *       "fta": 500,
-                 *       "duration_s": 24,
-                 *       "rate_hz": 100,
-                 *       "first_harmonic": 6,
-                 *       "peaks": [
-                 *         0.0175,
-                 *         0.035,
-                 *         0.07
-                 *       ],
-                 *       "effort": "quick"
-                 *     }
-                 */
                 "application/json": components["schemas"]["DesignRequest"];
             };
         };
@@ -21817,82 +13076,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "name": "FTA 500, first try",
-                     *       "wish": {
-                     *         "duration_s": 24,
-                     *         "rate_hz": 100,
-                     *         "inputs": [
-                     *           {
-                     *             "name": "bfs",
-                     *             "harmonics": [
-                     *               6,
-                     *               11,
-                     *               16
-                     *             ],
-                     *             "relative_peak": 1,
-                     *             "power": null
-                     *           },
-                     *           {
-                     *             "name": "wf3s",
-                     *             "harmonics": [
-                     *               7,
-                     *               12,
-                     *               17
-                     *             ],
-                     *             "relative_peak": 0.85,
-                     *             "power": null
-                     *           }
-                     *         ],
-                     *         "peaks": [
-                     *           0.0175,
-                     *           0.035,
-                     *           0.07
-                     *         ],
-                     *         "effort": "quick",
-                     *         "seed": 0
-                     *       },
-                     *       "phases": {
-                     *         "bfs": [
-                     *           2.231039361475812,
-                     *           1.110236268663673,
-                     *           -1.2365640931860504
-                     *         ],
-                     *         "wf3s": [
-                     *           2.011060152029966,
-                     *           0.12850270147113463,
-                     *           -3.1404847690511097
-                     *         ],
-                     *         "wf1s": [
-                     *           1.4018335381162217,
-                     *           0.14277073788231398,
-                     *           -2.4618164088720143
-                     *         ],
-                     *         "wf4s": [
-                     *           2.0204004119669356,
-                     *           0.08515122095307603,
-                     *           2.958069338638179
-                     *         ],
-                     *         "wf2s": [
-                     *           -1.3760381638708417,
-                     *           -2.5894301003275224,
-                     *           1.123498007719558
-                     *         ]
-                     *       },
-                     *       "peak_factors": {
-                     *         "bfs": 1.2512788028093,
-                     *         "wf3s": 1.2435619969004341,
-                     *         "wf1s": 1.2497504278592362,
-                     *         "wf4s": 1.241178696348055,
-                     *         "wf2s": 1.0675822226047498
-                     *       },
-                     *       "fta": 500,
-                     *       "note": "",
-                     *       "created_at": "2026-11-21T11:17:52.620309Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["ExcitationDesign"];
                 };
             };
@@ -21916,30 +13099,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "name": "about the short period",
-                 *       "duration_s": 24,
-                 *       "rate_hz": 100,
-                 *       "peaks": [
-                 *         0.0175,
-                 *         0.035,
-                 *         0.07
-                 *       ],
-                 *       "bands": [
-                 *         {
-                 *           "name": "bfs",
-                 *           "low_hz": 0.3,
-                 *           "high_hz": 8,
-                 *           "count": 20,
-                 *           "targets_hz": [
-                 *             2.3
-                 *           ]
-                 *         }
-                 *       ],
-                 *       "effort": "quick"
-                 *     }
-                 */
                 "application/json": components["schemas"]["DesignRequest"];
             };
         };
@@ -21950,17 +13109,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": "t13a1a3587dfcf47b",
-                     *       "kind": "design",
-                     *       "state": "waiting",
-                     *       "fraction": 0,
-                     *       "message": "",
-                     *       "code": "",
-                     *       "made": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["Task"];
                 };
             };
@@ -21984,16 +13132,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "files": [
-                 *         "commands.csv"
-                 *       ],
-                 *       "name": "As flown",
-                 *       "rate_hz": 50,
-                 *       "unit": "deg"
-                 *     }
-                 */
                 "multipart/form-data": components["schemas"]["Body_import_flown"];
             };
         };
@@ -22004,51 +13142,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "name": "As flown",
-                     *           "wish": {
-                     *             "duration_s": 4,
-                     *             "rate_hz": 50,
-                     *             "inputs": [
-                     *               {
-                     *                 "name": "commands",
-                     *                 "harmonics": [
-                     *                   10
-                     *                 ],
-                     *                 "relative_peak": 1,
-                     *                 "power": [
-                     *                   0.0003046249801107031
-                     *                 ]
-                     *               }
-                     *             ],
-                     *             "peaks": [
-                     *               0.017453509105927755,
-                     *               0.017453509105927755,
-                     *               0.017453509105927755
-                     *             ],
-                     *             "effort": "thorough",
-                     *             "seed": 0
-                     *           },
-                     *           "phases": {
-                     *             "commands": [
-                     *               -3.141592653589786
-                     *             ]
-                     *           },
-                     *           "peak_factors": {
-                     *             "commands": 1
-                     *           },
-                     *           "fta": null,
-                     *           "note": "As flown: commands.csv",
-                     *           "created_at": "2026-11-21T11:17:52.643337Z",
-                     *           "id": 2
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["DesignList"];
                 };
             };
@@ -22078,53 +13171,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "number": 500,
-                     *           "harmonics_per_input": 12,
-                     *           "targets": "SP",
-                     *           "axis": "symmetric",
-                     *           "periods": 1,
-                     *           "surfaces": 5,
-                     *           "throttles": 0,
-                     *           "throttle_harmonics": 0,
-                     *           "numbers": [
-                     *             500,
-                     *             501,
-                     *             502
-                     *           ],
-                     *           "inputs": [
-                     *             "bfs",
-                     *             "wf3s",
-                     *             "wf1s"
-                     *           ]
-                     *         },
-                     *         {
-                     *           "number": 503,
-                     *           "harmonics_per_input": 25,
-                     *           "targets": "SP LE",
-                     *           "axis": "symmetric",
-                     *           "periods": 1,
-                     *           "surfaces": 5,
-                     *           "throttles": 0,
-                     *           "throttle_harmonics": 0,
-                     *           "numbers": [
-                     *             503,
-                     *             504,
-                     *             505
-                     *           ],
-                     *           "inputs": [
-                     *             "bfs",
-                     *             "wf3s",
-                     *             "wf1s"
-                     *           ]
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["CatalogueList"];
                 };
             };
@@ -22144,10 +13190,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 design_id: number;
             };
             cookie?: never;
@@ -22160,82 +13203,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "name": "FTA 500, first try",
-                     *       "wish": {
-                     *         "duration_s": 24,
-                     *         "rate_hz": 100,
-                     *         "inputs": [
-                     *           {
-                     *             "name": "bfs",
-                     *             "harmonics": [
-                     *               6,
-                     *               11,
-                     *               16
-                     *             ],
-                     *             "relative_peak": 1,
-                     *             "power": null
-                     *           },
-                     *           {
-                     *             "name": "wf3s",
-                     *             "harmonics": [
-                     *               7,
-                     *               12,
-                     *               17
-                     *             ],
-                     *             "relative_peak": 0.85,
-                     *             "power": null
-                     *           }
-                     *         ],
-                     *         "peaks": [
-                     *           0.0175,
-                     *           0.035,
-                     *           0.07
-                     *         ],
-                     *         "effort": "quick",
-                     *         "seed": 0
-                     *       },
-                     *       "phases": {
-                     *         "bfs": [
-                     *           2.231039361475812,
-                     *           1.110236268663673,
-                     *           -1.2365640931860504
-                     *         ],
-                     *         "wf3s": [
-                     *           2.011060152029966,
-                     *           0.12850270147113463,
-                     *           -3.1404847690511097
-                     *         ],
-                     *         "wf1s": [
-                     *           1.4018335381162217,
-                     *           0.14277073788231398,
-                     *           -2.4618164088720143
-                     *         ],
-                     *         "wf4s": [
-                     *           2.0204004119669356,
-                     *           0.08515122095307603,
-                     *           2.958069338638179
-                     *         ],
-                     *         "wf2s": [
-                     *           -1.3760381638708417,
-                     *           -2.5894301003275224,
-                     *           1.123498007719558
-                     *         ]
-                     *       },
-                     *       "peak_factors": {
-                     *         "bfs": 1.2512788028093,
-                     *         "wf3s": 1.2435619969004341,
-                     *         "wf1s": 1.2497504278592362,
-                     *         "wf4s": 1.241178696348055,
-                     *         "wf2s": 1.0675822226047498
-                     *       },
-                     *       "fta": 500,
-                     *       "note": "",
-                     *       "created_at": "2026-11-21T11:17:52.620309Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["ExcitationDesign"];
                 };
             };
@@ -22255,10 +13222,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 design_id: number;
             };
             cookie?: never;
@@ -22286,32 +13250,19 @@ export interface operations {
     check_design: {
         parameters: {
             query: {
-                /**
-                 * @description Actuator's. [rad/s]
-                 * @example 60
-                 */
+                /** @description Actuator's. [rad/s] */
                 natural_frequency: number;
-                /** @example 0.7 */
                 damping?: number;
                 delay_s?: number;
-                /** @example 0.35 */
                 position?: number | null;
-                /** @example 2 */
                 rate?: number | null;
-                /** @example 100 */
                 acceleration?: number | null;
-                /**
-                 * @description Amplitude: 0 low, 1 medium, 2 high.
-                 * @example 1
-                 */
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 design_id: number;
             };
             cookie?: never;
@@ -22324,33 +13275,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "correlation": 3.885780586188048e-15,
-                     *       "inputs": [
-                     *         {
-                     *           "name": "bfs",
-                     *           "peak_factor": 1.2512847031756311,
-                     *           "command_peak": 0.017466827190865394,
-                     *           "start": 7.003946034256359e-17,
-                     *           "deflection_peak": 0.017476308520098155,
-                     *           "rate_peak": 0.19884607316008146,
-                     *           "acceleration_peak": 2.8060126268504484,
-                     *           "within_limits": true
-                     *         },
-                     *         {
-                     *           "name": "wf3s",
-                     *           "peak_factor": 1.2435619969004472,
-                     *           "command_peak": 0.01485003984470824,
-                     *           "start": 1.3010426069826053e-17,
-                     *           "deflection_peak": 0.014866584328044,
-                     *           "rate_peak": 0.17933753333374322,
-                     *           "acceleration_peak": 2.593821914570052,
-                     *           "within_limits": true
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["DesignChecks"];
                 };
             };
@@ -22368,20 +13292,13 @@ export interface operations {
     expect_errors: {
         parameters: {
             query: {
-                /** @example 1 */
                 run_id: number;
-                /**
-                 * @description Amplitude: 0 low, 1 medium, 2 high.
-                 * @example 1
-                 */
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 design_id: number;
             };
             cookie?: never;
@@ -22394,25 +13311,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "name": "CZ_alpha",
-                     *           "value": -4.999526340038098,
-                     *           "std_error": 0.8230842164771877
-                     *         },
-                     *         {
-                     *           "name": "CZ_q",
-                     *           "value": -5.15697763882933,
-                     *           "std_error": 0.43328419036973265
-                     *         }
-                     *       ],
-                     *       "surfaces": "as recorded in the run's maneuver, actuators and feedback included",
-                     *       "lines_outside": 0,
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["ExpectedErrors"];
                 };
             };
@@ -22430,20 +13328,13 @@ export interface operations {
     expect_response: {
         parameters: {
             query: {
-                /** @example 1 */
                 run_id: number;
-                /**
-                 * @description Amplitude: 0 low, 1 medium, 2 high.
-                 * @example 1
-                 */
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 design_id: number;
             };
             cookie?: never;
@@ -22456,52 +13347,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "modes": [
-                     *         {
-                     *           "name": "SP",
-                     *           "frequency_hz": 1.3071053989872765,
-                     *           "damping": 0.3915284914698928,
-                     *           "lines": 24,
-                     *           "output": "q",
-                     *           "signal_to_noise": 141.33813662785326
-                     *         },
-                     *         {
-                     *           "name": "SW1B",
-                     *           "frequency_hz": 3.573877917535963,
-                     *           "damping": 0.12177293920795172,
-                     *           "lines": 0,
-                     *           "output": "q",
-                     *           "signal_to_noise": 86.68879868616338
-                     *         }
-                     *       ],
-                     *       "surfaces": [
-                     *         "bfs",
-                     *         "wf1s",
-                     *         "wf2s"
-                     *       ],
-                     *       "correlation": [
-                     *         [
-                     *           0.9999999999999999,
-                     *           -0.004762976671911713,
-                     *           0.0000994551083166174
-                     *         ],
-                     *         [
-                     *           -0.004762976671911713,
-                     *           0.9999999999999999,
-                     *           -0.006727824321352525
-                     *         ]
-                     *       ],
-                     *       "worth": {
-                     *         "bfs": 5.464982577975154,
-                     *         "wf3s": 9.015187197141257,
-                     *         "wf1s": 6.202605243052191,
-                     *         "wf4s": 12.081811758187953,
-                     *         "wf2s": 11.235413242575733
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["ExpectedSummary"];
                 };
             };
@@ -22519,20 +13364,13 @@ export interface operations {
     compare_classic_inputs: {
         parameters: {
             query: {
-                /** @example 1 */
                 run_id: number;
-                /**
-                 * @description Amplitude: 0 low, 1 medium, 2 high.
-                 * @example 1
-                 */
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 design_id: number;
             };
             cookie?: never;
@@ -22545,49 +13383,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "names": [
-                     *         "CZ_alpha",
-                     *         "CZ_q",
-                     *         "CZ_eta7"
-                     *       ],
-                     *       "values": [
-                     *         -4.999526340038098,
-                     *         -5.15697763882933,
-                     *         -0.3146228987944693
-                     *       ],
-                     *       "inputs": [
-                     *         {
-                     *           "kind": "multisine",
-                     *           "pulse_s": null,
-                     *           "deflection": 0.01773990831611646,
-                     *           "load_factor": 0.20626067178567709,
-                     *           "energy": 0.010190852757672526,
-                     *           "std_errors": [
-                     *             0.8230842164771877,
-                     *             0.43328419036973265,
-                     *             0.03601482482535727
-                     *           ],
-                     *           "lacking": ""
-                     *         },
-                     *         {
-                     *           "kind": "doublet",
-                     *           "pulse_s": 1.2,
-                     *           "deflection": 0.017739908316116465,
-                     *           "load_factor": 0.041347516339540265,
-                     *           "energy": 0.000719594726189875,
-                     *           "std_errors": [
-                     *             8.482810222669181,
-                     *             4.243757507510866,
-                     *             0.38736722684434044
-                     *           ],
-                     *           "lacking": ""
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["InputComparison"];
                 };
             };
@@ -22605,24 +13400,15 @@ export interface operations {
     allocate_amplitudes: {
         parameters: {
             query: {
-                /** @example 1 */
                 run_id: number;
-                /** @example 0.1 */
                 deflection?: number | null;
-                /** @example 0.5 */
                 load_factor?: number | null;
-                /**
-                 * @description Amplitude: 0 low, 1 medium, 2 high.
-                 * @example 1
-                 */
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 design_id: number;
             };
             cookie?: never;
@@ -22635,84 +13421,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "gains": {
-                     *         "flat": {
-                     *           "bfs": 1,
-                     *           "wf3s": 1,
-                     *           "wf1s": 1,
-                     *           "wf4s": 1,
-                     *           "wf2s": 1
-                     *         },
-                     *         "minimax": {
-                     *           "bfs": 1.0313792933813088,
-                     *           "wf3s": 0.8463107676301029,
-                     *           "wf1s": 1.0569793964200398,
-                     *           "wf4s": 1.0004734897145469,
-                     *           "wf2s": 1.128994480474187
-                     *         },
-                     *         "d_optimal": {
-                     *           "bfs": 1.0313792933811647,
-                     *           "wf3s": 0.8463107676298057,
-                     *           "wf1s": 1.0569793964198801,
-                     *           "wf4s": 1.000473489714212,
-                     *           "wf2s": 1.128994480473918
-                     *         }
-                     *       },
-                     *       "commands": [
-                     *         {
-                     *           "name": "bfs",
-                     *           "limit": null,
-                     *           "flat": 0.017466827190865394,
-                     *           "minimax": 0.01801492388572818,
-                     *           "d_optimal": 0.018014923885725665
-                     *         },
-                     *         {
-                     *           "name": "wf3s",
-                     *           "limit": null,
-                     *           "flat": 0.01485003984470824,
-                     *           "minimax": 0.012567748620312645,
-                     *           "d_optimal": 0.012567748620308232
-                     *         }
-                     *       ],
-                     *       "limited": [
-                     *         {
-                     *           "name": "bfs",
-                     *           "limit": 0.01773990831611646,
-                     *           "flat": 0.017159469321381043,
-                     *           "minimax": 0.01769665095486561,
-                     *           "d_optimal": 0.01769665095486314
-                     *         },
-                     *         {
-                     *           "name": "wf1s",
-                     *           "limit": 0.01773990831611646,
-                     *           "flat": 0.016787215277895475,
-                     *           "minimax": 0.01769282103850131,
-                     *           "d_optimal": 0.017692821038498525
-                     *         }
-                     *       ],
-                     *       "errors": [
-                     *         {
-                     *           "name": "CZ_alpha",
-                     *           "value": -4.999526340038098,
-                     *           "counts": true,
-                     *           "flat": 0.16463243925441856,
-                     *           "minimax": 0.15504825528535307,
-                     *           "d_optimal": 0.15504825528664296
-                     *         },
-                     *         {
-                     *           "name": "CZ_q",
-                     *           "value": -5.15697763882933,
-                     *           "counts": true,
-                     *           "flat": 0.08401901670221149,
-                     *           "minimax": 0.08094305333020266,
-                     *           "d_optimal": 0.08094305332994509
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["Allocation"];
                 };
             };
@@ -22732,24 +13440,13 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 design_id: number;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "name": "FTA 500, less body flap",
-                 *       "gains": {
-                 *         "bfs": 0.8
-                 *       }
-                 *     }
-                 */
                 "application/json": components["schemas"]["RescaleRequest"];
             };
         };
@@ -22760,82 +13457,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "name": "FTA 500, less body flap",
-                     *       "wish": {
-                     *         "duration_s": 24,
-                     *         "rate_hz": 100,
-                     *         "inputs": [
-                     *           {
-                     *             "name": "bfs",
-                     *             "harmonics": [
-                     *               6,
-                     *               11,
-                     *               16
-                     *             ],
-                     *             "relative_peak": 0.8,
-                     *             "power": null
-                     *           },
-                     *           {
-                     *             "name": "wf3s",
-                     *             "harmonics": [
-                     *               7,
-                     *               12,
-                     *               17
-                     *             ],
-                     *             "relative_peak": 0.85,
-                     *             "power": null
-                     *           }
-                     *         ],
-                     *         "peaks": [
-                     *           0.0175,
-                     *           0.035,
-                     *           0.07
-                     *         ],
-                     *         "effort": "quick",
-                     *         "seed": 0
-                     *       },
-                     *       "phases": {
-                     *         "bfs": [
-                     *           2.231039361475812,
-                     *           1.110236268663673,
-                     *           -1.2365640931860504
-                     *         ],
-                     *         "wf3s": [
-                     *           2.011060152029966,
-                     *           0.12850270147113463,
-                     *           -3.1404847690511097
-                     *         ],
-                     *         "wf1s": [
-                     *           1.4018335381162217,
-                     *           0.14277073788231398,
-                     *           -2.4618164088720143
-                     *         ],
-                     *         "wf4s": [
-                     *           2.0204004119669356,
-                     *           0.08515122095307603,
-                     *           2.958069338638179
-                     *         ],
-                     *         "wf2s": [
-                     *           -1.3760381638708417,
-                     *           -2.5894301003275224,
-                     *           1.123498007719558
-                     *         ]
-                     *       },
-                     *       "peak_factors": {
-                     *         "bfs": 1.2512788028093,
-                     *         "wf3s": 1.2435619969004341,
-                     *         "wf1s": 1.2497504278592362,
-                     *         "wf4s": 1.241178696348055,
-                     *         "wf2s": 1.0675822226047498
-                     *       },
-                     *       "fta": 500,
-                     *       "note": "",
-                     *       "created_at": "2026-11-21T11:17:52.658005Z",
-                     *       "id": 4
-                     *     }
-                     */
                     "application/json": components["schemas"]["ExcitationDesign"];
                 };
             };
@@ -22855,22 +13476,13 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 design_id: number;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "name": "FTA 500, phases anew",
-                 *       "effort": "quick"
-                 *     }
-                 */
                 "application/json": components["schemas"]["RedesignRequest"];
             };
         };
@@ -22881,17 +13493,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": "t66197872f174f05d",
-                     *       "kind": "design",
-                     *       "state": "waiting",
-                     *       "fraction": 0,
-                     *       "message": "",
-                     *       "code": "",
-                     *       "made": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["Task"];
                 };
             };
@@ -22911,10 +13512,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 design_id: number;
             };
             cookie?: never;
@@ -22927,44 +13525,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "rehearsal": {
-                     *             "design_id": 1,
-                     *             "level": 1,
-                     *             "model_run_id": 1,
-                     *             "controller_id": 1,
-                     *             "maneuver_id": 34,
-                     *             "run_id": 7,
-                     *             "created_at": "2026-11-21T11:17:54.482109Z",
-                     *             "id": 1
-                     *           },
-                     *           "label": "Rehearsal of FTA 500, first try, medium",
-                     *           "state": "succeeded",
-                     *           "correlation": 0.03165504168148384,
-                     *           "derivatives": [
-                     *             {
-                     *               "name": "CZ_alpha",
-                     *               "flown": -4.999526340038098,
-                     *               "estimate": -3.965246216922665,
-                     *               "std_error": 1.21916891103036,
-                     *               "expected": 0.4618349384219479
-                     *             },
-                     *             {
-                     *               "name": "CZ_q",
-                     *               "flown": -5.15697763882933,
-                     *               "estimate": -4.727260517236705,
-                     *               "std_error": 0.42783603704971696,
-                     *               "expected": 0.24405116419102152
-                     *             }
-                     *           ]
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["RehearsalList"];
                 };
             };
@@ -22984,23 +13544,13 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 design_id: number;
             };
             cookie?: never;
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "run_id": 1,
-                 *       "level": 1,
-                 *       "controller_id": 1
-                 *     }
-                 */
                 "application/json": components["schemas"]["RehearsalRequest"];
             };
         };
@@ -23011,17 +13561,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": "t8b22e6c15e4aa736",
-                     *       "kind": "rehearsal",
-                     *       "state": "waiting",
-                     *       "fraction": 0,
-                     *       "message": "",
-                     *       "code": "",
-                     *       "made": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["Task"];
                 };
             };
@@ -23040,18 +13579,12 @@ export interface operations {
         parameters: {
             query?: {
                 form?: "csv" | "mat" | "h" | "json";
-                /**
-                 * @description Amplitude: 0 low, 1 medium, 2 high.
-                 * @example 1
-                 */
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
             };
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 design_id: number;
             };
             cookie?: never;
@@ -23064,79 +13597,9 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
-                    /** @example static const float design_t[2400][5] = { */
                     "text/plain": string;
-                    /**
-                     * @example {
-                     *       "format": "flexsid-excitation-1",
-                     *       "wish": {
-                     *         "duration_s": 24,
-                     *         "rate_hz": 100,
-                     *         "inputs": [
-                     *           {
-                     *             "name": "bfs",
-                     *             "harmonics": [
-                     *               6,
-                     *               11,
-                     *               16
-                     *             ],
-                     *             "relative_peak": 1,
-                     *             "power": null
-                     *           },
-                     *           {
-                     *             "name": "wf3s",
-                     *             "harmonics": [
-                     *               7,
-                     *               12,
-                     *               17
-                     *             ],
-                     *             "relative_peak": 0.85,
-                     *             "power": null
-                     *           }
-                     *         ],
-                     *         "peaks": [
-                     *           0.0175,
-                     *           0.035,
-                     *           0.07
-                     *         ],
-                     *         "effort": "quick",
-                     *         "seed": 0
-                     *       },
-                     *       "phases": {
-                     *         "bfs": [
-                     *           0.18631378478783134,
-                     *           -2.6384272885976294,
-                     *           -0.4059803238410673
-                     *         ],
-                     *         "wf3s": [
-                     *           2.011060152029966,
-                     *           0.12850270147113818,
-                     *           -3.1404847690511026
-                     *         ],
-                     *         "wf1s": [
-                     *           1.4018335381162217,
-                     *           0.14277073788231398,
-                     *           -2.4618164088720143
-                     *         ],
-                     *         "wf4s": [
-                     *           2.0204004119669428,
-                     *           0.08515122095308314,
-                     *           2.958069338638179
-                     *         ],
-                     *         "wf2s": [
-                     *           -1.3760381638708417,
-                     *           -2.5894301003275153,
-                     *           1.123498007719565
-                     *         ]
-                     *       }
-                     *     }
-                     */
                     "application/json": Record<string, never>;
                 };
             };
@@ -23154,7 +13617,6 @@ export interface operations {
     list_controllers: {
         parameters: {
             query?: {
-                /** @example 1 */
                 aircraft_id?: number | null;
             };
             header?: never;
@@ -23169,156 +13631,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "name": "Pitch-rate and attitude feedback",
-                     *           "reads": [
-                     *             "q",
-                     *             "theta"
-                     *           ],
-                     *           "drives": [
-                     *             "wf1s",
-                     *             "wf4s"
-                     *           ],
-                     *           "laws": [
-                     *             {
-                     *               "airspeed_m_s": 41.910000000000004,
-                     *               "A": [
-                     *                 [
-                     *                   -60,
-                     *                   0
-                     *                 ],
-                     *                 [
-                     *                   0,
-                     *                   -60
-                     *                 ]
-                     *               ],
-                     *               "B": [
-                     *                 [
-                     *                   60,
-                     *                   0
-                     *                 ],
-                     *                 [
-                     *                   0,
-                     *                   60
-                     *                 ]
-                     *               ],
-                     *               "C": [
-                     *                 [
-                     *                   0.012500000000000004,
-                     *                   0
-                     *                 ],
-                     *                 [
-                     *                   -0.05000000000000002,
-                     *                   0.037500000000000006
-                     *                 ]
-                     *               ],
-                     *               "D": [
-                     *                 [
-                     *                   0,
-                     *                   0
-                     *                 ],
-                     *                 [
-                     *                   0,
-                     *                   0
-                     *                 ]
-                     *               ]
-                     *             },
-                     *             {
-                     *               "airspeed_m_s": 57.912000000000006,
-                     *               "A": [
-                     *                 [
-                     *                   -60,
-                     *                   0
-                     *                 ],
-                     *                 [
-                     *                   0,
-                     *                   -60
-                     *                 ]
-                     *               ],
-                     *               "B": [
-                     *                 [
-                     *                   60,
-                     *                   0
-                     *                 ],
-                     *                 [
-                     *                   0,
-                     *                   60
-                     *                 ]
-                     *               ],
-                     *               "C": [
-                     *                 [
-                     *                   0.05,
-                     *                   0
-                     *                 ],
-                     *                 [
-                     *                   -0.2,
-                     *                   0.15
-                     *                 ]
-                     *               ],
-                     *               "D": [
-                     *                 [
-                     *                   0,
-                     *                   0
-                     *                 ],
-                     *                 [
-                     *                   0,
-                     *                   0
-                     *                 ]
-                     *               ]
-                     *             }
-                     *           ],
-                     *           "delay_s": 0.008,
-                     *           "note": "",
-                     *           "created_at": "2026-11-21T10:59:42.928264Z",
-                     *           "id": 1
-                     *         },
-                     *         {
-                     *           "aircraft_id": 1,
-                     *           "name": "Pitch damper",
-                     *           "reads": [
-                     *             "q"
-                     *           ],
-                     *           "drives": [
-                     *             "wf4s"
-                     *           ],
-                     *           "laws": [
-                     *             {
-                     *               "airspeed_m_s": 0,
-                     *               "A": [
-                     *                 [
-                     *                   -50
-                     *                 ]
-                     *               ],
-                     *               "B": [
-                     *                 [
-                     *                   1
-                     *                 ]
-                     *               ],
-                     *               "C": [
-                     *                 [
-                     *                   10
-                     *                 ]
-                     *               ],
-                     *               "D": [
-                     *                 [
-                     *                   0
-                     *                 ]
-                     *               ]
-                     *             }
-                     *           ],
-                     *           "delay_s": 0,
-                     *           "note": "",
-                     *           "created_at": "2026-11-21T11:17:52.681409Z",
-                     *           "id": 2
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["ControllerList"];
                 };
             };
@@ -23342,13 +13654,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "aircraft_id": 1,
-                 *       "name": "Pitch damper",
-                 *       "text": "{\"reads\": [\"q\"], \"drives\": [\"wf4s\"], \"transfer\": {\"wf4s\": {\"q\": {\"num\": [0.2], \"den\": [0.02, 1.0]}}}}"
-                 *     }
-                 */
                 "application/json": components["schemas"]["ControllerRequest"];
             };
         };
@@ -23359,47 +13664,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "name": "Pitch damper",
-                     *       "reads": [
-                     *         "q"
-                     *       ],
-                     *       "drives": [
-                     *         "wf4s"
-                     *       ],
-                     *       "laws": [
-                     *         {
-                     *           "airspeed_m_s": 0,
-                     *           "A": [
-                     *             [
-                     *               -50
-                     *             ]
-                     *           ],
-                     *           "B": [
-                     *             [
-                     *               1
-                     *             ]
-                     *           ],
-                     *           "C": [
-                     *             [
-                     *               10
-                     *             ]
-                     *           ],
-                     *           "D": [
-                     *             [
-                     *               0
-                     *             ]
-                     *           ]
-                     *         }
-                     *       ],
-                     *       "delay_s": 0,
-                     *       "note": "",
-                     *       "created_at": "2026-11-21T11:17:52.681409Z",
-                     *       "id": 2
-                     *     }
-                     */
                     "application/json": components["schemas"]["Controller"];
                 };
             };
@@ -23423,15 +13687,6 @@ export interface operations {
         };
         requestBody: {
             content: {
-                /**
-                 * @example {
-                 *       "file": "damper.mat",
-                 *       "aircraft_id": 1,
-                 *       "name": "Pitch damper",
-                 *       "reads": "q",
-                 *       "drives": "wf1s,wf4s"
-                 *     }
-                 */
                 "multipart/form-data": components["schemas"]["Body_upload_controller"];
             };
         };
@@ -23442,47 +13697,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "name": "Damper of the recorder",
-                     *       "reads": [
-                     *         "q"
-                     *       ],
-                     *       "drives": [
-                     *         "wf4s"
-                     *       ],
-                     *       "laws": [
-                     *         {
-                     *           "airspeed_m_s": 0,
-                     *           "A": [
-                     *             [
-                     *               -50
-                     *             ]
-                     *           ],
-                     *           "B": [
-                     *             [
-                     *               1
-                     *             ]
-                     *           ],
-                     *           "C": [
-                     *             [
-                     *               10
-                     *             ]
-                     *           ],
-                     *           "D": [
-                     *             [
-                     *               0
-                     *             ]
-                     *           ]
-                     *         }
-                     *       ],
-                     *       "delay_s": 0,
-                     *       "note": "",
-                     *       "created_at": "2026-11-21T11:17:52.696416Z",
-                     *       "id": 3
-                     *     }
-                     */
                     "application/json": components["schemas"]["Controller"];
                 };
             };
@@ -23502,10 +13716,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 controller_id: number;
             };
             cookie?: never;
@@ -23518,112 +13729,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "aircraft_id": 1,
-                     *       "name": "Pitch-rate and attitude feedback",
-                     *       "reads": [
-                     *         "q",
-                     *         "theta"
-                     *       ],
-                     *       "drives": [
-                     *         "wf1s",
-                     *         "wf4s"
-                     *       ],
-                     *       "laws": [
-                     *         {
-                     *           "airspeed_m_s": 41.910000000000004,
-                     *           "A": [
-                     *             [
-                     *               -60,
-                     *               0
-                     *             ],
-                     *             [
-                     *               0,
-                     *               -60
-                     *             ]
-                     *           ],
-                     *           "B": [
-                     *             [
-                     *               60,
-                     *               0
-                     *             ],
-                     *             [
-                     *               0,
-                     *               60
-                     *             ]
-                     *           ],
-                     *           "C": [
-                     *             [
-                     *               0.012500000000000004,
-                     *               0
-                     *             ],
-                     *             [
-                     *               -0.05000000000000002,
-                     *               0.037500000000000006
-                     *             ]
-                     *           ],
-                     *           "D": [
-                     *             [
-                     *               0,
-                     *               0
-                     *             ],
-                     *             [
-                     *               0,
-                     *               0
-                     *             ]
-                     *           ]
-                     *         },
-                     *         {
-                     *           "airspeed_m_s": 57.912000000000006,
-                     *           "A": [
-                     *             [
-                     *               -60,
-                     *               0
-                     *             ],
-                     *             [
-                     *               0,
-                     *               -60
-                     *             ]
-                     *           ],
-                     *           "B": [
-                     *             [
-                     *               60,
-                     *               0
-                     *             ],
-                     *             [
-                     *               0,
-                     *               60
-                     *             ]
-                     *           ],
-                     *           "C": [
-                     *             [
-                     *               0.05,
-                     *               0
-                     *             ],
-                     *             [
-                     *               -0.2,
-                     *               0.15
-                     *             ]
-                     *           ],
-                     *           "D": [
-                     *             [
-                     *               0,
-                     *               0
-                     *             ],
-                     *             [
-                     *               0,
-                     *               0
-                     *             ]
-                     *           ]
-                     *         }
-                     *       ],
-                     *       "delay_s": 0.008,
-                     *       "note": "",
-                     *       "created_at": "2026-11-21T10:59:42.928264Z",
-                     *       "id": 1
-                     *     }
-                     */
                     "application/json": components["schemas"]["Controller"];
                 };
             };
@@ -23643,10 +13748,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /**
-                 * @description Id of the record.
-                 * @example 1
-                 */
+                /** @description Id of the record. */
                 controller_id: number;
             };
             cookie?: never;
@@ -23674,25 +13776,13 @@ export interface operations {
     find_flutter: {
         parameters: {
             query: {
-                /**
-                 * @description Runs that succeeded, separated by commas.
-                 * @example 1
-                 */
+                /** @description Runs that succeeded, separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Fuel fraction; the fastest point's.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction; the fastest point's. */
                 fuel?: number | null;
-                /**
-                 * @description Standard altitude; the fastest point's air.
-                 * @example 1000
-                 */
+                /** @description Standard altitude; the fastest point's air. */
                 altitude_m?: number | null;
-                /**
-                 * @description Airspeed of the next point; 3 % above the fastest.
-                 * @example 45
-                 */
+                /** @description Airspeed of the next point; 3 % above the fastest. */
                 next_m_s?: number | null;
                 /** @description Modes the runs left out: as predicted, or their static response. */
                 others?: components["schemas"]["Others"];
@@ -23711,17 +13801,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": "tf2a1c7896b0524ab",
-                     *       "kind": "flutter",
-                     *       "state": "waiting",
-                     *       "fraction": 0,
-                     *       "message": "",
-                     *       "code": "",
-                     *       "made": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["Task"];
                 };
             };
@@ -23739,25 +13818,13 @@ export interface operations {
     get_flutter: {
         parameters: {
             query: {
-                /**
-                 * @description Runs that succeeded, separated by commas.
-                 * @example 1
-                 */
+                /** @description Runs that succeeded, separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Fuel fraction; the fastest point's.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction; the fastest point's. */
                 fuel?: number | null;
-                /**
-                 * @description Standard altitude; the fastest point's air.
-                 * @example 1000
-                 */
+                /** @description Standard altitude; the fastest point's air. */
                 altitude_m?: number | null;
-                /**
-                 * @description Airspeed of the next point; 3 % above the fastest.
-                 * @example 45
-                 */
+                /** @description Airspeed of the next point; 3 % above the fastest. */
                 next_m_s?: number | null;
                 /** @description Modes the runs left out: as predicted, or their static response. */
                 others?: components["schemas"]["Others"];
@@ -23776,74 +13843,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "sentence": "Flutter of SW1B with the short period at 60.34 ± 0.89 m/s, 16.78 rad/s.",
-                     *       "next_point": "Next point at 33.9 m/s: margin +77.9%, between +75.3% and +80.4% with 95 % probability.",
-                     *       "fuel_fraction": 0.920003333389759,
-                     *       "density_kg_m3": 1.0555988550186157,
-                     *       "tested_m_s": 32.934927469889324,
-                     *       "next_m_s": 33.922975293986006,
-                     *       "airspeed_m_s": 60.34271214339394,
-                     *       "airspeed_std_m_s": 0.4425588932107803,
-                     *       "spread_m_s": 0,
-                     *       "low_m_s": 59.47529671270081,
-                     *       "high_m_s": 61.21012757408707,
-                     *       "frequency_rad_s": 16.782217170845563,
-                     *       "mechanism": "flutter",
-                     *       "participation": [
-                     *         {
-                     *           "name": "SW1B",
-                     *           "share": 0.6235966616685328
-                     *         },
-                     *         {
-                     *           "name": "SP",
-                     *           "share": 0.3708877857000492
-                     *         }
-                     *       ],
-                     *       "known_m_s": 58.795550826182215,
-                     *       "structures": [
-                     *         {
-                     *           "run_ids": [
-                     *             1
-                     *           ],
-                     *           "modes": [
-                     *             7,
-                     *             9
-                     *           ],
-                     *           "held_modes": [],
-                     *           "airspeed_m_s": 60.34271214339394,
-                     *           "airspeed_std_m_s": 0.4425588932107803,
-                     *           "frequency_rad_s": 16.782217170845563,
-                     *           "sentence": "Flutter of SW1B with the short period at 60.34 ± 0.89 m/s, 16.78 rad/s.",
-                     *           "preferred": true
-                     *         }
-                     *       ],
-                     *       "runs": [
-                     *         {
-                     *           "run_id": 1,
-                     *           "label": "1-01 FTA 503",
-                     *           "tested_m_s": 32.934927469889324,
-                     *           "airspeed_m_s": 60.34271214339394,
-                     *           "airspeed_std_m_s": 0.4425588932107803
-                     *         }
-                     *       ],
-                     *       "trackers": [
-                     *         {
-                     *           "name": "Damping extrapolation",
-                     *           "airspeed_m_s": null,
-                     *           "sentence": "the decay rate of 1 test points cannot be extrapolated; it takes three"
-                     *         },
-                     *         {
-                     *           "name": "Flutter margin (Zimmerman-Weissenburger)",
-                     *           "airspeed_m_s": null,
-                     *           "sentence": "the flutter margin of 1 test points cannot be extrapolated; it takes three"
-                     *         }
-                     *       ],
-                     *       "equivalents": [],
-                     *       "separation": 2.734192606277156
-                     *     }
-                     */
                     "application/json": components["schemas"]["Flutter"];
                 };
             };
@@ -23861,27 +13860,14 @@ export interface operations {
     get_closed_loop: {
         parameters: {
             query: {
-                /** @example 1 */
                 controller_id: number;
-                /**
-                 * @description Runs that succeeded, separated by commas.
-                 * @example 1
-                 */
+                /** @description Runs that succeeded, separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Fuel fraction; the fastest point's.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction; the fastest point's. */
                 fuel?: number | null;
-                /**
-                 * @description Standard altitude; the fastest point's air.
-                 * @example 1000
-                 */
+                /** @description Standard altitude; the fastest point's air. */
                 altitude_m?: number | null;
-                /**
-                 * @description Airspeed of the next point; 3 % above the fastest.
-                 * @example 45
-                 */
+                /** @description Airspeed of the next point; 3 % above the fastest. */
                 next_m_s?: number | null;
                 /** @description Modes the runs left out: as predicted, or their static response. */
                 others?: components["schemas"]["Others"];
@@ -23900,38 +13886,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "sentence": "The closed loop stays stable from 19.8 to 52.7 m/s, 1.6 times the fastest point flown.",
-                     *       "controller": "Pitch-rate and attitude feedback",
-                     *       "fuel_fraction": 0.920003333389759,
-                     *       "density_kg_m3": 1.0555988550186157,
-                     *       "tested_m_s": 32.934927469889324,
-                     *       "lost_m_s": null,
-                     *       "low_m_s": null,
-                     *       "high_m_s": null,
-                     *       "margins": [
-                     *         {
-                     *           "surface": "wf1s",
-                     *           "airspeed_m_s": 19.760956481933594,
-                     *           "gain": 267.565483590066,
-                     *           "phase_rad": null,
-                     *           "phase_std_rad": 0,
-                     *           "disk": 1.9850611728831993,
-                     *           "disk_std": 0.0002475662523671158
-                     *         },
-                     *         {
-                     *           "surface": "wf1s",
-                     *           "airspeed_m_s": 21.95661831325955,
-                     *           "gain": 221.2535426187508,
-                     *           "phase_rad": null,
-                     *           "phase_std_rad": 0,
-                     *           "disk": 1.9818938885937374,
-                     *           "disk_std": 0.00022392096982175482
-                     *         }
-                     *       ]
-                     *     }
-                     */
                     "application/json": components["schemas"]["ClosedLoopAnswer"];
                 };
             };
@@ -23951,7 +13905,6 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @example t0123456789abcdef */
                 task_id: string;
             };
             cookie?: never;
@@ -23964,17 +13917,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": "t66197872f174f05d",
-                     *       "kind": "design",
-                     *       "state": "done",
-                     *       "fraction": 1,
-                     *       "message": "",
-                     *       "code": "",
-                     *       "made": 5
-                     *     }
-                     */
                     "application/json": components["schemas"]["Task"];
                 };
             };
@@ -23994,7 +13936,6 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @example t0123456789abcdef */
                 task_id: string;
             };
             cookie?: never;
@@ -24007,17 +13948,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "id": "td7a8f1e9d08a14d8",
-                     *       "kind": "design",
-                     *       "state": "cancelled",
-                     *       "fraction": 1,
-                     *       "message": "",
-                     *       "code": "",
-                     *       "made": 5
-                     *     }
-                     */
                     "application/json": components["schemas"]["Task"];
                 };
             };
@@ -24037,33 +13967,17 @@ export interface operations {
             query?: {
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
-                /** @example 1 */
                 aircraft_id?: number | null;
-                /** @example 1 */
                 flight_id?: number | null;
-                /**
-                 * @description Number of the flight-test aid.
-                 * @example 506
-                 */
+                /** @description Number of the flight-test aid. */
                 fta?: number | null;
-                /**
-                 * @description Least V/V_f.
-                 * @example 0.5
-                 */
+                /** @description Least V/V_f. */
                 min_airspeed_ratio?: number | null;
-                /**
-                 * @description Largest V/V_f.
-                 * @example 1.1
-                 */
+                /** @description Largest V/V_f. */
                 max_airspeed_ratio?: number | null;
-                /** @example 0 */
                 min_fuel?: number | null;
-                /** @example 1 */
                 max_fuel?: number | null;
-                /**
-                 * @description Part of label, note, file or aircraft.
-                 * @example FLEX
-                 */
+                /** @description Part of label, note, file or aircraft. */
                 search?: string | null;
                 /** @description Only maneuvers with a run of this method. */
                 method?: components["schemas"]["Method"] | null;
@@ -24088,116 +14002,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "no FTA",
-                     *           "x": [
-                     *             0.5
-                     *           ],
-                     *           "y": [
-                     *             0.33718806731892326
-                     *           ],
-                     *           "marker": {
-                     *             "color": "#868e96",
-                     *             "symbol": "circle-open",
-                     *             "size": 10
-                     *           },
-                     *           "customdata": [
-                     *             33
-                     *           ],
-                     *           "text": [
-                     *             "<b>multisine</b><br>V/V<sub>f</sub> 0.34, V 20.0 m/s<br>dynamic pressure 240 Pa<br>fuel fraction 0.50"
-                     *           ],
-                     *           "hovertemplate": "%{text}<extra></extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "FTA 500",
-                     *           "x": [
-                     *             0.920003333389759
-                     *           ],
-                     *           "y": [
-                     *             0.5601601993194201
-                     *           ],
-                     *           "marker": {
-                     *             "color": "#c56c9c",
-                     *             "symbol": "triangle-up",
-                     *             "size": 10
-                     *           },
-                     *           "customdata": [
-                     *             34
-                     *           ],
-                     *           "text": [
-                     *             "<b>Rehearsal of FTA 500, first try, medium</b><br>V/V<sub>f</sub> 0.56, V 32.9 m/s<br>dynamic pressure 573 Pa<br>fuel fraction 0.92"
-                     *           ],
-                     *           "hovertemplate": "%{text}<extra></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Fuel fraction [1]"
-                     *           },
-                     *           "range": [
-                     *             -0.05,
-                     *             1.05
-                     *           ]
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "V/V<sub>f</sub> [1]"
-                     *           }
-                     *         },
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "meta": {
-                     *           "rows": 1
-                     *         },
-                     *         "shapes": [
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "paper",
-                     *             "yref": "y",
-                     *             "x0": 0,
-                     *             "x1": 1,
-                     *             "y0": 1,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#d55e00",
-                     *               "width": 1.5,
-                     *               "dash": "dash"
-                     *             },
-                     *             "layer": "below"
-                     *           }
-                     *         ],
-                     *         "annotations": [
-                     *           {
-                     *             "xref": "paper",
-                     *             "yref": "y",
-                     *             "x": 1,
-                     *             "y": 1,
-                     *             "xanchor": "right",
-                     *             "yanchor": "bottom",
-                     *             "text": "predicted flutter",
-                     *             "showarrow": false,
-                     *             "font": {
-                     *               "color": "#d55e00"
-                     *             }
-                     *           }
-                     *         ]
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -24216,16 +14021,10 @@ export interface operations {
     draw_time_history: {
         parameters: {
             query: {
-                /** @example 1 */
                 maneuver_id: number;
-                /**
-                 * @description Names separated by commas.
-                 * @example bfs,q
-                 */
+                /** @description Names separated by commas. */
                 channels?: string | null;
-                /** @example 0 */
                 start_s?: number | null;
-                /** @example 5 */
                 stop_s?: number | null;
                 points?: number;
                 /** @description Figure, or the numbers it shows. */
@@ -24243,136 +14042,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "name": "δ<sub>bfs</sub>",
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "AAAAAADAgkBcj8L1KMCCQPyp8dJNwIJABFYOLbLAgkCkcD0K18CCQHe+nxovwYJATDeJQWDBgkAGgZVDi8GCQNnO91PjwYJAvHSTGATCgkAzMzMzM8KCQN9PjZduwoJAvp8aL93CgkAOLbKd78KCQPCnxks3w4JA"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "33MUNjKV2zzvhYe8CnzOvCFxIzxqsHQ8tl1ZvUhbkTw4zQ+9HXiRPIRgo7wwrwI73EyzvB14AT1IuE28cMoqPdRoEr35TTM8pGciPR8NbLydAxI92b5FvJ0DFr3n2+08EfsPvK5fPD3v81m8XR8DvYMZvTxldNK8"
-                     *           },
-                     *           "yaxis": "y",
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "width": 1
-                     *           },
-                     *           "meta": "bfs",
-                     *           "hovertemplate": "%{y:.4g} deg<extra>δ<sub>bfs</sub></extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "name": "δ<sub>wf1s</sub>",
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "AAAAAADAgkDy0k1iEMCCQBSuR+F6wIJAf2q8dJPAgkDZzvdT48CCQIcW2c73wIJA8KfGSzfBgkBKDAIrh8GCQDm0yHa+wYJADAIrhxbCgkDVeOkmMcKCQN0kBoGVwoJAi2zn+6nCgkApXI/C9cKCQI/C9Shcw4JA"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "bY2iNUToqbyj2QA9eTeivFFMJb34bp08ABKKvLaM+Dwrb428WO3MPMxqAb1o61i96OgsPHuHNT2NK8G8oJn2PAYDDr2ZT4E8i0tPvO3XNj1TL7y8N8pWvcQ/Pz2BhpC8h3bhPDCqOb1fiRM9hz4gvfy4Fz3Z2UG8"
-                     *           },
-                     *           "yaxis": "y2",
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "width": 1
-                     *           },
-                     *           "meta": "wf1s",
-                     *           "hovertemplate": "%{y:.4g} deg<extra>δ<sub>wf1s</sub></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Time [s]"
-                     *           },
-                     *           "anchor": "y5",
-                     *           "range": [
-                     *             600,
-                     *             629.999
-                     *           ]
-                     *         },
-                     *         "showlegend": false,
-                     *         "hovermode": "x",
-                     *         "meta": {
-                     *           "rows": 5
-                     *         },
-                     *         "shapes": [
-                     *           {
-                     *             "type": "rect",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 602,
-                     *             "x1": 626,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "fillcolor": "#868e96",
-                     *             "opacity": 0.08,
-                     *             "line": {
-                     *               "width": 0
-                     *             },
-                     *             "layer": "below"
-                     *           }
-                     *         ],
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "δ<sub>bfs</sub><br>[deg]"
-                     *           },
-                     *           "domain": [
-                     *             0.828,
-                     *             1
-                     *           ]
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "δ<sub>wf1s</sub><br>[deg]"
-                     *           },
-                     *           "domain": [
-                     *             0.621,
-                     *             0.793
-                     *           ]
-                     *         },
-                     *         "yaxis3": {
-                     *           "title": {
-                     *             "text": "δ<sub>wf2s</sub><br>[deg]"
-                     *           },
-                     *           "domain": [
-                     *             0.414,
-                     *             0.586
-                     *           ]
-                     *         },
-                     *         "yaxis4": {
-                     *           "title": {
-                     *             "text": "δ<sub>wf3s</sub><br>[deg]"
-                     *           },
-                     *           "domain": [
-                     *             0.207,
-                     *             0.379
-                     *           ]
-                     *         },
-                     *         "yaxis5": {
-                     *           "title": {
-                     *             "text": "δ<sub>wf4s</sub><br>[deg]"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.172
-                     *           ]
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -24391,16 +14061,10 @@ export interface operations {
     draw_flight_history: {
         parameters: {
             query: {
-                /** @example 4 */
                 flight_id: number;
-                /**
-                 * @description Names separated by commas.
-                 * @example bfs,q
-                 */
+                /** @description Names separated by commas. */
                 channels?: string | null;
-                /** @example 0 */
                 start_s?: number | null;
-                /** @example 5 */
                 stop_s?: number | null;
                 points?: number;
                 /** @description Figure, or the numbers it shows. */
@@ -24418,110 +14082,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "name": "α",
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "AAAAAAAAfkBmZmZmZgB+QIXrUbgeAX5AuB6F61ECfkApXI/C9QJ+QAAAAAAABH5AMzMzMzMFfkBSuB6F6wV+QClcj8L1Bn5AUrgehesHfkAfhetRuAh+QEjhehSuCX5A16NwPQoLfkBmZmZmZgx+QB+F61G4DH5A"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "aNVkQAUaYEBlDmZAm3FhQAaHZ0CbcWFAZQ5mQAUaYEBWYGlAct9qQPI9X0AX8mZA7WFiQJGgZkAV8mBANeZlQNGVYEA6t2ZAsV5eQN4zZ0DpBV5AQahmQI5PXEBj32dAFYFcQDG0ZUCswV5AZWRnQBb9akB3L2JA"
-                     *           },
-                     *           "yaxis": "y",
-                     *           "line": {
-                     *             "color": "#d55e00",
-                     *             "width": 1
-                     *           },
-                     *           "meta": "alpha",
-                     *           "hovertemplate": "%{y:.4g} deg<extra>α</extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "name": "μ<sub>bfs</sub>",
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "AAAAAAAAfkCuR+F6FAB+QNejcD0KAX5AAAAAAAACfkApXI/C9QJ+QFK4HoXrA35AexSuR+EEfkCkcD0K1wV+QM3MzMzMBn5A9ihcj8IHfkAfhetRuAh+QEjhehSuCX5AcT0K16MKfkCamZmZmQt+QMP1KFyPDH5A"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA"
-                     *           },
-                     *           "yaxis": "y2",
-                     *           "line": {
-                     *             "color": "#009e73",
-                     *             "width": 1
-                     *           },
-                     *           "meta": "bfs_command",
-                     *           "hovertemplate": "%{y:.4g} deg<extra>μ<sub>bfs</sub></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Time [s]"
-                     *           },
-                     *           "anchor": "y4",
-                     *           "range": [
-                     *             480,
-                     *             599.995
-                     *           ]
-                     *         },
-                     *         "showlegend": false,
-                     *         "hovermode": "x",
-                     *         "meta": {
-                     *           "rows": 4
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "α<br>[deg]"
-                     *           },
-                     *           "domain": [
-                     *             0.77625,
-                     *             1
-                     *           ]
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "μ<sub>bfs</sub><br>[deg]"
-                     *           },
-                     *           "domain": [
-                     *             0.5175,
-                     *             0.74125
-                     *           ]
-                     *         },
-                     *         "yaxis3": {
-                     *           "title": {
-                     *             "text": "μ<sub>wf1s</sub><br>[deg]"
-                     *           },
-                     *           "domain": [
-                     *             0.25875,
-                     *             0.4825
-                     *           ]
-                     *         },
-                     *         "yaxis4": {
-                     *           "title": {
-                     *             "text": "μ<sub>wf2s</sub><br>[deg]"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.22375
-                     *           ]
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -24540,12 +14101,8 @@ export interface operations {
     draw_spectrum: {
         parameters: {
             query: {
-                /** @example 1 */
                 maneuver_id: number;
-                /**
-                 * @description Names separated by commas.
-                 * @example bfs,q
-                 */
+                /** @description Names separated by commas. */
                 channels?: string | null;
                 /** @description The whole spectrum behind the lines. */
                 full?: boolean;
@@ -24564,180 +14121,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "δ<sub>bfs</sub>",
-                     *           "legendgroup": "bfs",
-                     *           "showlegend": true,
-                     *           "x": [
-                     *             0.25,
-                     *             0.4583333333333333,
-                     *             0.6666666666666666
-                     *           ],
-                     *           "y": [
-                     *             4.234274885688424,
-                     *             4.227162967769869,
-                     *             4.225091953303658
-                     *           ],
-                     *           "yaxis": "y",
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "symbol": "circle",
-                     *             "size": 4
-                     *           },
-                     *           "text": [
-                     *             "SNR 57 dB",
-                     *             "SNR 57 dB",
-                     *             "SNR 57 dB"
-                     *           ],
-                     *           "meta": {
-                     *             "channel": "bfs",
-                     *             "owner": "bfs"
-                     *           },
-                     *           "hovertemplate": "%{x:.3f} Hz<br>%{y:.4g} deg s<br>%{text}<extra>δ<sub>bfs</sub></extra>",
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "symmetric": false,
-                     *             "array": [
-                     *               0,
-                     *               0,
-                     *               0
-                     *             ],
-                     *             "arrayminus": [
-                     *               4.234274885688424,
-                     *               4.227162967769869,
-                     *               4.225091953303658
-                     *             ],
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1,
-                     *             "width": 0
-                     *           }
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "δ<sub>wf1s</sub>",
-                     *           "legendgroup": "wf1s",
-                     *           "showlegend": true,
-                     *           "x": [
-                     *             0.3333333333333333,
-                     *             0.5416666666666667,
-                     *             0.75
-                     *           ],
-                     *           "y": [
-                     *             0.005154121565476647,
-                     *             0.009254810524052534,
-                     *             0.004641542172954433
-                     *           ],
-                     *           "yaxis": "y",
-                     *           "marker": {
-                     *             "color": "#d55e00",
-                     *             "symbol": "square",
-                     *             "size": 4
-                     *           },
-                     *           "text": [
-                     *             "SNR -2 dB",
-                     *             "SNR 4 dB",
-                     *             "SNR -2 dB"
-                     *           ],
-                     *           "meta": {
-                     *             "channel": "bfs",
-                     *             "owner": "wf1s"
-                     *           },
-                     *           "hovertemplate": "%{x:.3f} Hz<br>%{y:.4g} deg s<br>%{text}<extra>δ<sub>wf1s</sub></extra>",
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "symmetric": false,
-                     *             "array": [
-                     *               0,
-                     *               0,
-                     *               0
-                     *             ],
-                     *             "arrayminus": [
-                     *               0.005154121565476647,
-                     *               0.009254810524052534,
-                     *               0.004641542172954433
-                     *             ],
-                     *             "color": "#d55e00",
-                     *             "thickness": 1,
-                     *             "width": 0
-                     *           }
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Frequency [Hz]"
-                     *           },
-                     *           "anchor": "y5"
-                     *         },
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "meta": {
-                     *           "rows": 5
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "|δ<sub>bfs</sub>|<br>[deg s]"
-                     *           },
-                     *           "domain": [
-                     *             0.828,
-                     *             1
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "|δ<sub>wf1s</sub>|<br>[deg s]"
-                     *           },
-                     *           "domain": [
-                     *             0.621,
-                     *             0.793
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "yaxis3": {
-                     *           "title": {
-                     *             "text": "|δ<sub>wf2s</sub>|<br>[deg s]"
-                     *           },
-                     *           "domain": [
-                     *             0.414,
-                     *             0.586
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "yaxis4": {
-                     *           "title": {
-                     *             "text": "|δ<sub>wf3s</sub>|<br>[deg s]"
-                     *           },
-                     *           "domain": [
-                     *             0.207,
-                     *             0.379
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "yaxis5": {
-                     *           "title": {
-                     *             "text": "|δ<sub>wf4s</sub>|<br>[deg s]"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.172
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -24756,12 +14140,8 @@ export interface operations {
     draw_signal_to_noise: {
         parameters: {
             query: {
-                /** @example 1 */
                 maneuver_id: number;
-                /**
-                 * @description Names separated by commas.
-                 * @example bfs,q
-                 */
+                /** @description Names separated by commas. */
                 channels?: string | null;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -24778,63 +14158,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "heatmap",
-                     *           "name": "signal over noise",
-                     *           "x": {
-                     *             "dtype": "f4",
-                     *             "bdata": "AACAPlVVlT6rqqo+AADAPlVV1T6rquo+AAAAP6uqCj9VVRU/AAAgP6uqKj9VVTU/AABAP6uqSj9VVVU/AABgP6uqaj9VVXU/AACAP1VVhT+rqoo/AACQP1VVlT+rqpo/AACgP1VVpT+rqqo/AACwP1VVtT+rqro/"
-                     *           },
-                     *           "y": [
-                     *             "δ<sub>bfs</sub>",
-                     *             "δ<sub>wf1s</sub>",
-                     *             "δ<sub>wf2s</sub>"
-                     *           ],
-                     *           "z": {
-                     *             "dtype": "f4",
-                     *             "bdata": "9/1iQvYED8BOscW/qzkdwY9WN8AE72JCq9WqQNKLYkCoQcvApn6DQKjqYkIHJPTAlxMdwNXugkDrUbZALPpiQq0g8kCyLbW/+l42v7XcrkCo8GJC7JmjwN6bj0C/VntAw7tvPijiYkLKygpBoP6cwIjczj/vydhA",
-                     *             "shape": "50, 125"
-                     *           },
-                     *           "zmin": 0,
-                     *           "zmax": 40,
-                     *           "colorscale": "Viridis",
-                     *           "colorbar": {
-                     *             "title": {
-                     *               "text": "dB"
-                     *             },
-                     *             "thickness": 12
-                     *           },
-                     *           "hovertemplate": "%{y} at %{x:.3f} Hz: %{z:.1f} dB<extra></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Frequency [Hz]"
-                     *           }
-                     *         },
-                     *         "yaxis": {
-                     *           "autorange": "reversed",
-                     *           "automargin": true,
-                     *           "tickfont": {
-                     *             "size": 10
-                     *           }
-                     *         },
-                     *         "height": 970,
-                     *         "meta": {
-                     *           "rows": 1
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -24853,18 +14177,11 @@ export interface operations {
     draw_plot_matrix: {
         parameters: {
             query: {
-                /** @example 1 */
                 maneuver_id: number;
-                /**
-                 * @description Names separated by commas.
-                 * @example bfs,q
-                 */
+                /** @description Names separated by commas. */
                 channels?: string | null;
                 domain?: "time" | "frequency";
-                /**
-                 * @description Regressors of equation error with these modes instead.
-                 * @example 7,9
-                 */
+                /** @description Regressors of equation error with these modes instead. */
                 modes?: string | null;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -24881,227 +14198,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "δ<sub>bfs</sub> over δ<sub>wf1s</sub>",
-                     *           "x": {
-                     *             "dtype": "f4",
-                     *             "bdata": "51g5vajmUj70A74/HWcJP70+XL9VadC/w2DKv1ufvD0dM8Y/W6SqPqlour9/1bS/bkf3vHb/xT9/bJY/rD+Tv/Yepb9YZJU/4rWXP5Bhnb/oJ6G/sZNhP6VKzT+PSky9wivZv2KY374/3tQ/mOk5PpSs0b/kFxI/"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "V5L+PGiTob5Ts9u/CS/fPmGFMj85F9W/1vqZvzcc8LxTQZ2/DZ2RvyElmj7zDc++RUWnv3Yolb7zHsU+yaEpPlAoSj9uOrM/6wDKP2Kr7D+RrPE/5ZvLPxaEzz+ZarY/W5VBP75OgD7whsu+IjWxv7TO6b9SFKy/"
-                     *           },
-                     *           "xaxis": "x2",
-                     *           "yaxis": "y",
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "size": 2.5,
-                     *             "opacity": 0.6
-                     *           },
-                     *           "hovertemplate": "δ<sub>wf1s</sub> %{x:.3g} deg<br>δ<sub>bfs</sub> %{y:.3g} deg<extra></extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "δ<sub>bfs</sub> over δ<sub>wf2s</sub>",
-                     *           "x": {
-                     *             "dtype": "f4",
-                     *             "bdata": "pskKvVAIgz4B8Nc/Afg6PsV/3r+mdTi+YS7SP4LDnT7onNO/sF+Av2ECnD+1GJ0/E6OZv8/Ui7/qZKU/8p2FPVTd07+Zdzw/LdGcP3Jwvr8C8Ia+z/TSPw0TTb992Za/nkHAP2QhuT7kz9W/BuUKvyrSLb9FUde/"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "V5L+PGiTob5Ts9u/CS/fPmGFMj85F9W/1vqZvzcc8LxTQZ2/DZ2RvyElmj7zDc++RUWnv3Yolb7zHsU+yaEpPlAoSj9uOrM/6wDKP2Kr7D+RrPE/5ZvLPxaEzz+ZarY/W5VBP75OgD7whsu+IjWxv7TO6b9SFKy/"
-                     *           },
-                     *           "xaxis": "x3",
-                     *           "yaxis": "y",
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "size": 2.5,
-                     *             "opacity": 0.6
-                     *           },
-                     *           "hovertemplate": "δ<sub>wf2s</sub> %{x:.3g} deg<br>δ<sub>bfs</sub> %{y:.3g} deg<extra></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "showlegend": false,
-                     *         "hovermode": "closest",
-                     *         "annotations": [
-                     *           {
-                     *             "xref": "paper",
-                     *             "yref": "paper",
-                     *             "x": 0.1,
-                     *             "y": 0.9,
-                     *             "text": "<b>δ<sub>bfs</sub></b><br>[deg]",
-                     *             "showarrow": false,
-                     *             "font": {
-                     *               "size": 13
-                     *             },
-                     *             "xanchor": "center",
-                     *             "yanchor": "middle"
-                     *           },
-                     *           {
-                     *             "xref": "paper",
-                     *             "yref": "paper",
-                     *             "x": 0.3,
-                     *             "y": 0.7,
-                     *             "text": "<b>δ<sub>wf1s</sub></b><br>[deg]",
-                     *             "showarrow": false,
-                     *             "font": {
-                     *               "size": 13
-                     *             },
-                     *             "xanchor": "center",
-                     *             "yanchor": "middle"
-                     *           }
-                     *         ],
-                     *         "meta": {
-                     *           "rows": 5,
-                     *           "names": [
-                     *             "bfs",
-                     *             "wf1s",
-                     *             "wf2s"
-                     *           ],
-                     *           "inflation": [
-                     *             1.0000337974686617,
-                     *             1.0000764947081449,
-                     *             1.0000217853322222
-                     *           ],
-                     *           "condition": 1.011293190698416
-                     *         },
-                     *         "xaxis": {
-                     *           "showticklabels": false,
-                     *           "zeroline": false,
-                     *           "showgrid": false,
-                     *           "showline": false,
-                     *           "ticks": "",
-                     *           "domain": [
-                     *             0.005,
-                     *             0.195
-                     *           ]
-                     *         },
-                     *         "yaxis": {
-                     *           "showticklabels": false,
-                     *           "zeroline": false,
-                     *           "showgrid": false,
-                     *           "showline": false,
-                     *           "ticks": "",
-                     *           "domain": [
-                     *             0.8049999999999999,
-                     *             0.995
-                     *           ]
-                     *         },
-                     *         "xaxis2": {
-                     *           "showticklabels": false,
-                     *           "zeroline": false,
-                     *           "showgrid": false,
-                     *           "showline": false,
-                     *           "ticks": "",
-                     *           "domain": [
-                     *             0.20500000000000002,
-                     *             0.395
-                     *           ]
-                     *         },
-                     *         "yaxis2": {
-                     *           "showticklabels": false,
-                     *           "zeroline": false,
-                     *           "showgrid": false,
-                     *           "showline": false,
-                     *           "ticks": "",
-                     *           "domain": [
-                     *             0.605,
-                     *             0.7949999999999999
-                     *           ]
-                     *         },
-                     *         "xaxis3": {
-                     *           "showticklabels": false,
-                     *           "zeroline": false,
-                     *           "showgrid": false,
-                     *           "showline": false,
-                     *           "ticks": "",
-                     *           "domain": [
-                     *             0.405,
-                     *             0.595
-                     *           ]
-                     *         },
-                     *         "yaxis3": {
-                     *           "showticklabels": false,
-                     *           "zeroline": false,
-                     *           "showgrid": false,
-                     *           "showline": false,
-                     *           "ticks": "",
-                     *           "domain": [
-                     *             0.405,
-                     *             0.595
-                     *           ]
-                     *         },
-                     *         "xaxis4": {
-                     *           "showticklabels": false,
-                     *           "zeroline": false,
-                     *           "showgrid": false,
-                     *           "showline": false,
-                     *           "ticks": "",
-                     *           "domain": [
-                     *             0.605,
-                     *             0.795
-                     *           ]
-                     *         },
-                     *         "yaxis4": {
-                     *           "showticklabels": false,
-                     *           "zeroline": false,
-                     *           "showgrid": false,
-                     *           "showline": false,
-                     *           "ticks": "",
-                     *           "domain": [
-                     *             0.20499999999999996,
-                     *             0.395
-                     *           ]
-                     *         },
-                     *         "xaxis5": {
-                     *           "showticklabels": false,
-                     *           "zeroline": false,
-                     *           "showgrid": false,
-                     *           "showline": false,
-                     *           "ticks": "",
-                     *           "domain": [
-                     *             0.805,
-                     *             0.995
-                     *           ]
-                     *         },
-                     *         "yaxis5": {
-                     *           "showticklabels": false,
-                     *           "zeroline": false,
-                     *           "showgrid": false,
-                     *           "showline": false,
-                     *           "ticks": "",
-                     *           "domain": [
-                     *             0.0050000000000000044,
-                     *             0.19499999999999995
-                     *           ]
-                     *         },
-                     *         "shapes": [
-                     *           {
-                     *             "type": "path",
-                     *             "xref": "paper",
-                     *             "yref": "paper",
-                     *             "path": "M0.20500000000000002,0.8049999999999999L0.395,0.8049999999999999L0.395,0.995L0.20500000000000002,0.995ZM0.405,0.8049999999999999L0.595,0.8049999999999999L0.595,",
-                     *             "line": {
-                     *               "color": "rgba(134,142,150,0.25)",
-                     *               "width": 1
-                     *             }
-                     *           }
-                     *         ]
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -25120,22 +14217,12 @@ export interface operations {
     draw_bode: {
         parameters: {
             query: {
-                /** @example 1 */
                 maneuver_id: number;
-                /**
-                 * @description Outputs separated by commas.
-                 * @example q
-                 */
+                /** @description Outputs separated by commas. */
                 output: string;
-                /**
-                 * @description Names separated by commas.
-                 * @example bfs
-                 */
+                /** @description Names separated by commas. */
                 inputs?: string | null;
-                /**
-                 * @description Ids separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids separated by commas. */
                 run_id?: string | null;
                 /** @description Ids of further maneuvers, laid over this one. */
                 beside?: string | null;
@@ -25161,165 +14248,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "name": "δ<sub>bfs</sub>",
-                     *           "legendgroup": "bfs None ",
-                     *           "showlegend": true,
-                     *           "yaxis": "y",
-                     *           "meta": {
-                     *             "output": "q",
-                     *             "input": "bfs",
-                     *             "run_id": null
-                     *           },
-                     *           "mode": "markers",
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "symbol": "circle",
-                     *             "size": 5
-                     *           },
-                     *           "x": [
-                     *             0.4583333333333333,
-                     *             0.6666666666666666,
-                     *             0.875
-                     *           ],
-                     *           "y": [
-                     *             -9.594505121381271,
-                     *             -6.0436769308288465,
-                     *             -2.899692705684357
-                     *           ],
-                     *           "hovertemplate": "%{x:.3f} Hz<br>%{y:.1f} dB re (deg/s)/deg<extra>δ<sub>bfs</sub></extra>",
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               0.7128272575611049,
-                     *               0.47393463739953273,
-                     *               0.3296168593333834
-                     *             ],
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1,
-                     *             "width": 0
-                     *           }
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "name": "δ<sub>bfs</sub>",
-                     *           "legendgroup": "bfs None ",
-                     *           "showlegend": false,
-                     *           "yaxis": "y2",
-                     *           "meta": {
-                     *             "output": "q",
-                     *             "input": "bfs",
-                     *             "run_id": null
-                     *           },
-                     *           "mode": "markers",
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "symbol": "circle",
-                     *             "size": 5
-                     *           },
-                     *           "x": [
-                     *             0.4583333333333333,
-                     *             0.6666666666666666,
-                     *             0.875
-                     *           ],
-                     *           "y": [
-                     *             -83.19056429549508,
-                     *             -98.07249387929527,
-                     *             -113.89295726340671
-                     *           ],
-                     *           "hovertemplate": "%{x:.3f} Hz<br>%{y:.1f} deg<extra>δ<sub>bfs</sub></extra>",
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               4.702108256263157,
-                     *               3.1262721056291793,
-                     *               2.1742913717664254
-                     *             ],
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1,
-                     *             "width": 0
-                     *           }
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Frequency [Hz]"
-                     *           },
-                     *           "type": "log",
-                     *           "anchor": "y2"
-                     *         },
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "|q/δ|<br>[dB re (deg/s)/deg]"
-                     *           },
-                     *           "domain": [
-                     *             0.43708,
-                     *             1
-                     *           ]
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "Phase [deg]"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.40208
-                     *           ],
-                     *           "dtick": 90
-                     *         },
-                     *         "shapes": [
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 3.7868700549265126,
-                     *             "x1": 3.7868700549265126,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#868e96",
-                     *               "width": 1,
-                     *               "dash": "dot"
-                     *             },
-                     *             "layer": "below"
-                     *           }
-                     *         ],
-                     *         "annotations": [
-                     *           {
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x": 0.5782804027187617,
-                     *             "y": 1,
-                     *             "text": "SW1B",
-                     *             "showarrow": false,
-                     *             "yanchor": "top",
-                     *             "xanchor": "left",
-                     *             "font": {
-                     *               "size": 11
-                     *             },
-                     *             "yshift": 0
-                     *           }
-                     *         ],
-                     *         "meta": {
-                     *           "rows": 2,
-                     *           "blanked": [],
-                     *           "agreement": {}
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -25338,17 +14267,10 @@ export interface operations {
     draw_reconstruction: {
         parameters: {
             query: {
-                /** @example 1 */
                 maneuver_id: number;
-                /**
-                 * @description alpha, q, CZ, Cm, CQ7, eta7, etaddot7 ... by commas.
-                 * @example CZ,etaddot7
-                 */
+                /** @description alpha, q, CZ, Cm, CQ7, eta7, etaddot7 ... by commas. */
                 quantities?: string | null;
-                /**
-                 * @description Mode numbers; by default as many as move.
-                 * @example 7,9
-                 */
+                /** @description Mode numbers; by default as many as move. */
                 modes?: string | null;
                 domain?: "time" | "frequency";
                 /** @description Figure, or the numbers it shows. */
@@ -25366,118 +14288,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "yaxis": "y",
-                     *           "name": "±2 standard errors",
-                     *           "legendgroup": "band",
-                     *           "showlegend": true,
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "AAAAAADAgkBpvynPJcCCQNJ+U55LwIJAOj59bXHAgkCj/aY8l8CCQAy90Au9wIJAdXz62uLAgkDdOySqCMGCQEb7TXkuwYJAr7p3SFTBgkAYeqEXesGCQIA5y+afwYJA6fj0tcXBgkBSuB6F68GCQLt3SFQRwoJA"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "FhwaPAoYITyTW+g7kKeFO+qTsDtf9pk7oYleO+6MiDtOCK07xySKO74CvzsShKo76UElO+gKgDvZ9II7ns9KOwRLmzsjutE7cHd8OydqOzu8aq07mOlXOwYhnDt0dpk70lGSO5jByjv21Yk71Z3ZO+WgvDtjhHU7"
-                     *           },
-                     *           "fill": "toself",
-                     *           "fillcolor": "#868e96",
-                     *           "opacity": 0.35,
-                     *           "line": {
-                     *             "width": 0,
-                     *             "color": "#868e96"
-                     *           },
-                     *           "hoverinfo": "skip"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "yaxis": "y",
-                     *           "name": "reconstructed",
-                     *           "legendgroup": "value",
-                     *           "showlegend": true,
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "AAAAAADAgkBpvynPJcCCQNJ+U55LwIJAOj59bXHAgkCj/aY8l8CCQAy90Au9wIJAdXz62uLAgkDdOySqCMGCQEb7TXkuwYJAr7p3SFTBgkAYeqEXesGCQIA5y+afwYJA6fj0tcXBgkBSuB6F68GCQLt3SFQRwoJA"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "IPSrNxscVDviAXE6BvGhumIkDTlJ7JI404WUurXxPLnrEYI64MIQuN0s0jrbaoI6OzDcuvxWl7mawk65/8KPuq/2DzpQ7hA7KtyvuUkErrpx5pA6S9BpuvGrFzrzYQI6jpiSOTk1AztMbbA3bPIgO0z1zTqZCOa5"
-                     *           },
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "width": 1
-                     *           },
-                     *           "meta": "CZ",
-                     *           "hovertemplate": "%{y:.4g} 1<extra>C<sub>Z</sub></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Time [s]"
-                     *           },
-                     *           "anchor": "y2"
-                     *         },
-                     *         "legend": {
-                     *           "orientation": "h",
-                     *           "y": 1.02,
-                     *           "yanchor": "bottom"
-                     *         },
-                     *         "hovermode": "x",
-                     *         "meta": {
-                     *           "rows": 2,
-                     *           "offered": [
-                     *             "CZ",
-                     *             "Cm",
-                     *             "CQ7"
-                     *           ],
-                     *           "modes": [
-                     *             7,
-                     *             9,
-                     *             11
-                     *           ],
-                     *           "mode_names": [
-                     *             "SW1B",
-                     *             "SW1T",
-                     *             "SFA"
-                     *           ],
-                     *           "n_motions": 14,
-                     *           "least_rank": 14,
-                     *           "worst_condition": 26178.40145920518,
-                     *           "n_sensors": 45,
-                     *           "left_out": []
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "C<sub>Z</sub>"
-                     *           },
-                     *           "domain": [
-                     *             0.5175,
-                     *             1
-                     *           ]
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "η̈<sub>7</sub><br>[1/s²]"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.4825
-                     *           ]
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -25496,7 +14307,6 @@ export interface operations {
     draw_ground_test: {
         parameters: {
             query: {
-                /** @example 1 */
                 flight_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -25513,140 +14323,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines+markers",
-                     *           "name": "before flight",
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "AAAAAAAA0D+qqqqqqqrSP1VVVVVVVdU/AAAAAAAA2D+rqqqqqqraP1VVVVVVVd0/AAAAAAAA4D9WVVVVVVXhP6qqqqqqquI/////////4z9VVVVVVVXlP6uqqqqqquY/AAAAAAAA6D9VVVVVVVXpP6uqqqqqquo/"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "LsSZv2Phv78Ryee/eKcOwAjPJMDsjB7AKLw8wDFqQsAAVkXABz42wM+1GsAhJ0jAcBtJwIaPTMDNxEHA9vQewBIAPcD3WTPA0Bc+wC7YNsBSvCrAD2tKwNzEOMDg9jXA2zwtwH52G8Cdg0DAXBw3wEbNPMAAvCjA"
-                     *           },
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "width": 1.2
-                     *           },
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "symbol": "circle",
-                     *             "size": 4
-                     *           },
-                     *           "hovertemplate": "%{x:.3f} Hz<br>%{y:.1f} dB<extra>before flight</extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines+markers",
-                     *           "name": "after flight",
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "AAAAAAAA0D+qqqqqqqrSP1VVVVVVVdU/AAAAAAAA2D+rqqqqqqraP1VVVVVVVd0/AAAAAAAA4D9WVVVVVVXhP6qqqqqqquI/////////4z9VVVVVVVXlP6uqqqqqquY/AAAAAAAA6D9VVVVVVVXpP6uqqqqqquo/"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "E9R8v5wUqL+2QtC/0wQHwK6wIcC7hiXAk8xGwFbZRMCO4E7AkpQ/wL4vOMCzQFfApVVawEwXZ8DYPVXApVZCwEXoYcDdrF7ATTFjwKFIT8DiCjzAp2ZawGv7TsDhPVjAgc1OwHRXN8DqCkrAWS5BwPgqTcCx0UrA"
-                     *           },
-                     *           "line": {
-                     *             "color": "#d55e00",
-                     *             "width": 1.2
-                     *           },
-                     *           "marker": {
-                     *             "color": "#d55e00",
-                     *             "symbol": "square",
-                     *             "size": 4
-                     *           },
-                     *           "hovertemplate": "%{x:.3f} Hz<br>%{y:.1f} dB<extra>after flight</extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Frequency [Hz]"
-                     *           }
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Response over excitation,<br>all channels [dB]"
-                     *           }
-                     *         },
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "shapes": [
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 3.906784952441794,
-                     *             "x1": 3.906784952441794,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#868e96",
-                     *               "width": 1,
-                     *               "dash": "dot"
-                     *             },
-                     *             "layer": "below"
-                     *           },
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 10.803290498704204,
-                     *             "x1": 10.803290498704204,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#868e96",
-                     *               "width": 1,
-                     *               "dash": "dot"
-                     *             },
-                     *             "layer": "below"
-                     *           }
-                     *         ],
-                     *         "annotations": [
-                     *           {
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x": 3.906784952441794,
-                     *             "y": 1,
-                     *             "text": "SW1B expected",
-                     *             "showarrow": false,
-                     *             "yanchor": "top",
-                     *             "xanchor": "left",
-                     *             "font": {
-                     *               "size": 11
-                     *             }
-                     *           },
-                     *           {
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x": 10.803290498704204,
-                     *             "y": 1,
-                     *             "text": "SW1T expected",
-                     *             "showarrow": false,
-                     *             "yanchor": "top",
-                     *             "xanchor": "left",
-                     *             "font": {
-                     *               "size": 11
-                     *             }
-                     *           }
-                     *         ],
-                     *         "meta": {
-                     *           "rows": 2
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -25665,12 +14342,8 @@ export interface operations {
     draw_fit: {
         parameters: {
             query: {
-                /** @example 1 */
                 run_id: number;
-                /**
-                 * @description Names separated by commas.
-                 * @example q
-                 */
+                /** @description Names separated by commas. */
                 output?: string | null;
                 /** @description Block of lines; the run's first by default. */
                 block?: string | null;
@@ -25689,146 +14362,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "name": "measured",
-                     *           "legendgroup": "measured",
-                     *           "x": {
-                     *             "dtype": "f4",
-                     *             "bdata": "AACAPlVVlT6rqqo+AADAPlVV1T6rquo+AAAAP6uqCj9VVRU/AAAgP6uqKj9VVTU/AABAP6uqSj9VVVU/AABgP6uqaj9VVXU/AACAP1VVhT+rqoo/AACQP1VVlT+rqpo/AACgP1VVpT+rqqo/AACwP1VVtT+rqro/"
-                     *           },
-                     *           "customdata": [
-                     *             1
-                     *           ],
-                     *           "mode": "markers",
-                     *           "marker": {
-                     *             "color": "#868e96",
-                     *             "symbol": "circle",
-                     *             "size": 5
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "Eu/7PnyIiD+iuis/70N/P6+Rhz/oggE/THyTP9uuOj/nu5Q/In2ZP6OoFT9jh7E/7bRXPwDgsT+k3rQ/xf00P9GU1D8uOYA/h73WP0dbzz+EMkI/JWnpPyGTgD9UFN0/iZ/GPwj2Mz/fyc4/N3xSP41mvT9Kip8/"
-                     *           },
-                     *           "yaxis": "y",
-                     *           "showlegend": true,
-                     *           "hovertemplate": "%{x:.3f} Hz<br>%{y:.4g} deg s<extra>measured</extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "name": "measured",
-                     *           "legendgroup": "measured",
-                     *           "x": {
-                     *             "dtype": "f4",
-                     *             "bdata": "AACAPlVVlT6rqqo+AADAPlVV1T6rquo+AAAAP6uqCj9VVRU/AAAgP6uqKj9VVTU/AABAP6uqSj9VVVU/AABgP6uqaj9VVXU/AACAP1VVhT+rqoo/AACQP1VVlT+rqpo/AACgP1VVpT+rqqo/AACwP1VVtT+rqro/"
-                     *           },
-                     *           "customdata": [
-                     *             1
-                     *           ],
-                     *           "mode": "markers",
-                     *           "marker": {
-                     *             "color": "#868e96",
-                     *             "symbol": "circle",
-                     *             "size": 5
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "e539wqrRlkIZmj1CcyHawr657sLaOr/B0Bm6Qns2+sB/cATD4ZEAw0niAkM+4yRDmN7jwM7Rz8J6LZ7C0V7swk9CLcOwyXTCrcP5wkYocsLdrQK/5ZMNw4+9ycKJ8AfDH1Ukwvz3a0LTASfDrgciQ38/IkMW0oPC"
-                     *           },
-                     *           "yaxis": "y2",
-                     *           "showlegend": false,
-                     *           "hovertemplate": "%{x:.3f} Hz<br>%{y:.1f} deg<extra>measured</extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Frequency [Hz]"
-                     *           },
-                     *           "anchor": "y4"
-                     *         },
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "annotations": [
-                     *           {
-                     *             "xref": "paper",
-                     *             "yref": "paper",
-                     *             "x": 1,
-                     *             "y": 1,
-                     *             "xanchor": "right",
-                     *             "yanchor": "bottom",
-                     *             "text": "R² = 0.999",
-                     *             "showarrow": false,
-                     *             "font": {
-                     *               "size": 11
-                     *             }
-                     *           },
-                     *           {
-                     *             "xref": "paper",
-                     *             "yref": "paper",
-                     *             "x": 1,
-                     *             "y": 0.4825,
-                     *             "xanchor": "right",
-                     *             "yanchor": "bottom",
-                     *             "text": "R² = 1.000",
-                     *             "showarrow": false,
-                     *             "font": {
-                     *               "size": 11
-                     *             }
-                     *           }
-                     *         ],
-                     *         "meta": {
-                     *           "rows": 4
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "|α|<br>[deg s]"
-                     *           },
-                     *           "domain": [
-                     *             0.73896,
-                     *             1
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "Phase [deg]"
-                     *           },
-                     *           "domain": [
-                     *             0.5175,
-                     *             0.70396
-                     *           ]
-                     *         },
-                     *         "yaxis3": {
-                     *           "title": {
-                     *             "text": "|q|<br>[deg/s s]"
-                     *           },
-                     *           "domain": [
-                     *             0.22146,
-                     *             0.4825
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "yaxis4": {
-                     *           "title": {
-                     *             "text": "Phase [deg]"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.18646
-                     *           ]
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -25847,7 +14381,6 @@ export interface operations {
     draw_residual: {
         parameters: {
             query: {
-                /** @example 1 */
                 run_id: number;
                 /** @description Block of lines; the run's first by default. */
                 block?: string | null;
@@ -25866,58 +14399,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "heatmap",
-                     *           "x": {
-                     *             "dtype": "f4",
-                     *             "bdata": "AACAPlVVlT6rqqo+AADAPlVV1T6rquo+AAAAP6uqCj9VVRU/AAAgP6uqKj9VVTU/AABAP6uqSj9VVVU/AABgP6uqaj9VVXU/AACAP1VVhT+rqoo/AACQP1VVlT+rqpo/AACgP1VVpT+rqqo/AACwP1VVtT+rqro/"
-                     *           },
-                     *           "y": [
-                     *             "α",
-                     *             "q",
-                     *             "θ"
-                     *           ],
-                     *           "z": {
-                     *             "dtype": "f4",
-                     *             "bdata": "yzSMP7A3qz/Dehc/v1Z5P/PwED8kEeo+HrmyP/BnUD8stOo+XYmDPzzDXD81w2o/0Iw9P6VaNz87hPY+dtcpP8McRD90th5AukmhP6kCJT9t60g/eokhP1TveD/5XgQ/oeOGPwL/ID+lLNY/mkSEP7Fm9j40LYM9",
-                     *             "shape": "25, 125"
-                     *           },
-                     *           "zmin": 0,
-                     *           "zmax": 3,
-                     *           "colorscale": "Cividis",
-                     *           "colorbar": {
-                     *             "title": {
-                     *               "text": "|residual| / rms [1]"
-                     *             }
-                     *           },
-                     *           "hovertemplate": "%{y}<br>%{x:.3f} Hz<br>%{z:.2f} of rms<extra></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Frequency [Hz]"
-                     *           }
-                     *         },
-                     *         "yaxis": {
-                     *           "autorange": "reversed",
-                     *           "type": "category",
-                     *           "automargin": true
-                     *         },
-                     *         "meta": {
-                     *           "rows": 5
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -25936,7 +14418,6 @@ export interface operations {
     draw_parameter_correlation: {
         parameters: {
             query: {
-                /** @example 1 */
                 run_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -25953,124 +14434,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "heatmap",
-                     *           "x": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "y": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "z": {
-                     *             "dtype": "f4",
-                     *             "bdata": "AACAP35vTrrlsFQ/Ke98P66ycL+yCCQ/PypQPwLbeb+PuHu/usN6v1FWeL9b+Hu+AmTqvYXyBr6jN2u+g390PpuJUrw9TVW+XB5hPi7yYT6Vzlw+/6BUPoo4nD2/BrO9FZq7PZepuz1Ucpe9yNN+PV/KpD0jNbm9",
-                     *             "shape": "44, 44"
-                     *           },
-                     *           "zmin": -1,
-                     *           "zmax": 1,
-                     *           "colorscale": "RdBu",
-                     *           "colorbar": {
-                     *             "title": {
-                     *               "text": "ρ [1]"
-                     *             }
-                     *           },
-                     *           "hovertemplate": "%{text}<br>ρ = %{z:.3f}<extra></extra>",
-                     *           "text": [
-                     *             [
-                     *               "C<sub>Zα</sub>, C<sub>Zα</sub>",
-                     *               "C<sub>Zα</sub>, C<sub>Zq</sub>",
-                     *               "C<sub>Zα</sub>, C<sub>Z,η7</sub>"
-                     *             ],
-                     *             [
-                     *               "C<sub>Zq</sub>, C<sub>Zα</sub>",
-                     *               "C<sub>Zq</sub>, C<sub>Zq</sub>",
-                     *               "C<sub>Zq</sub>, C<sub>Z,η7</sub>"
-                     *             ]
-                     *           ]
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "|ρ| > 0.9",
-                     *           "x": [
-                     *             3,
-                     *             4,
-                     *             7
-                     *           ],
-                     *           "y": [
-                     *             0,
-                     *             0,
-                     *             0
-                     *           ],
-                     *           "marker": {
-                     *             "symbol": "x-thin",
-                     *             "size": 8,
-                     *             "line": {
-                     *               "color": "#ffd43b",
-                     *               "width": 2
-                     *             }
-                     *           },
-                     *           "text": [
-                     *             "C<sub>Zα</sub>, C<sub>Z,η9</sub><br>ρ = 0.988",
-                     *             "C<sub>Zα</sub>, C<sub>Z,η̇7</sub><br>ρ = -0.940",
-                     *             "C<sub>Zα</sub>, C<sub>Z,δwf1s</sub><br>ρ = -0.976"
-                     *           ],
-                     *           "hovertemplate": "%{text}<extra>cannot be told apart</extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Zα</sub>",
-                     *             "C<sub>Zq</sub>",
-                     *             "C<sub>Z,η7</sub>"
-                     *           ],
-                     *           "automargin": true,
-                     *           "tickangle": -90,
-                     *           "constrain": "domain"
-                     *         },
-                     *         "yaxis": {
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Zα</sub>",
-                     *             "C<sub>Zq</sub>",
-                     *             "C<sub>Z,η7</sub>"
-                     *           ],
-                     *           "automargin": true,
-                     *           "autorange": "reversed",
-                     *           "scaleanchor": "x",
-                     *           "constrain": "domain"
-                     *         },
-                     *         "showlegend": false,
-                     *         "meta": {
-                     *           "rows": 5.5
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -26089,10 +14453,7 @@ export interface operations {
     draw_poles: {
         parameters: {
             query: {
-                /**
-                 * @description Ids of runs, separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids of runs, separated by commas. */
                 run_id: string;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -26109,154 +14470,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers+text",
-                     *           "name": "OE 1",
-                     *           "x": [
-                     *             -3.215539493248084,
-                     *             -2.7344524143209585,
-                     *             -5.41417757765376
-                     *           ],
-                     *           "y": [
-                     *             7.557125803872474,
-                     *             22.288224238548736,
-                     *             83.25154844712478
-                     *           ],
-                     *           "text": [
-                     *             "SP",
-                     *             "SW1B",
-                     *             "SW1T"
-                     *           ],
-                     *           "textposition": "top right",
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "symbol": "circle",
-                     *             "size": 9,
-                     *             "line": {
-                     *               "color": "#1f83c9",
-                     *               "width": 2
-                     *             }
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               1,
-                     *               "<b>SP</b><br>-3.216 ± 0.005 + j 7.557 ± 0.004 rad/s<br>frequency 1.307 Hz<br>damping 0.3915"
-                     *             ],
-                     *             [
-                     *               1,
-                     *               "<b>SW1B</b><br>-2.734 ± 0.005 + j 22.288 ± 0.005 rad/s<br>frequency 3.574 Hz<br>damping 0.1218"
-                     *             ]
-                     *           ],
-                     *           "hovertemplate": "%{customdata[1]}<extra>OE 1</extra>",
-                     *           "error_x": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               0.004798762507776563,
-                     *               0.0047378247852831205,
-                     *               0.722321074394179
-                     *             ],
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1,
-                     *             "width": 3
-                     *           },
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               0.00395827966185121,
-                     *               0.004535469959487474,
-                     *               2.0602540963025326
-                     *             ],
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1,
-                     *             "width": 3
-                     *           }
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers+text",
-                     *           "name": "in vacuo",
-                     *           "x": [
-                     *             -0.4939555045062205,
-                     *             -1.6142861296220943
-                     *           ],
-                     *           "y": [
-                     *             23.788478476152797,
-                     *             67.69408039663519
-                     *           ],
-                     *           "text": [
-                     *             "SW1B",
-                     *             "SW1T"
-                     *           ],
-                     *           "textposition": "top right",
-                     *           "marker": {
-                     *             "color": "#868e96",
-                     *             "symbol": "x-thin-open",
-                     *             "size": 9,
-                     *             "line": {
-                     *               "color": "#868e96",
-                     *               "width": 2
-                     *             }
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               null,
-                     *               "<b>SW1B</b><br>-0.494 + j 23.788 rad/s<br>frequency 3.787 Hz<br>damping 0.0208"
-                     *             ],
-                     *             [
-                     *               null,
-                     *               "<b>SW1T</b><br>-1.614 + j 67.694 rad/s<br>frequency 10.777 Hz<br>damping 0.0238"
-                     *             ]
-                     *           ],
-                     *           "hovertemplate": "%{customdata[1]}<extra>in vacuo</extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Real part [rad/s]"
-                     *           },
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Imaginary part [rad/s]"
-                     *           },
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "shapes": [
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 0,
-                     *             "x1": 0,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#d55e00",
-                     *               "width": 1.5,
-                     *               "dash": "dash"
-                     *             },
-                     *             "layer": "below"
-                     *           }
-                     *         ],
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "meta": {
-                     *           "rows": 2
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -26275,7 +14489,6 @@ export interface operations {
     draw_iterations: {
         parameters: {
             query: {
-                /** @example 1 */
                 run_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -26292,69 +14505,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines+markers",
-                     *           "x": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "y": [
-                     *             -38282.64366075375,
-                     *             -44048.08017743167,
-                     *             -44587.4868136546
-                     *           ],
-                     *           "customdata": [
-                     *             [
-                     *               1,
-                     *               0
-                     *             ],
-                     *             [
-                     *               1,
-                     *               143.03981278087542
-                     *             ]
-                     *           ],
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "width": 1.8
-                     *           },
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "size": 6
-                     *           },
-                     *           "hovertemplate": "iteration %{x}<br>cost %{y:.6g}<br>step %{customdata[1]:.2e}<extra></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Iteration [1]"
-                     *           },
-                     *           "rangemode": "tozero",
-                     *           "dtick": 2
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Cost J [1]"
-                     *           },
-                     *           "tickformat": ".8~g"
-                     *         },
-                     *         "showlegend": false,
-                     *         "meta": {
-                     *           "rows": 1
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -26373,14 +14524,9 @@ export interface operations {
     draw_time_check: {
         parameters: {
             query: {
-                /** @example 1 */
                 run_id: number;
-                /**
-                 * @description Names separated by commas.
-                 * @example q
-                 */
+                /** @description Names separated by commas. */
                 outputs?: string | null;
-                /** @example 1 */
                 maneuver_id?: number | null;
                 points?: number;
                 /** @description Figure, or the numbers it shows. */
@@ -26398,112 +14544,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "name": "measured",
-                     *           "legendgroup": "measured",
-                     *           "showlegend": true,
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "AAAAAADAgkCF61G4HsCCQGZmZmZmwIJAw/UoXI/AgkCkcD0K18CCQAAAAAAAwYJAuB6F61HBgkDsUbgehcGCQPYoXI/CwYJAhetRuB7CgkAzMzMzM8KCQD0K16NwwoJASOF6FK7CgkDXo3A9CsOCQArXo3A9w4JA"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "PKRfuwk+DL1bxY4904ZVvYrDDT0zqJ69/jVuPWw2Lb1lVxw6rOkyvUJ6Az7jKga8FJ06PbZOwL1ezLE9xZCWvM62mT2Yr3e9BYIqPXlQmrxD+Is9W02OvaYtfT21VzG9Z892PWsCFb3LZLw8hhnqvPtiiz1xPLe9"
-                     *           },
-                     *           "yaxis": "y",
-                     *           "line": {
-                     *             "color": "#868e96",
-                     *             "width": 1
-                     *           },
-                     *           "hovertemplate": "%{y:.4g} deg<extra>measured</extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "name": "OE model",
-                     *           "legendgroup": "OE model",
-                     *           "showlegend": true,
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "AAAAAADAgkAK16NwPcCCQBSuR+F6wIJAcT0K16PAgkCkcD0K18CCQFyPwvUowYJAPQrXo3DBgkBI4XoUrsGCQKRwPQrXwYJAXI/C9SjCgkAK16NwPcKCQOxRuB6FwoJAzczMzMzCgkBSuB6F68KCQFyPwvUow4JA"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "uh+6ONM5ozgZrDE50Xs7ORezJTcAl/A5DdbBuHk23rdz14a4vEstuhtOOLqW1he6374guqxRA7qNIoM41UevOYVjSjp4t6E6lsLROlKw5Do2ku06qaLAOq8kJjrlglK5qUAXu6MoILvjOGG74TtMu+Q5Urqwr1C3"
-                     *           },
-                     *           "yaxis": "y",
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "width": 1
-                     *           },
-                     *           "hovertemplate": "%{y:.4g} deg<extra>OE model</extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Time [s]"
-                     *           },
-                     *           "anchor": "y4"
-                     *         },
-                     *         "legend": {
-                     *           "orientation": "h",
-                     *           "y": 1.02,
-                     *           "yanchor": "bottom"
-                     *         },
-                     *         "hovermode": "x",
-                     *         "meta": {
-                     *           "rows": 4
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "α<br>[deg]<br>R² = 0.992"
-                     *           },
-                     *           "domain": [
-                     *             0.77625,
-                     *             1
-                     *           ]
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "q<br>[deg/s]<br>R² = 0.996"
-                     *           },
-                     *           "domain": [
-                     *             0.5175,
-                     *             0.74125
-                     *           ]
-                     *         },
-                     *         "yaxis3": {
-                     *           "title": {
-                     *             "text": "θ<br>[deg]<br>R² = 0.996"
-                     *           },
-                     *           "domain": [
-                     *             0.25875,
-                     *             0.4825
-                     *           ]
-                     *         },
-                     *         "yaxis4": {
-                     *           "title": {
-                     *             "text": "a<sub>x</sub><sup>egi</sup><br>[g]<br>R² = 0.679"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.22375
-                     *           ]
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -26522,20 +14563,11 @@ export interface operations {
     draw_derivatives: {
         parameters: {
             query: {
-                /**
-                 * @description Ids separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Ids separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids separated by commas. */
                 prediction_ids?: string | null;
-                /**
-                 * @description CZ, Cm, CQ7 ...
-                 * @example Cm
-                 */
+                /** @description CZ, Cm, CQ7 ... */
                 coefficient?: string | null;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -26552,676 +14584,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "OE 1",
-                     *           "legendgroup": "run-1",
-                     *           "x": [
-                     *             0
-                     *           ],
-                     *           "y": [
-                     *             -4.999526340038098
-                     *           ],
-                     *           "xaxis": "x",
-                     *           "yaxis": "y",
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "symbol": "circle",
-                     *             "size": 8
-                     *           },
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               0.14401536107502644
-                     *             ],
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1.5,
-                     *             "width": 4
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               1,
-                     *               null,
-                     *               "CZ_alpha"
-                     *             ]
-                     *           ],
-                     *           "text": [
-                     *             "C<sub>Zα</sub> (2σ = 0.144)"
-                     *           ],
-                     *           "hovertemplate": "%{text}<br>%{y:.5g}<extra>OE 1</extra>",
-                     *           "showlegend": true
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "OE 1",
-                     *           "legendgroup": "run-1",
-                     *           "x": [
-                     *             0
-                     *           ],
-                     *           "y": [
-                     *             -5.15697763882933
-                     *           ],
-                     *           "xaxis": "x2",
-                     *           "yaxis": "y2",
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "symbol": "circle",
-                     *             "size": 8
-                     *           },
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               0.1595649382544427
-                     *             ],
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1.5,
-                     *             "width": 4
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               1,
-                     *               null,
-                     *               "CZ_q"
-                     *             ]
-                     *           ],
-                     *           "text": [
-                     *             "C<sub>Zq</sub> (2σ = 0.16)"
-                     *           ],
-                     *           "hovertemplate": "%{text}<br>%{y:.5g}<extra>OE 1</extra>",
-                     *           "showlegend": false
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "meta": {
-                     *           "rows": 1.5
-                     *         },
-                     *         "xaxis": {
-                     *           "domain": [
-                     *             0,
-                     *             -0.004374999999999997
-                     *           ],
-                     *           "anchor": "y",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Zα</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             0.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis": {
-                     *           "anchor": "x",
-                     *           "title": {
-                     *             "text": "[1/rad]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis2": {
-                     *           "domain": [
-                     *             0.055625,
-                     *             0.051250000000000004
-                     *           ],
-                     *           "anchor": "y2",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Zq</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             0.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis2": {
-                     *           "anchor": "x2",
-                     *           "title": {
-                     *             "text": "[1/rad]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis3": {
-                     *           "domain": [
-                     *             0.11125,
-                     *             0.10541666666666667
-                     *           ],
-                     *           "anchor": "y3",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Z,η7</sub>",
-                     *             "C<sub>Z,η9</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             1.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis3": {
-                     *           "anchor": "x3",
-                     *           "title": {
-                     *             "text": "[1]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis4": {
-                     *           "domain": [
-                     *             0.16541666666666666,
-                     *             0.15958333333333333
-                     *           ],
-                     *           "anchor": "y4",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Z,η̇7</sub>",
-                     *             "C<sub>Z,η̇9</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             1.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis4": {
-                     *           "anchor": "x4",
-                     *           "title": {
-                     *             "text": "[1]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis5": {
-                     *           "domain": [
-                     *             0.21958333333333332,
-                     *             0.20500000000000002
-                     *           ],
-                     *           "anchor": "y5",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Z,δbfs</sub>",
-                     *             "C<sub>Z,δwf1s</sub>",
-                     *             "C<sub>Z,δwf2s</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             4.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis5": {
-                     *           "anchor": "x5",
-                     *           "title": {
-                     *             "text": "[1/rad]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis6": {
-                     *           "domain": [
-                     *             0.265,
-                     *             0.260625
-                     *           ],
-                     *           "anchor": "y6",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>mα</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             0.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis6": {
-                     *           "anchor": "x6",
-                     *           "title": {
-                     *             "text": "[1/rad]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis7": {
-                     *           "domain": [
-                     *             0.320625,
-                     *             0.31625
-                     *           ],
-                     *           "anchor": "y7",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>mq</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             0.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis7": {
-                     *           "anchor": "x7",
-                     *           "title": {
-                     *             "text": "[1/rad]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis8": {
-                     *           "domain": [
-                     *             0.37625,
-                     *             0.3704166666666666
-                     *           ],
-                     *           "anchor": "y8",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>m,η7</sub>",
-                     *             "C<sub>m,η9</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             1.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis8": {
-                     *           "anchor": "x8",
-                     *           "title": {
-                     *             "text": "[1]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis9": {
-                     *           "domain": [
-                     *             0.4304166666666666,
-                     *             0.4245833333333333
-                     *           ],
-                     *           "anchor": "y9",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>m,η̇7</sub>",
-                     *             "C<sub>m,η̇9</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             1.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis9": {
-                     *           "anchor": "x9",
-                     *           "title": {
-                     *             "text": "[1]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis10": {
-                     *           "domain": [
-                     *             0.4845833333333333,
-                     *             0.47
-                     *           ],
-                     *           "anchor": "y10",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>m,δbfs</sub>",
-                     *             "C<sub>m,δwf1s</sub>",
-                     *             "C<sub>m,δwf2s</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             4.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis10": {
-                     *           "anchor": "x10",
-                     *           "title": {
-                     *             "text": "[1/rad]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis11": {
-                     *           "domain": [
-                     *             0.53,
-                     *             0.525625
-                     *           ],
-                     *           "anchor": "y11",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Q7,α</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             0.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis11": {
-                     *           "anchor": "x11",
-                     *           "title": {
-                     *             "text": "[1/rad]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis12": {
-                     *           "domain": [
-                     *             0.5856250000000001,
-                     *             0.58125
-                     *           ],
-                     *           "anchor": "y12",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Q7,q</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             0.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis12": {
-                     *           "anchor": "x12",
-                     *           "title": {
-                     *             "text": "[1/rad]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis13": {
-                     *           "domain": [
-                     *             0.6412500000000001,
-                     *             0.6354166666666667
-                     *           ],
-                     *           "anchor": "y13",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Q7,η7</sub>",
-                     *             "C<sub>Q7,η9</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             1.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis13": {
-                     *           "anchor": "x13",
-                     *           "title": {
-                     *             "text": "[1]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis14": {
-                     *           "domain": [
-                     *             0.6954166666666668,
-                     *             0.6895833333333334
-                     *           ],
-                     *           "anchor": "y14",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Q7,η̇7</sub>",
-                     *             "C<sub>Q7,η̇9</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             1.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis14": {
-                     *           "anchor": "x14",
-                     *           "title": {
-                     *             "text": "[1]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis15": {
-                     *           "domain": [
-                     *             0.7495833333333335,
-                     *             0.7350000000000002
-                     *           ],
-                     *           "anchor": "y15",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Q7,δbfs</sub>",
-                     *             "C<sub>Q7,δwf1s</sub>",
-                     *             "C<sub>Q7,δwf2s</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             4.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis15": {
-                     *           "anchor": "x15",
-                     *           "title": {
-                     *             "text": "[1/rad]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis16": {
-                     *           "domain": [
-                     *             0.7950000000000002,
-                     *             0.7906250000000001
-                     *           ],
-                     *           "anchor": "y16",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Q9,α</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             0.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis16": {
-                     *           "anchor": "x16",
-                     *           "title": {
-                     *             "text": "[1/rad]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis17": {
-                     *           "domain": [
-                     *             0.8506250000000002,
-                     *             0.8462500000000002
-                     *           ],
-                     *           "anchor": "y17",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Q9,q</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             0.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis17": {
-                     *           "anchor": "x17",
-                     *           "title": {
-                     *             "text": "[1/rad]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis18": {
-                     *           "domain": [
-                     *             0.9062500000000002,
-                     *             0.9004166666666669
-                     *           ],
-                     *           "anchor": "y18",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Q9,η7</sub>",
-                     *             "C<sub>Q9,η9</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             1.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis18": {
-                     *           "anchor": "x18",
-                     *           "title": {
-                     *             "text": "[1]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis19": {
-                     *           "domain": [
-                     *             0.9604166666666669,
-                     *             0.9545833333333336
-                     *           ],
-                     *           "anchor": "y19",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Q9,η̇7</sub>",
-                     *             "C<sub>Q9,η̇9</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             1.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis19": {
-                     *           "anchor": "x19",
-                     *           "title": {
-                     *             "text": "[1]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "xaxis20": {
-                     *           "domain": [
-                     *             1.0145833333333336,
-                     *             1
-                     *           ],
-                     *           "anchor": "y20",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Q9,δbfs</sub>",
-                     *             "C<sub>Q9,δwf1s</sub>",
-                     *             "C<sub>Q9,δwf2s</sub>"
-                     *           ],
-                     *           "range": [
-                     *             -0.6,
-                     *             4.6
-                     *           ],
-                     *           "showgrid": false,
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis20": {
-                     *           "anchor": "x20",
-                     *           "title": {
-                     *             "text": "[1/rad]"
-                     *           },
-                     *           "zeroline": true
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -27240,20 +14603,11 @@ export interface operations {
     draw_forest: {
         parameters: {
             query: {
-                /**
-                 * @description Ids separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Derivative, e.g. Cm_alpha.
-                 * @example Cm_alpha
-                 */
+                /** @description Derivative, e.g. Cm_alpha. */
                 name: string;
-                /**
-                 * @description Ids separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids separated by commas. */
                 prediction_ids?: string | null;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -27270,68 +14624,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "OE 1",
-                     *           "x": [
-                     *             -0.5135761420231655
-                     *           ],
-                     *           "y": [
-                     *             "OE 1"
-                     *           ],
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "symbol": "circle",
-                     *             "size": 9
-                     *           },
-                     *           "error_x": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               0.03467567118705976
-                     *             ],
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1.5,
-                     *             "width": 4
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               1,
-                     *               null
-                     *             ]
-                     *           ],
-                     *           "hovertemplate": "%{x:.5g}<extra>OE 1</extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "C<sub>mα</sub> [1/rad]"
-                     *           }
-                     *         },
-                     *         "yaxis": {
-                     *           "type": "category",
-                     *           "autorange": "reversed",
-                     *           "automargin": true,
-                     *           "showgrid": false
-                     *         },
-                     *         "shapes": [],
-                     *         "showlegend": false,
-                     *         "hovermode": "closest",
-                     *         "meta": {
-                     *           "rows": 1
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -27352,27 +14645,14 @@ export interface operations {
             query: {
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
-                /**
-                 * @description Ids of runs, separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids of runs, separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Derivative, e.g. Cm_alpha.
-                 * @example Cm_alpha
-                 */
+                /** @description Derivative, e.g. Cm_alpha. */
                 name: string;
-                /** @example dynamic_pressure */
                 against?: components["schemas"]["Against"];
-                /**
-                 * @description Ids of predictions, separated by commas.
-                 * @example 1
-                 */
+                /** @description Ids of predictions, separated by commas. */
                 prediction_ids?: string | null;
-                /**
-                 * @description Of the weighted polynomial.
-                 * @example 1
-                 */
+                /** @description Of the weighted polynomial. */
                 degree?: number;
             };
             header?: never;
@@ -27387,72 +14667,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "OE",
-                     *           "legendgroup": "OE",
-                     *           "x": [
-                     *             572.5090253763958
-                     *           ],
-                     *           "y": [
-                     *             -0.5135761420231655
-                     *           ],
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "symbol": "circle",
-                     *             "size": 8
-                     *           },
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               0.03467567118705976
-                     *             ],
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1.5,
-                     *             "width": 3
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               1,
-                     *               1
-                     *             ]
-                     *           ],
-                     *           "text": [
-                     *             "OE 1, 1-01 FTA 503"
-                     *           ],
-                     *           "hovertemplate": "%{text}<br>%{y:.5g}<extra></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "q̄ [Pa]"
-                     *           },
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "C<sub>mα</sub> [1/rad]"
-                     *           },
-                     *           "zeroline": true
-                     *         },
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "meta": {
-                     *           "rows": 1.5
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -27473,25 +14688,13 @@ export interface operations {
             query: {
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
-                /**
-                 * @description Runs that succeeded, separated by commas.
-                 * @example 1
-                 */
+                /** @description Runs that succeeded, separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Fuel fraction; the fastest point's.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction; the fastest point's. */
                 fuel?: number | null;
-                /**
-                 * @description Standard altitude; the fastest point's air.
-                 * @example 1000
-                 */
+                /** @description Standard altitude; the fastest point's air. */
                 altitude_m?: number | null;
-                /**
-                 * @description Airspeed of the next point; 3 % above the fastest.
-                 * @example 45
-                 */
+                /** @description Airspeed of the next point; 3 % above the fastest. */
                 next_m_s?: number | null;
                 /** @description Modes the runs left out: as predicted, or their static response. */
                 others?: components["schemas"]["Others"];
@@ -27510,153 +14713,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "name": "SP ±2σ",
-                     *           "legendgroup": "SP",
-                     *           "showlegend": false,
-                     *           "x": {
-                     *             "dtype": "f4",
-                     *             "bdata": "g284Qf+9P0F6DEdB9lpOQXGpVUHt91xBaEZkQeSUa0Ff43JB2zF6QSvAgEFpZ4RBpw6IQeS1i0EiXY9BYASTQZ6rlkHbUppBGfqdQVehoUGVSKVB0u+oQRCXrEFOPrBBjOWzQcmMt0EHNLtBRdu+QYOCwkHAKcZB"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "A6/RPrct2j4vtuI+sEnrPhDp8z7hlPw+xKYCP6YJBz8zcws/guMPP6ZaFD+z2Bg/uV0dP8vpIT/5fCY/VhcrP/O4Lz/lYTQ/PBI5Pw7KPT9viUI/clBHPy4fTD+39VA/JdRVP426Wj8JqV8/sZ9kP52eaT/qpW4/"
-                     *           },
-                     *           "yaxis": "y",
-                     *           "fill": "toself",
-                     *           "fillcolor": "#1f83c9",
-                     *           "opacity": 0.18,
-                     *           "line": {
-                     *             "width": 0
-                     *           },
-                     *           "hoverinfo": "skip"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "name": "SP",
-                     *           "legendgroup": "SP",
-                     *           "showlegend": true,
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "wYN5YvANJ0CQXtzSv/cnQF85P0OP4ShALhSis17LKUD+7gQkLrUqQMzJZ5T9nitAnKTKBM2ILEBrfy11nHItQDpakOVrXC5ACTXzVTtGL0DsBytjBRgwQFR1XBvtjDBAu+KN09QBMUAjUL+LvHYxQIq98EOk6zFA"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "aybNPpeR1T7vCN4+to3mPr8g7z6Xwvc+zzkAPwqaBD8VAgk/BHINP+bpET/HaRY/tPEaP7iBHz/gGSQ/N7ooP8liLT+iEzI/z8w2P12OOz9ZWEA/0ypFP9kFSj966U4/yNVTP9PKWD+tyF0/a89iPyDfZz/j92w/"
-                     *           },
-                     *           "yaxis": "y",
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "width": 1.8
-                     *           },
-                     *           "hovertemplate": "%{x:.1f} m/s<br>%{y:.3g} Hz<extra>SP</extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Airspeed [m/s]"
-                     *           },
-                     *           "anchor": "y2"
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Frequency [Hz]"
-                     *           },
-                     *           "domain": [
-                     *             0.5175,
-                     *             1
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "Damping ratio [%]"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.4825
-                     *           ]
-                     *         },
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "shapes": [
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "paper",
-                     *             "x0": 0,
-                     *             "x1": 1,
-                     *             "yref": "y2",
-                     *             "y0": 0,
-                     *             "y1": 0,
-                     *             "line": {
-                     *               "color": "#d55e00",
-                     *               "width": 1.5,
-                     *               "dash": "dash"
-                     *             },
-                     *             "layer": "below"
-                     *           },
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 32.934927469889324,
-                     *             "x1": 32.934927469889324,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#868e96",
-                     *               "width": 1,
-                     *               "dash": "dot"
-                     *             },
-                     *             "layer": "below"
-                     *           }
-                     *         ],
-                     *         "annotations": [
-                     *           {
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x": 32.934927469889324,
-                     *             "y": 1,
-                     *             "text": "fastest flown",
-                     *             "showarrow": false,
-                     *             "yanchor": "top",
-                     *             "xanchor": "left",
-                     *             "font": {
-                     *               "size": 11
-                     *             }
-                     *           },
-                     *           {
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x": 60.34271214339394,
-                     *             "y": 1,
-                     *             "text": "flutter",
-                     *             "showarrow": false,
-                     *             "yanchor": "top",
-                     *             "xanchor": "left",
-                     *             "font": {
-                     *               "size": 11
-                     *             }
-                     *           }
-                     *         ],
-                     *         "meta": {
-                     *           "rows": 4
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -27677,25 +14734,13 @@ export interface operations {
             query: {
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
-                /**
-                 * @description Runs that succeeded, separated by commas.
-                 * @example 1
-                 */
+                /** @description Runs that succeeded, separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Fuel fraction; the fastest point's.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction; the fastest point's. */
                 fuel?: number | null;
-                /**
-                 * @description Standard altitude; the fastest point's air.
-                 * @example 1000
-                 */
+                /** @description Standard altitude; the fastest point's air. */
                 altitude_m?: number | null;
-                /**
-                 * @description Airspeed of the next point; 3 % above the fastest.
-                 * @example 45
-                 */
+                /** @description Airspeed of the next point; 3 % above the fastest. */
                 next_m_s?: number | null;
                 /** @description Modes the runs left out: as predicted, or their static response. */
                 others?: components["schemas"]["Others"];
@@ -27714,113 +14759,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines+markers",
-                     *           "name": "SP",
-                     *           "x": {
-                     *             "dtype": "f4",
-                     *             "bdata": "r7qXv0Umnb9dkKK/d/ynv4Rsrb994bK/vFu4vz/bvb/KX8O/AenIv3l2zr+/B9S/YZzZv+4z37/+zeS/KmrqvxUI8L9mp/W/y0f7v3x0AMBRRQPARBYGwDTnCMADuAvAlIgOwMtYEcCOKBTAw/cWwFDGGcAelBzA"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "iCUOQLoxFEDJSBpA52ogQE2YJkA60SxA6xUzQJ5mOUCOwz9A8yxGQASjTED0JVNA9bVZQDRTYEDf/WZAILZtQCF8dEALUHtAARmBQBiRhEBcEIhA4JaLQLYkj0DyuZJApVaWQOT6mUDCpp1AU1qhQKwVpUDk2KhA"
-                     *           },
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "size": 3
-                     *           },
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "width": 1
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               11.53
-                     *             ],
-                     *             [
-                     *               11.98
-                     *             ]
-                     *           ],
-                     *           "hovertemplate": "%{customdata[0]:.1f} m/s<br>%{x:.2f} + j %{y:.2f} rad/s<extra>SP</extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines+markers",
-                     *           "name": "SW1B",
-                     *           "x": {
-                     *             "dtype": "f4",
-                     *             "bdata": "AgSYvxW0m7/jaJ+/iiKjvyfhpr/VpKq/r22uv847sr9LD7a/POi5v7jGvb/UqsG/pJTFvzyEyb+uec2/DXXRv2h21b/Sfdm/WYvdvw6f4b8AueW/Ptnpv9b/7b/YLPK/UWD2v1Ga+r/m2v6/EJEBwAa4A8Bf4gXA"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "zQy9QRPzvEFA2LxBUby8QUOfvEEQgbxBtGG8QSxBvEFyH7xBgfy7QVXYu0HpsrtBN4y7QTtku0HuOrtBSxC7QUvkukHrtrpBIYi6QepXukE8JrpBE/O5QWe+uUEwiLlBZ1C5QQQXuUH/27hBT5+4QetguEHLILhB"
-                     *           },
-                     *           "marker": {
-                     *             "color": "#d55e00",
-                     *             "size": 3
-                     *           },
-                     *           "line": {
-                     *             "color": "#d55e00",
-                     *             "width": 1
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               11.53
-                     *             ],
-                     *             [
-                     *               11.98
-                     *             ]
-                     *           ],
-                     *           "hovertemplate": "%{customdata[0]:.1f} m/s<br>%{x:.2f} + j %{y:.2f} rad/s<extra>SW1B</extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Real part [rad/s]"
-                     *           },
-                     *           "zeroline": false
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Imaginary part [rad/s]"
-                     *           },
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "shapes": [
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 0,
-                     *             "x1": 0,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#d55e00",
-                     *               "width": 1.5,
-                     *               "dash": "dash"
-                     *             },
-                     *             "layer": "below"
-                     *           }
-                     *         ],
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "meta": {
-                     *           "rows": 3
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -27841,25 +14780,13 @@ export interface operations {
             query: {
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
-                /**
-                 * @description Runs that succeeded, separated by commas.
-                 * @example 1
-                 */
+                /** @description Runs that succeeded, separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Fuel fraction; the fastest point's.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction; the fastest point's. */
                 fuel?: number | null;
-                /**
-                 * @description Standard altitude; the fastest point's air.
-                 * @example 1000
-                 */
+                /** @description Standard altitude; the fastest point's air. */
                 altitude_m?: number | null;
-                /**
-                 * @description Airspeed of the next point; 3 % above the fastest.
-                 * @example 45
-                 */
+                /** @description Airspeed of the next point; 3 % above the fastest. */
                 next_m_s?: number | null;
                 /** @description Modes the runs left out: as predicted, or their static response. */
                 others?: components["schemas"]["Others"];
@@ -27878,106 +14805,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "single runs ±2σ",
-                     *           "x": [
-                     *             32.934927469889324
-                     *           ],
-                     *           "y": [
-                     *             60.34271214339394
-                     *           ],
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               0.8851177864215606
-                     *             ],
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1
-                     *           },
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "size": 8
-                     *           },
-                     *           "text": [
-                     *             "1-01 FTA 503"
-                     *           ],
-                     *           "customdata": [
-                     *             [
-                     *               1
-                     *             ]
-                     *           ],
-                     *           "hovertemplate": "%{text}<br>at %{x:.1f} m/s<br>flutter %{y:.2f} m/s<extra></extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "name": "all runs together",
-                     *           "x": [
-                     *             32.934927469889324,
-                     *             32.934927469889324
-                     *           ],
-                     *           "y": [
-                     *             60.34271214339394,
-                     *             60.34271214339394
-                     *           ],
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "dash": "solid",
-                     *             "width": 1.8
-                     *           },
-                     *           "hovertemplate": "%{y:.2f} m/s<extra>all runs together</extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Airspeed flown [m/s]"
-                     *           }
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Flutter speed [m/s]"
-                     *           },
-                     *           "range": [
-                     *             48.27416971471516,
-                     *             75.42839017924243
-                     *           ]
-                     *         },
-                     *         "shapes": [
-                     *           {
-                     *             "type": "rect",
-                     *             "xref": "paper",
-                     *             "x0": 0,
-                     *             "x1": 1,
-                     *             "yref": "y",
-                     *             "y0": 59.47529671270081,
-                     *             "y1": 61.21012757408707,
-                     *             "fillcolor": "#1f83c9",
-                     *             "opacity": 0.18,
-                     *             "line": {
-                     *               "width": 0
-                     *             },
-                     *             "layer": "below"
-                     *           }
-                     *         ],
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "meta": {
-                     *           "rows": 3
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -27998,25 +14826,13 @@ export interface operations {
             query: {
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
-                /**
-                 * @description Runs that succeeded, separated by commas.
-                 * @example 1
-                 */
+                /** @description Runs that succeeded, separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Fuel fraction; the fastest point's.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction; the fastest point's. */
                 fuel?: number | null;
-                /**
-                 * @description Standard altitude; the fastest point's air.
-                 * @example 1000
-                 */
+                /** @description Standard altitude; the fastest point's air. */
                 altitude_m?: number | null;
-                /**
-                 * @description Airspeed of the next point; 3 % above the fastest.
-                 * @example 45
-                 */
+                /** @description Airspeed of the next point; 3 % above the fastest. */
                 next_m_s?: number | null;
                 /** @description Modes the runs left out: as predicted, or their static response. */
                 others?: components["schemas"]["Others"];
@@ -28035,65 +14851,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "heatmap",
-                     *           "name": "flutter speed",
-                     *           "x": [
-                     *             0,
-                     *             12.5,
-                     *             25
-                     *           ],
-                     *           "y": [
-                     *             0,
-                     *             1000,
-                     *             2000
-                     *           ],
-                     *           "z": [
-                     *             [
-                     *               62.50020737592387,
-                     *               61.449606908867,
-                     *               60.513760044181595
-                     *             ],
-                     *             [
-                     *               64.63027996269054,
-                     *               63.6133601209015,
-                     *               62.70361644502222
-                     *             ]
-                     *           ],
-                     *           "colorscale": "Viridis",
-                     *           "colorbar": {
-                     *             "title": {
-                     *               "text": "m/s"
-                     *             }
-                     *           },
-                     *           "hovertemplate": "fuel %{x:.0f} %<br>altitude %{y:.0f} m<br>%{z:.2f} m/s<extra></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Fuel [%]"
-                     *           }
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Altitude, standard atmosphere [m]"
-                     *           }
-                     *         },
-                     *         "meta": {
-                     *           "rows": 3
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -28112,29 +14870,16 @@ export interface operations {
     draw_closed_loop_margins: {
         parameters: {
             query: {
-                /** @example 1 */
                 controller_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
-                /**
-                 * @description Runs that succeeded, separated by commas.
-                 * @example 1
-                 */
+                /** @description Runs that succeeded, separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Fuel fraction; the fastest point's.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction; the fastest point's. */
                 fuel?: number | null;
-                /**
-                 * @description Standard altitude; the fastest point's air.
-                 * @example 1000
-                 */
+                /** @description Standard altitude; the fastest point's air. */
                 altitude_m?: number | null;
-                /**
-                 * @description Airspeed of the next point; 3 % above the fastest.
-                 * @example 45
-                 */
+                /** @description Airspeed of the next point; 3 % above the fastest. */
                 next_m_s?: number | null;
                 /** @description Modes the runs left out: as predicted, or their static response. */
                 others?: components["schemas"]["Others"];
@@ -28153,170 +14898,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines+markers",
-                     *           "name": "δ<sub>wf1s</sub>",
-                     *           "legendgroup": "δ<sub>wf1s</sub>",
-                     *           "showlegend": true,
-                     *           "x": [
-                     *             19.760956481933594,
-                     *             21.95661831325955,
-                     *             24.152280144585504
-                     *           ],
-                     *           "y": [
-                     *             48.54860175940342,
-                     *             46.89780466332562,
-                     *             45.42427487263348
-                     *           ],
-                     *           "yaxis": "y",
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               0.2742155603441352,
-                     *               0.21325220314176854,
-                     *               0.18866605607334586
-                     *             ],
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1,
-                     *             "width": 2
-                     *           },
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "width": 1
-                     *           },
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "symbol": "circle",
-                     *             "size": 6
-                     *           },
-                     *           "hovertemplate": "%{x:.1f} m/s<br>%{y:.2f}<extra>δ<sub>wf1s</sub></extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines+markers",
-                     *           "name": "δ<sub>wf4s</sub>",
-                     *           "legendgroup": "δ<sub>wf4s</sub>",
-                     *           "showlegend": true,
-                     *           "x": [
-                     *             19.760956481933594,
-                     *             21.95661831325955,
-                     *             24.152280144585504
-                     *           ],
-                     *           "y": [
-                     *             19.42892571550877,
-                     *             18.7931687336661,
-                     *             18.235401987908237
-                     *           ],
-                     *           "yaxis": "y",
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               0.1773536298414206,
-                     *               0.14856661492288967,
-                     *               0.12041807170425048
-                     *             ],
-                     *             "color": "#d55e00",
-                     *             "thickness": 1,
-                     *             "width": 2
-                     *           },
-                     *           "line": {
-                     *             "color": "#d55e00",
-                     *             "width": 1
-                     *           },
-                     *           "marker": {
-                     *             "color": "#d55e00",
-                     *             "symbol": "square",
-                     *             "size": 6
-                     *           },
-                     *           "hovertemplate": "%{x:.1f} m/s<br>%{y:.2f}<extra>δ<sub>wf4s</sub></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Airspeed [m/s]"
-                     *           },
-                     *           "anchor": "y3"
-                     *         },
-                     *         "shapes": [
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 32.934927469889324,
-                     *             "x1": 32.934927469889324,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#868e96",
-                     *               "width": 1,
-                     *               "dash": "dot"
-                     *             },
-                     *             "layer": "below"
-                     *           }
-                     *         ],
-                     *         "annotations": [
-                     *           {
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x": 32.934927469889324,
-                     *             "y": 1,
-                     *             "text": "fastest flown",
-                     *             "showarrow": false,
-                     *             "yanchor": "top",
-                     *             "xanchor": "left",
-                     *             "font": {
-                     *               "size": 11
-                     *             }
-                     *           }
-                     *         ],
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "meta": {
-                     *           "rows": 3
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Gain margin [dB]"
-                     *           },
-                     *           "domain": [
-                     *             0.69,
-                     *             1
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "Phase margin [deg]"
-                     *           },
-                     *           "domain": [
-                     *             0.345,
-                     *             0.655
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "yaxis3": {
-                     *           "title": {
-                     *             "text": "Disk margin [1]"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.31
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -28335,29 +14917,16 @@ export interface operations {
     draw_closed_loop_roots: {
         parameters: {
             query: {
-                /** @example 1 */
                 controller_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
-                /**
-                 * @description Runs that succeeded, separated by commas.
-                 * @example 1
-                 */
+                /** @description Runs that succeeded, separated by commas. */
                 run_ids: string;
-                /**
-                 * @description Fuel fraction; the fastest point's.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction; the fastest point's. */
                 fuel?: number | null;
-                /**
-                 * @description Standard altitude; the fastest point's air.
-                 * @example 1000
-                 */
+                /** @description Standard altitude; the fastest point's air. */
                 altitude_m?: number | null;
-                /**
-                 * @description Airspeed of the next point; 3 % above the fastest.
-                 * @example 45
-                 */
+                /** @description Airspeed of the next point; 3 % above the fastest. */
                 next_m_s?: number | null;
                 /** @description Modes the runs left out: as predicted, or their static response. */
                 others?: components["schemas"]["Others"];
@@ -28376,119 +14945,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "Open loop",
-                     *           "x": {
-                     *             "dtype": "f4",
-                     *             "bdata": "AAAAABZvfsB1c/u/46rdvwAAAABJIofAiEMLwKN/8b8AAAAAA/KOwFzIGMDb9ALAAAAAAAKolsC2PCbA23cNwAAAAADqRZ7AEZYzwKlMGMAAAAAAk82lwKnJQMA1eCPAAAAAAPFArcBzy03ARAEvwAAAAAABorTA"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "AAAAACtTk0LQM4FAsYa6QQAAAAAZ/5VCMyWSQA6RuUEAAAAAGuWYQgfDo0Asd7hBAAAAAOQBnEI4FrZAYTW3QQAAAAA1Up9C1inJQDzHtUEAAAAA3tKiQsUM3UA4J7RBAAAAAMuApkL50/FASE6yQQAAAAAGWapC"
-                     *           },
-                     *           "marker": {
-                     *             "symbol": "circle-open",
-                     *             "size": 7,
-                     *             "color": {
-                     *               "dtype": "f4",
-                     *               "bdata": "cBaeQXAWnkFwFp5BcBaeQSinr0Eop69BKKevQSinr0HfN8FB3zfBQd83wUHfN8FBlsjSQZbI0kGWyNJBlsjSQU1Z5EFNWeRBTVnkQU1Z5EEE6vVBBOr1QQTq9UEE6vVBXr0DQl69A0JevQNCXr0DQrmFDEK5hQxC"
-                     *             },
-                     *             "colorscale": "Cividis",
-                     *             "showscale": false,
-                     *             "colorbar": {
-                     *               "title": {
-                     *                 "text": "Airspeed [m/s]"
-                     *               }
-                     *             }
-                     *           },
-                     *           "text": [
-                     *             "19.8 m/s",
-                     *             "19.8 m/s",
-                     *             "19.8 m/s"
-                     *           ],
-                     *           "hovertemplate": "%{text}<br>%{x:.2f} ± %{y:.2f} j rad/s<extra>Open loop</extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "Closed loop",
-                     *           "x": {
-                     *             "dtype": "f4",
-                     *             "bdata": "Bgx+wNJu4r+0RfK8zITev/NWcMIp/G/CHXI6wvr/OcLS8obAv6D3v9QxAL0fFvO/x2lwwkf7b8KGijrC9/85wv/IjsCT1QbAR0EGvXh1A8BnfXDCSfpvwv2kOsL1/znCHIqWwHlQEsANZgu9lfEMwG+RcMIr+W/C"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "PEuTQq0JvEEAAAAAgF+AQAAAAAAAAAAAIOckQpwJJEJ89ZVCRXW7QQAAAAC9uJBAAAAAAAAAAABwFiVCqgkkQszZmEKZyrpBAAAAAKePoUAAAAAAAAAAALVIJUK5CSRC8vSbQt4HukEAAAAAZOSyQAAAAAAAAAAA"
-                     *           },
-                     *           "marker": {
-                     *             "symbol": "x",
-                     *             "size": 7,
-                     *             "color": {
-                     *               "dtype": "f4",
-                     *               "bdata": "cBaeQXAWnkFwFp5BcBaeQXAWnkFwFp5BcBaeQXAWnkEop69BKKevQSinr0Eop69BKKevQSinr0Eop69BKKevQd83wUHfN8FB3zfBQd83wUHfN8FB3zfBQd83wUHfN8FBlsjSQZbI0kGWyNJBlsjSQZbI0kGWyNJB"
-                     *             },
-                     *             "colorscale": "Cividis",
-                     *             "showscale": true,
-                     *             "colorbar": {
-                     *               "title": {
-                     *                 "text": "Airspeed [m/s]"
-                     *               }
-                     *             }
-                     *           },
-                     *           "text": [
-                     *             "19.8 m/s",
-                     *             "19.8 m/s",
-                     *             "19.8 m/s"
-                     *           ],
-                     *           "hovertemplate": "%{text}<br>%{x:.2f} ± %{y:.2f} j rad/s<extra>Closed loop</extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Real part [rad/s]"
-                     *           }
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Imaginary part [rad/s]"
-                     *           }
-                     *         },
-                     *         "shapes": [
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 0,
-                     *             "x1": 0,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#868e96",
-                     *               "width": 1,
-                     *               "dash": "dot"
-                     *             },
-                     *             "layer": "below"
-                     *           }
-                     *         ],
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "meta": {
-                     *           "rows": 3
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -28507,12 +14964,8 @@ export interface operations {
     draw_search_path: {
         parameters: {
             query: {
-                /** @example 1 */
                 search_id: number;
-                /**
-                 * @description Coefficient (EE) or method; the first.
-                 * @example CZ
-                 */
+                /** @description Coefficient (EE) or method; the first. */
                 group?: string | null;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -28529,147 +14982,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines+markers",
-                     *           "x": [
-                     *             1,
-                     *             2,
-                     *             3
-                     *           ],
-                     *           "y": [
-                     *             0.701429986450947,
-                     *             0.7987119761880599,
-                     *             0.8903234052329724
-                     *           ],
-                     *           "yaxis": "y",
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "width": 1.6
-                     *           },
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "size": 8,
-                     *             "symbol": [
-                     *               "circle",
-                     *               "circle",
-                     *               "circle"
-                     *             ]
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               "+ C<sub>Zα</sub>",
-                     *               650101.4927967599
-                     *             ],
-                     *             [
-                     *               "+ C<sub>Z,δbfs</sub>",
-                     *               86357.70933095439
-                     *             ]
-                     *           ],
-                     *           "hovertemplate": "step %{x}: %{customdata[0]}<br>F %{customdata[1]:.4g}<br>%{y:.6g}<extra></extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines+markers",
-                     *           "x": [
-                     *             1,
-                     *             2,
-                     *             3
-                     *           ],
-                     *           "y": [
-                     *             1057.8144565460896,
-                     *             713.2831733056936,
-                     *             388.840424575401
-                     *           ],
-                     *           "yaxis": "y2",
-                     *           "line": {
-                     *             "color": "#d55e00",
-                     *             "width": 1.6
-                     *           },
-                     *           "marker": {
-                     *             "color": "#d55e00",
-                     *             "size": 8,
-                     *             "symbol": [
-                     *               "circle",
-                     *               "circle",
-                     *               "circle"
-                     *             ]
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               "+ C<sub>Zα</sub>",
-                     *               650101.4927967599
-                     *             ],
-                     *             [
-                     *               "+ C<sub>Z,δbfs</sub>",
-                     *               86357.70933095439
-                     *             ]
-                     *           ],
-                     *           "hovertemplate": "step %{x}: %{customdata[0]}<br>F %{customdata[1]:.4g}<br>%{y:.6g}<extra></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "showlegend": false,
-                     *         "meta": {
-                     *           "rows": 3
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "R² [1]"
-                     *           },
-                     *           "domain": [
-                     *             0.69,
-                     *             1
-                     *           ]
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "PSE [noise variances]"
-                     *           },
-                     *           "domain": [
-                     *             0.345,
-                     *             0.655
-                     *           ]
-                     *         },
-                     *         "yaxis3": {
-                     *           "title": {
-                     *             "text": "BIC [1]"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.31
-                     *           ]
-                     *         },
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Step"
-                     *           },
-                     *           "anchor": "y3",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             1,
-                     *             2,
-                     *             3
-                     *           ],
-                     *           "ticktext": [
-                     *             "+ C<sub>Zα</sub>",
-                     *             "+ C<sub>Z,δbfs</sub>",
-                     *             "+ C<sub>Z,δwf1s</sub>"
-                     *           ],
-                     *           "tickangle": -60,
-                     *           "automargin": true
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -28688,12 +15001,8 @@ export interface operations {
     draw_search_stability: {
         parameters: {
             query: {
-                /** @example 1 */
                 search_id: number;
-                /**
-                 * @description Coefficient (EE) or method; the first.
-                 * @example CZ
-                 */
+                /** @description Coefficient (EE) or method; the first. */
                 group?: string | null;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -28710,101 +15019,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "bar",
-                     *           "name": "Chosen",
-                     *           "x": [
-                     *             "CZ_alpha",
-                     *             "CZ_q",
-                     *             "CZ_eta7"
-                     *           ],
-                     *           "y": [
-                     *             100,
-                     *             100,
-                     *             100
-                     *           ],
-                     *           "marker": {
-                     *             "color": "#1f83c9"
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               213273.03957372045
-                     *             ],
-                     *             [
-                     *               4108.726995338788
-                     *             ]
-                     *           ],
-                     *           "hovertemplate": "%{x}: %{y:.0f} % of draws<br>F %{customdata[0]:.4g}<extra></extra>"
-                     *         },
-                     *         {
-                     *           "type": "bar",
-                     *           "name": "Not chosen",
-                     *           "x": [
-                     *             "CZ_eta9"
-                     *           ],
-                     *           "y": [
-                     *             0
-                     *           ],
-                     *           "marker": {
-                     *             "color": "#868e96"
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               0.32366621550533237
-                     *             ]
-                     *           ],
-                     *           "hovertemplate": "%{x}: %{y:.0f} % of draws<br>F %{customdata[0]:.4g}<extra></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "barmode": "overlay",
-                     *         "xaxis": {
-                     *           "categoryorder": "array",
-                     *           "categoryarray": [
-                     *             "CZ_alpha",
-                     *             "CZ_q",
-                     *             "CZ_eta7"
-                     *           ],
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             "CZ_alpha",
-                     *             "CZ_q",
-                     *             "CZ_eta7"
-                     *           ],
-                     *           "ticktext": [
-                     *             "C<sub>Zα</sub>",
-                     *             "C<sub>Zq</sub>",
-                     *             "C<sub>Z,η7</sub>"
-                     *           ],
-                     *           "tickangle": -60,
-                     *           "automargin": true
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Chosen in draws of the lines [%]"
-                     *           },
-                     *           "range": [
-                     *             0,
-                     *             105
-                     *           ]
-                     *         },
-                     *         "legend": {
-                     *           "orientation": "h"
-                     *         },
-                     *         "meta": {
-                     *           "rows": 1
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -28823,12 +15038,8 @@ export interface operations {
     draw_design_history: {
         parameters: {
             query: {
-                /** @example 1 */
                 design_id: number;
-                /**
-                 * @description Amplitude: 0 low, 1 medium, 2 high.
-                 * @example 1
-                 */
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -28845,115 +15056,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "name": "δ<sub>bfs</sub>",
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "AAAAAAAAAAB7FK5H4XqEP3sUrkfhepQ/uB6F61G4nj97FK5H4XqkP5qZmZmZmak/uB6F61G4rj/sUbgeheuxP3sUrkfherQ/CtejcD0Ktz+amZmZmZm5Pylcj8L1KLw/uB6F61G4vj+kcD0K16PAP+xRuB6F68E/"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "E5WQJ3Cdzr00YU2+O4OYvveLyL75Pva+9IwQv+NSJL9APDa/JxtGv1rJU7+kKF+/DSNov+uqbr/OunK/Q1V0v3qEc7/PWXC/Mu1qv4dcY7/lylm/2l9Ov5tGQb8/rTK/8cMivzW8Eb9hkP++DDTavn/Gs76jqIy+"
-                     *           },
-                     *           "yaxis": "y",
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "width": 1
-                     *           },
-                     *           "meta": "bfs",
-                     *           "hovertemplate": "%{y:.3f} deg<extra>δ<sub>bfs</sub></extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "name": "δ<sub>wf3s</sub>",
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "AAAAAAAAAAB7FK5H4XqEP3sUrkfhepQ/uB6F61G4nj97FK5H4XqkP5qZmZmZmak/uB6F61G4rj/sUbgeheuxP3sUrkfherQ/CtejcD0Ktz+amZmZmZm5Pylcj8L1KLw/uB6F61G4vj+kcD0K16PAP+xRuB6F68E/"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "89tWJlycMz0ZWb89d20XPucjUz6V1Yg+cuKoPn8PyT4Xreg+RYQDP/G3ET/bmh4/jtopP7wqMz8VRzo/BfU+Pz0FQT8TVUA/m888P4BuNj+MOi0/3kshP83JEj9v6gE/nOPdPolhtD4YB4g+CUAzPnodqD2vmzu8"
-                     *           },
-                     *           "yaxis": "y2",
-                     *           "line": {
-                     *             "color": "#d55e00",
-                     *             "width": 1
-                     *           },
-                     *           "meta": "wf3s",
-                     *           "hovertemplate": "%{y:.3f} deg<extra>δ<sub>wf3s</sub></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Time [s]"
-                     *           },
-                     *           "anchor": "y5"
-                     *         },
-                     *         "showlegend": false,
-                     *         "hovermode": "x",
-                     *         "meta": {
-                     *           "rows": 5
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "δ<sub>bfs</sub> [deg]"
-                     *           },
-                     *           "domain": [
-                     *             0.828,
-                     *             1
-                     *           ]
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "δ<sub>wf3s</sub> [deg]"
-                     *           },
-                     *           "domain": [
-                     *             0.621,
-                     *             0.793
-                     *           ]
-                     *         },
-                     *         "yaxis3": {
-                     *           "title": {
-                     *             "text": "δ<sub>wf1s</sub> [deg]"
-                     *           },
-                     *           "domain": [
-                     *             0.414,
-                     *             0.586
-                     *           ]
-                     *         },
-                     *         "yaxis4": {
-                     *           "title": {
-                     *             "text": "δ<sub>wf4s</sub> [deg]"
-                     *           },
-                     *           "domain": [
-                     *             0.207,
-                     *             0.379
-                     *           ]
-                     *         },
-                     *         "yaxis5": {
-                     *           "title": {
-                     *             "text": "δ<sub>wf2s</sub> [deg]"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.172
-                     *           ]
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -28972,12 +15075,8 @@ export interface operations {
     draw_design_spectrum: {
         parameters: {
             query: {
-                /** @example 1 */
                 design_id: number;
-                /**
-                 * @description Amplitude: 0 low, 1 medium, 2 high.
-                 * @example 1
-                 */
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -28994,111 +15093,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "δ<sub>bfs</sub>",
-                     *           "x": [
-                     *             0.25,
-                     *             0.4583333333333333,
-                     *             0.6666666666666666
-                     *           ],
-                     *           "y": [
-                     *             0.22971409149317756,
-                     *             0.22971409149317756,
-                     *             0.22971409149317756
-                     *           ],
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "symbol": "circle",
-                     *             "size": 6
-                     *           },
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "symmetric": false,
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1,
-                     *             "width": 0,
-                     *             "array": [
-                     *               0,
-                     *               0,
-                     *               0
-                     *             ],
-                     *             "arrayminus": [
-                     *               0.22971409149317756,
-                     *               0.22971409149317756,
-                     *               0.22971409149317756
-                     *             ]
-                     *           },
-                     *           "hovertemplate": "%{x:.3f} Hz<br>%{y:.3f} deg<extra>δ<sub>bfs</sub></extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "δ<sub>wf3s</sub>",
-                     *           "x": [
-                     *             0.2916666666666667,
-                     *             0.5,
-                     *             0.7083333333333334
-                     *           ],
-                     *           "y": [
-                     *             0.19710675097359498,
-                     *             0.19710675097359498,
-                     *             0.19710675097359498
-                     *           ],
-                     *           "marker": {
-                     *             "color": "#d55e00",
-                     *             "symbol": "square",
-                     *             "size": 6
-                     *           },
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "symmetric": false,
-                     *             "color": "#d55e00",
-                     *             "thickness": 1,
-                     *             "width": 0,
-                     *             "array": [
-                     *               0,
-                     *               0,
-                     *               0
-                     *             ],
-                     *             "arrayminus": [
-                     *               0.19710675097359498,
-                     *               0.19710675097359498,
-                     *               0.19710675097359498
-                     *             ]
-                     *           },
-                     *           "hovertemplate": "%{x:.3f} Hz<br>%{y:.3f} deg<extra>δ<sub>wf3s</sub></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Frequency [Hz]"
-                     *           }
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Amplitude of a line [deg]"
-                     *           },
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "meta": {
-                     *           "rows": 2
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -29117,14 +15112,9 @@ export interface operations {
     draw_design_worth: {
         parameters: {
             query: {
-                /** @example 1 */
                 design_id: number;
-                /** @example 1 */
                 run_id: number;
-                /**
-                 * @description Amplitude: 0 low, 1 medium, 2 high.
-                 * @example 1
-                 */
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -29141,137 +15131,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "δ<sub>bfs</sub>: 12 % of all",
-                     *           "x": [
-                     *             0.25,
-                     *             0.4583333333333333,
-                     *             0.6666666666666666
-                     *           ],
-                     *           "y": [
-                     *             0.3625268583086344,
-                     *             0.30546919078653517,
-                     *             0.3249071762993557
-                     *           ],
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "symbol": "circle",
-                     *             "size": 6
-                     *           },
-                     *           "hovertemplate": "%{x:.3f} Hz<br>%{y:.3g} parameters<extra>δ<sub>bfs</sub></extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "δ<sub>wf3s</sub>: 20 % of all",
-                     *           "x": [
-                     *             0.29166666666666663,
-                     *             0.5,
-                     *             0.7083333333333334
-                     *           ],
-                     *           "y": [
-                     *             0.5708848415978702,
-                     *             0.5300733118633661,
-                     *             0.5868698485687909
-                     *           ],
-                     *           "marker": {
-                     *             "color": "#d55e00",
-                     *             "symbol": "square",
-                     *             "size": 6
-                     *           },
-                     *           "hovertemplate": "%{x:.3f} Hz<br>%{y:.3g} parameters<extra>δ<sub>wf3s</sub></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Frequency [Hz]"
-                     *           }
-                     *         },
-                     *         "shapes": [
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 1.3071053989872765,
-                     *             "x1": 1.3071053989872765,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#868e96",
-                     *               "width": 1,
-                     *               "dash": "dot"
-                     *             },
-                     *             "layer": "below"
-                     *           },
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 3.573877917535963,
-                     *             "x1": 3.573877917535963,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#868e96",
-                     *               "width": 1,
-                     *               "dash": "dot"
-                     *             },
-                     *             "layer": "below"
-                     *           }
-                     *         ],
-                     *         "annotations": [
-                     *           {
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x": 1.3071053989872765,
-                     *             "y": 1,
-                     *             "text": "SP",
-                     *             "showarrow": false,
-                     *             "yanchor": "top",
-                     *             "xanchor": "left",
-                     *             "font": {
-                     *               "size": 11
-                     *             }
-                     *           },
-                     *           {
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x": 3.573877917535963,
-                     *             "y": 0.94,
-                     *             "text": "SW1B",
-                     *             "showarrow": false,
-                     *             "yanchor": "top",
-                     *             "xanchor": "left",
-                     *             "font": {
-                     *               "size": 11
-                     *             }
-                     *           }
-                     *         ],
-                     *         "meta": {
-                     *           "rows": 2
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Worth of a line [parameters]"
-                     *           },
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "showlegend": true,
-                     *         "hovermode": "closest"
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -29290,14 +15150,9 @@ export interface operations {
     draw_design_signal: {
         parameters: {
             query: {
-                /** @example 1 */
                 design_id: number;
-                /** @example 1 */
                 run_id: number;
-                /**
-                 * @description Amplitude: 0 low, 1 medium, 2 high.
-                 * @example 1
-                 */
+                /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -29314,119 +15169,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "heatmap",
-                     *           "x": [
-                     *             0.25,
-                     *             0.29166666666666663,
-                     *             0.3333333333333333
-                     *           ],
-                     *           "y": [
-                     *             "α",
-                     *             "q",
-                     *             "θ"
-                     *           ],
-                     *           "z": {
-                     *             "dtype": "f4",
-                     *             "bdata": "u4HNQd7zAkKE++RBAlUAQnOfAkJPtMxBJpYCQhbV4UGySAFCXb0EQgau00FY/wdCeKnuQUe1CEJEVwtCT7TgQTe7DkIDEPlB4fkOQi8/EELzMuhBR2USQpP6+kFp0A9CFpENQjO+3kESGgxCp+3nQZ0FCEL6sQRC",
-                     *             "shape": "25, 60"
-                     *           },
-                     *           "zmin": -20,
-                     *           "zmax": 60,
-                     *           "colorscale": "Cividis",
-                     *           "colorbar": {
-                     *             "title": {
-                     *               "text": "signal / noise [dB]"
-                     *             }
-                     *           },
-                     *           "hovertemplate": "%{y}<br>%{x:.3f} Hz<br>%{z:.1f} dB<extra></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Frequency [Hz]"
-                     *           }
-                     *         },
-                     *         "shapes": [
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 1.3071053989872765,
-                     *             "x1": 1.3071053989872765,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#ffd43b",
-                     *               "width": 1,
-                     *               "dash": "dot"
-                     *             },
-                     *             "layer": "above"
-                     *           },
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 3.573877917535963,
-                     *             "x1": 3.573877917535963,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#ffd43b",
-                     *               "width": 1,
-                     *               "dash": "dot"
-                     *             },
-                     *             "layer": "above"
-                     *           }
-                     *         ],
-                     *         "annotations": [
-                     *           {
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x": 1.3071053989872765,
-                     *             "y": 1,
-                     *             "text": "SP",
-                     *             "showarrow": false,
-                     *             "yanchor": "bottom",
-                     *             "xanchor": "left",
-                     *             "font": {
-                     *               "size": 11
-                     *             }
-                     *           },
-                     *           {
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x": 3.573877917535963,
-                     *             "y": 1,
-                     *             "text": "SW1B",
-                     *             "showarrow": false,
-                     *             "yanchor": "bottom",
-                     *             "xanchor": "left",
-                     *             "font": {
-                     *               "size": 11
-                     *             }
-                     *           }
-                     *         ],
-                     *         "meta": {
-                     *           "rows": 5
-                     *         },
-                     *         "yaxis": {
-                     *           "autorange": "reversed",
-                     *           "type": "category",
-                     *           "automargin": true
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -29445,7 +15188,6 @@ export interface operations {
     draw_loops: {
         parameters: {
             query: {
-                /** @example 1 */
                 maneuver_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -29462,147 +15204,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines+markers",
-                     *           "name": "δ<sub>bfs</sub>: gain 51.2 dB, phase ∞, disk 1.99 ± 0.01",
-                     *           "x": [
-                     *             -0.00040735103370237447,
-                     *             0.0010814856019256691,
-                     *             0.0012639266813536665
-                     *           ],
-                     *           "y": [
-                     *             -0.00012584473839022037,
-                     *             -0.0015474399173199974,
-                     *             -0.0007831106737095311
-                     *           ],
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "width": 1
-                     *           },
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "symbol": "circle",
-                     *             "size": 5
-                     *           },
-                     *           "error_x": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               0.0020301314175987643,
-                     *               0.002036578247425593,
-                     *               0.002037946042190569
-                     *             ],
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1,
-                     *             "width": 0
-                     *           },
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               0.0020301314175987643,
-                     *               0.002036578247425593,
-                     *               0.002037946042190569
-                     *             ],
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1,
-                     *             "width": 0
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               0.25
-                     *             ],
-                     *             [
-                     *               0.4583
-                     *             ]
-                     *           ],
-                     *           "hovertemplate": "%{customdata[0]:.3f} Hz<br>%{x:.3f} + j %{y:.3f}<extra>δ<sub>bfs</sub></extra>",
-                     *           "meta": "bfs"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines+markers",
-                     *           "name": "δ<sub>wf1s</sub>: gain 39.6 dB, phase ∞, disk 1.96 ± 0.01",
-                     *           "x": [
-                     *             0.004056299620704529,
-                     *             0.0019310085083139583,
-                     *             0.009475131051801089
-                     *           ],
-                     *           "y": [
-                     *             0.003344444855297013,
-                     *             0.005123821406783489,
-                     *             0.009183218546469266
-                     *           ],
-                     *           "line": {
-                     *             "color": "#d55e00",
-                     *             "width": 1
-                     *           },
-                     *           "marker": {
-                     *             "color": "#d55e00",
-                     *             "symbol": "square",
-                     *             "size": 5
-                     *           },
-                     *           "error_x": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               0.003013651686715693,
-                     *               0.003001666005381088,
-                     *               0.0030482999076245085
-                     *             ],
-                     *             "color": "#d55e00",
-                     *             "thickness": 1,
-                     *             "width": 0
-                     *           },
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "array": [
-                     *               0.003013651686715693,
-                     *               0.003001666005381088,
-                     *               0.0030482999076245085
-                     *             ],
-                     *             "color": "#d55e00",
-                     *             "thickness": 1,
-                     *             "width": 0
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               0.3333
-                     *             ],
-                     *             [
-                     *               0.5417
-                     *             ]
-                     *           ],
-                     *           "hovertemplate": "%{customdata[0]:.3f} Hz<br>%{x:.3f} + j %{y:.3f}<extra>δ<sub>wf1s</sub></extra>",
-                     *           "meta": "wf1s"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Re L [1]"
-                     *           }
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Im L [1]"
-                     *           },
-                     *           "scaleanchor": "x"
-                     *         },
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "meta": {
-                     *           "rows": 3
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -29621,7 +15223,6 @@ export interface operations {
     draw_frozen: {
         parameters: {
             query: {
-                /** @example 1 */
                 figure_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -29638,180 +15239,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "δ<sub>bfs</sub>",
-                     *           "legendgroup": "bfs",
-                     *           "showlegend": true,
-                     *           "x": [
-                     *             0.25,
-                     *             0.4583333333333333,
-                     *             0.6666666666666666
-                     *           ],
-                     *           "y": [
-                     *             4.234274885688424,
-                     *             4.227162967769869,
-                     *             4.225091953303658
-                     *           ],
-                     *           "yaxis": "y",
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "symbol": "circle",
-                     *             "size": 4
-                     *           },
-                     *           "text": [
-                     *             "SNR 57 dB",
-                     *             "SNR 57 dB",
-                     *             "SNR 57 dB"
-                     *           ],
-                     *           "meta": {
-                     *             "channel": "bfs",
-                     *             "owner": "bfs"
-                     *           },
-                     *           "hovertemplate": "%{x:.3f} Hz<br>%{y:.4g} deg s<br>%{text}<extra>δ<sub>bfs</sub></extra>",
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "symmetric": false,
-                     *             "array": [
-                     *               0,
-                     *               0,
-                     *               0
-                     *             ],
-                     *             "arrayminus": [
-                     *               4.234274885688424,
-                     *               4.227162967769869,
-                     *               4.225091953303658
-                     *             ],
-                     *             "color": "#1f83c9",
-                     *             "thickness": 1,
-                     *             "width": 0
-                     *           }
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "name": "δ<sub>wf1s</sub>",
-                     *           "legendgroup": "wf1s",
-                     *           "showlegend": true,
-                     *           "x": [
-                     *             0.3333333333333333,
-                     *             0.5416666666666667,
-                     *             0.75
-                     *           ],
-                     *           "y": [
-                     *             0.005154121565476647,
-                     *             0.009254810524052534,
-                     *             0.004641542172954433
-                     *           ],
-                     *           "yaxis": "y",
-                     *           "marker": {
-                     *             "color": "#d55e00",
-                     *             "symbol": "square",
-                     *             "size": 4
-                     *           },
-                     *           "text": [
-                     *             "SNR -2 dB",
-                     *             "SNR 4 dB",
-                     *             "SNR -2 dB"
-                     *           ],
-                     *           "meta": {
-                     *             "channel": "bfs",
-                     *             "owner": "wf1s"
-                     *           },
-                     *           "hovertemplate": "%{x:.3f} Hz<br>%{y:.4g} deg s<br>%{text}<extra>δ<sub>wf1s</sub></extra>",
-                     *           "error_y": {
-                     *             "type": "data",
-                     *             "symmetric": false,
-                     *             "array": [
-                     *               0,
-                     *               0,
-                     *               0
-                     *             ],
-                     *             "arrayminus": [
-                     *               0.005154121565476647,
-                     *               0.009254810524052534,
-                     *               0.004641542172954433
-                     *             ],
-                     *             "color": "#d55e00",
-                     *             "thickness": 1,
-                     *             "width": 0
-                     *           }
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Frequency [Hz]"
-                     *           },
-                     *           "anchor": "y5"
-                     *         },
-                     *         "showlegend": true,
-                     *         "hovermode": "closest",
-                     *         "meta": {
-                     *           "rows": 5
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "|δ<sub>bfs</sub>|<br>[deg s]"
-                     *           },
-                     *           "domain": [
-                     *             0.828,
-                     *             1
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "|δ<sub>wf1s</sub>|<br>[deg s]"
-                     *           },
-                     *           "domain": [
-                     *             0.621,
-                     *             0.793
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "yaxis3": {
-                     *           "title": {
-                     *             "text": "|δ<sub>wf2s</sub>|<br>[deg s]"
-                     *           },
-                     *           "domain": [
-                     *             0.414,
-                     *             0.586
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "yaxis4": {
-                     *           "title": {
-                     *             "text": "|δ<sub>wf3s</sub>|<br>[deg s]"
-                     *           },
-                     *           "domain": [
-                     *             0.207,
-                     *             0.379
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "yaxis5": {
-                     *           "title": {
-                     *             "text": "|δ<sub>wf4s</sub>|<br>[deg s]"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.172
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -29830,7 +15258,6 @@ export interface operations {
     draw_modes_against_fuel: {
         parameters: {
             query: {
-                /** @example 1 */
                 modal_table_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -29847,91 +15274,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "x": {
-                     *             "dtype": "f4",
-                     *             "bdata": "AAAAAArXIzwK16M8j8L1PArXIz3NzEw9j8J1PSlcjz0K16M97FG4Pc3MzD2uR+E9j8L1PbgeBT4pXA8+mpkZPgrXIz57FC4+7FE4PlyPQj7NzEw+PQpXPq5HYT4fhWs+j8J1PgAAgD64HoU+cT2KPilcjz7hepQ+"
-                     *           },
-                     *           "showlegend": true,
-                     *           "y": {
-                     *             "dtype": "f8",
-                     *             "bdata": "6mZty9gTEEDEDjljMxAQQEdIs9SVDBBAdxPcHwAJEEBQcLNEcgUQQNReOUPsARBABr7bNtz8D0CBlhLl7/UPQIMfXv0T7w9Ae0gm+UfoD0CFmwxIi+EPQMGislnd2g9AU+i5nT3UD0CgJTfQq80PQO0Fhykpxw9A"
-                     *           },
-                     *           "hovertemplate": "SW1B<br>fuel %{x:.3f}<br>%{y:.3f} Hz<extra></extra>",
-                     *           "mode": "lines",
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "width": 1.5,
-                     *             "dash": "solid"
-                     *           },
-                     *           "name": "SW1B",
-                     *           "legendgroup": "SW1B"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "markers",
-                     *           "x": [
-                     *             0,
-                     *             0.0625,
-                     *             0.125
-                     *           ],
-                     *           "y": [
-                     *             4.019381693413132,
-                     *             3.997618846494747,
-                     *             3.9770257884080866
-                     *           ],
-                     *           "name": "SW1B",
-                     *           "legendgroup": "SW1B",
-                     *           "showlegend": false,
-                     *           "hovertemplate": "SW1B<br>fuel %{x:.3f}<br>%{y:.3f} Hz<extra></extra>",
-                     *           "marker": {
-                     *             "color": "#1f83c9",
-                     *             "size": 4
-                     *           }
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "meta": {
-                     *           "rows": 3
-                     *         },
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Fuel fraction [1]"
-                     *           },
-                     *           "anchor": "y2"
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Frequency [Hz]"
-                     *           },
-                     *           "domain": [
-                     *             0.27625,
-                     *             1
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "Damping ratio [%]"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.24125
-                     *           ],
-                     *           "rangemode": "tozero"
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -29950,14 +15293,9 @@ export interface operations {
     draw_assurance: {
         parameters: {
             query: {
-                /** @example 1 */
                 modal_table_id: number;
-                /**
-                 * @description Fuel fraction.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction. */
                 fuel?: number;
-                /** @example 1 */
                 other_id?: number | null;
                 other_fuel?: number | null;
                 /** @description Figure, or the numbers it shows. */
@@ -29975,113 +15313,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "heatmap",
-                     *           "x": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "y": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "z": {
-                     *             "dtype": "f4",
-                     *             "bdata": "AACAP+pAsSvRn2Y9RIZ5J7w1Dz5H8rE+vc5rLAavCitGjxo9pK9hJygR5z1+SOU9WGeDJnv00ymf180oP9pcPJuYkygyx+EnHASQPVD0lzv6omgry8yaOWxM0yTBw6A5SZy0KOpAsSsAAIA/hUzCLFPvGz4cShQs",
-                     *             "shape": "25, 25"
-                     *           },
-                     *           "zmin": 0,
-                     *           "zmax": 1,
-                     *           "colorscale": [
-                     *             [
-                     *               0,
-                     *               "#f4f6f8"
-                     *             ],
-                     *             [
-                     *               0.5,
-                     *               "#7fb3dd"
-                     *             ]
-                     *           ],
-                     *           "colorbar": {
-                     *             "title": {
-                     *               "text": "MAC"
-                     *             }
-                     *           },
-                     *           "customdata": [
-                     *             [
-                     *               [
-                     *                 "SW1B",
-                     *                 "SW1B"
-                     *               ],
-                     *               [
-                     *                 "SW1B",
-                     *                 "AW1B"
-                     *               ]
-                     *             ],
-                     *             [
-                     *               [
-                     *                 "AW1B",
-                     *                 "SW1B"
-                     *               ],
-                     *               [
-                     *                 "AW1B",
-                     *                 "AW1B"
-                     *               ]
-                     *             ]
-                     *           ],
-                     *           "hovertemplate": "%{customdata[0]} with %{customdata[1]}<br>MAC %{z:.4f}<extra></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "FEM, fuel 0.5"
-                     *           },
-                     *           "tickangle": -45,
-                     *           "automargin": true,
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "ticktext": [
-                     *             "SW1B",
-                     *             "AW1B",
-                     *             "SW1T"
-                     *           ]
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "FEM, fuel 0.5"
-                     *           },
-                     *           "automargin": true,
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "ticktext": [
-                     *             "SW1B",
-                     *             "AW1B",
-                     *             "SW1T"
-                     *           ],
-                     *           "autorange": "reversed"
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -30104,20 +15336,12 @@ export interface operations {
                 derivatives?: string;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
-                /** @example 1 */
                 aircraft_id: number;
-                /** @example 40 */
                 airspeed_m_s: number;
-                /**
-                 * @description Fuel fraction.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction. */
                 fuel?: number;
-                /** @example 1000 */
                 altitude_m?: number;
-                /** @example 1 */
                 modal_table_id?: number | null;
-                /** @example 1 */
                 prediction_id?: number | null;
                 low_hz?: number;
                 high_hz?: number;
@@ -30134,163 +15358,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines+markers",
-                     *           "x": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "y": [
-                     *             -6.13831513039407,
-                     *             -4.930013770102213,
-                     *             -4.626009325399335
-                     *           ],
-                     *           "yaxis": "y",
-                     *           "name": "residualised",
-                     *           "legendgroup": "residualized",
-                     *           "showlegend": true,
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "dash": "solid"
-                     *           },
-                     *           "marker": {
-                     *             "symbol": "circle",
-                     *             "size": 7
-                     *           },
-                     *           "hovertemplate": "CZ_alpha %{y:.4g}<br>%{x} modes kept<extra>residualized</extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines+markers",
-                     *           "x": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "y": [
-                     *             -4.574311793136197,
-                     *             -4.574311793136197,
-                     *             -4.574311793136197
-                     *           ],
-                     *           "yaxis": "y",
-                     *           "name": "truncated",
-                     *           "legendgroup": "truncated",
-                     *           "showlegend": true,
-                     *           "line": {
-                     *             "color": "#d55e00",
-                     *             "dash": "dot"
-                     *           },
-                     *           "marker": {
-                     *             "symbol": "square",
-                     *             "size": 7
-                     *           },
-                     *           "hovertemplate": "CZ_alpha %{y:.4g}<br>%{x} modes kept<extra>truncated</extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "shapes": [
-                     *           {
-                     *             "type": "rect",
-                     *             "xref": "paper",
-                     *             "x0": 0,
-                     *             "x1": 1,
-                     *             "yref": "y",
-                     *             "y0": -4.116880613822578,
-                     *             "y1": -5.031742972449818,
-                     *             "line": {
-                     *               "width": 0
-                     *             },
-                     *             "fillcolor": "rgba(0,158,115,0.18)",
-                     *             "layer": "below"
-                     *           },
-                     *           {
-                     *             "type": "rect",
-                     *             "xref": "paper",
-                     *             "x0": 0,
-                     *             "x1": 1,
-                     *             "yref": "y2",
-                     *             "y0": -0.6629173002385977,
-                     *             "y1": -0.8102322558471751,
-                     *             "line": {
-                     *               "width": 0
-                     *             },
-                     *             "fillcolor": "rgba(0,158,115,0.18)",
-                     *             "layer": "below"
-                     *           }
-                     *         ],
-                     *         "meta": {
-                     *           "rows": 4
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "CZ_alpha"
-                     *           },
-                     *           "domain": [
-                     *             0.77625,
-                     *             1
-                     *           ],
-                     *           "automargin": true
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "Cm_alpha"
-                     *           },
-                     *           "domain": [
-                     *             0.5175,
-                     *             0.74125
-                     *           ],
-                     *           "automargin": true
-                     *         },
-                     *         "yaxis3": {
-                     *           "title": {
-                     *             "text": "CZ_q"
-                     *           },
-                     *           "domain": [
-                     *             0.25875,
-                     *             0.4825
-                     *           ],
-                     *           "automargin": true
-                     *         },
-                     *         "yaxis4": {
-                     *           "title": {
-                     *             "text": "Cm_q"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.22375
-                     *           ],
-                     *           "automargin": true
-                     *         },
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Structural modes kept"
-                     *           },
-                     *           "anchor": "y4",
-                     *           "tickmode": "array",
-                     *           "tickvals": [
-                     *             0,
-                     *             1,
-                     *             2
-                     *           ],
-                     *           "ticktext": [
-                     *             "0<br>SP",
-                     *             "1<br>SW1B",
-                     *             "2<br>SW1T"
-                     *           ]
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -30309,28 +15377,18 @@ export interface operations {
     draw_reduced_responses: {
         parameters: {
             query: {
-                /** @example q */
                 output: string;
-                /** @example bfs */
                 surface: string;
                 /** @description Modes kept, separated by commas. */
                 counts?: string;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
-                /** @example 1 */
                 aircraft_id: number;
-                /** @example 40 */
                 airspeed_m_s: number;
-                /**
-                 * @description Fuel fraction.
-                 * @example 0.5
-                 */
+                /** @description Fuel fraction. */
                 fuel?: number;
-                /** @example 1000 */
                 altitude_m?: number;
-                /** @example 1 */
                 modal_table_id?: number | null;
-                /** @example 1 */
                 prediction_id?: number | null;
                 low_hz?: number;
                 high_hz?: number;
@@ -30347,86 +15405,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "line": {
-                     *             "color": "#868e96",
-                     *             "width": 4,
-                     *             "dash": "solid"
-                     *           },
-                     *           "name": "all 8 modes",
-                     *           "legendgroup": "all 8 modes",
-                     *           "x": {
-                     *             "dtype": "f4",
-                     *             "bdata": "AACAPjA2gj4pdoQ+FsCGPiIUiT57cos+TtuNPspOkD4dzZI+eFaVPgvrlz4Hi5o+oTadPgrunz53saI+HYGlPjNdqD7vRas+iTuuPjo+sT48TrQ+y2u3PiGXuj580L0+GRjBPjluxD4b08c+AEfLPivKzj7fXNI+"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "4g4BwRpxAMENnv/AIVH+wEX7/MBNnPvADjT6wFvC+MAJR/fA68H1wNgy9MCimfLAIPbwwCdI78CMj+3AJszrwMv96cBSJOjAkj/mwGNP5MCfU+LAHUzgwLk43sBMGdzAse3ZwMS118BicdXAZyDTwLPC0MAjWM7A"
-                     *           },
-                     *           "hovertemplate": "all 8 modes<br>%{x:.2f} Hz<br>%{y:.1f} dB<extra></extra>"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "line": {
-                     *             "color": "#868e96",
-                     *             "width": 4,
-                     *             "dash": "solid"
-                     *           },
-                     *           "name": "all 8 modes",
-                     *           "legendgroup": "all 8 modes",
-                     *           "x": {
-                     *             "dtype": "f4",
-                     *             "bdata": "AACAPjA2gj4pdoQ+FsCGPiIUiT57cos+TtuNPspOkD4dzZI+eFaVPgvrlz4Hi5o+oTadPgrunz53saI+HYGlPjNdqD7vRas+iTuuPjo+sT48TrQ+y2u3PiGXuj580L0+GRjBPjluxD4b08c+AEfLPivKzj7fXNI+"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "WasBwjCYA8ImigXCNIEHwlJ9CcJ2fgvCl4QNwquPD8KlnxHCerQTwh3OFcKC7BfCmQ8awlQ3HMKkYx7CeZQgwsPJIsJxAyXCcUEnwrKDKcIiyivCrxQuwkVjMMLStTLCRAw1woZmN8KHxDnCMyY8wneLPsJC9EDC"
-                     *           },
-                     *           "yaxis": "y2",
-                     *           "showlegend": false,
-                     *           "hovertemplate": "all 8 modes<br>%{x:.2f} Hz<br>%{y:.0f}°<extra></extra>"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Frequency [Hz]"
-                     *           },
-                     *           "type": "log",
-                     *           "anchor": "y2"
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "|q/bfs| [dB, 1/s]"
-                     *           },
-                     *           "domain": [
-                     *             0.35667,
-                     *             1
-                     *           ]
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "Phase [deg]"
-                     *           },
-                     *           "domain": [
-                     *             0,
-                     *             0.32167
-                     *           ]
-                     *         }
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -30445,7 +15424,6 @@ export interface operations {
     draw_stabilisation: {
         parameters: {
             query: {
-                /** @example 1 */
                 responses_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
@@ -30466,141 +15444,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "data": [
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "name": "measured",
-                     *           "yaxis": "y2",
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "AAAAAAAAAEBmZmZmZmYAQMzMzMzMzABAMjMzMzMzAUCYmZmZmZkBQP7//////wFAZGZmZmZmAkDKzMzMzMwCQDAzMzMzMwNAlpmZmZmZA0D8//////8DQGJmZmZmZgRAyMzMzMzMBEAtMzMzMzMFQJWZmZmZmQVA"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "O/4NwgI7EcLxpA/C3UUMwqYeDcLgaw7C7LIKwp2OCcI8qgbCGu4Ewv+5AsIb8f7B8VL8wS/6+8HvCfjBdzb2wdDf8cF6verB1cnkweHO48HbMtzBuRPewe822cE6gtPBmBvPwVzdx8EsDMTBZ7S9wTlJucHTxLLB"
-                     *           },
-                     *           "line": {
-                     *             "color": "#868e96",
-                     *             "width": 1.5
-                     *           },
-                     *           "hoverinfo": "skip"
-                     *         },
-                     *         {
-                     *           "type": "scatter",
-                     *           "mode": "lines",
-                     *           "name": "modes found",
-                     *           "yaxis": "y2",
-                     *           "x": {
-                     *             "dtype": "f8",
-                     *             "bdata": "AAAAAAAAAEBmZmZmZmYAQMzMzMzMzABAMjMzMzMzAUCYmZmZmZkBQP7//////wFAZGZmZmZmAkDKzMzMzMwCQDAzMzMzMwNAlpmZmZmZA0D8//////8DQGJmZmZmZgRAyMzMzMzMBEAtMzMzMzMFQJWZmZmZmQVA"
-                     *           },
-                     *           "y": {
-                     *             "dtype": "f4",
-                     *             "bdata": "h/IYwiR1F8Iy5hXCiUcUwuSaEsLV4RDCvB0PwsVPDcLneAvC4pkJwkKzB8JexQXCWdADwifUAcIOof/BFor7wSJi98GIJ/PBLdjuwYJx6sFx8OXBS1HhwbaP3MGFptfBlY/SwZNDzcG1ucfBVefBwXG/u8HpMbXB"
-                     *           },
-                     *           "line": {
-                     *             "color": "#1f83c9",
-                     *             "width": 1.2
-                     *           },
-                     *           "hoverinfo": "skip"
-                     *         }
-                     *       ],
-                     *       "layout": {
-                     *         "meta": {
-                     *           "rows": 3
-                     *         },
-                     *         "xaxis": {
-                     *           "title": {
-                     *             "text": "Frequency [Hz]"
-                     *           }
-                     *         },
-                     *         "yaxis": {
-                     *           "title": {
-                     *             "text": "Order of the model"
-                     *           }
-                     *         },
-                     *         "yaxis2": {
-                     *           "title": {
-                     *             "text": "Mean acceleration/force [dB]"
-                     *           },
-                     *           "overlaying": "y",
-                     *           "side": "right",
-                     *           "showgrid": false,
-                     *           "tickmode": "auto"
-                     *         },
-                     *         "shapes": [
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 4.019741377614714,
-                     *             "x1": 4.019741377614714,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#868e96",
-                     *               "width": 1,
-                     *               "dash": "dot"
-                     *             },
-                     *             "layer": "below"
-                     *           },
-                     *           {
-                     *             "type": "line",
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x0": 7.2834738356878725,
-                     *             "x1": 7.2834738356878725,
-                     *             "y0": 0,
-                     *             "y1": 1,
-                     *             "line": {
-                     *               "color": "#868e96",
-                     *               "width": 1,
-                     *               "dash": "dot"
-                     *             },
-                     *             "layer": "below"
-                     *           }
-                     *         ],
-                     *         "annotations": [
-                     *           {
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x": 4.019741377614714,
-                     *             "y": 1,
-                     *             "text": "4.02",
-                     *             "showarrow": false,
-                     *             "yanchor": "top",
-                     *             "xanchor": "left",
-                     *             "font": {
-                     *               "size": 11
-                     *             },
-                     *             "yshift": 0
-                     *           },
-                     *           {
-                     *             "xref": "x",
-                     *             "yref": "paper",
-                     *             "x": 7.2834738356878725,
-                     *             "y": 1,
-                     *             "text": "7.28",
-                     *             "showarrow": false,
-                     *             "yanchor": "top",
-                     *             "xanchor": "left",
-                     *             "font": {
-                     *               "size": 11
-                     *             },
-                     *             "yshift": 0
-                     *           }
-                     *         ]
-                     *       }
-                     *     }
-                     */
                     "application/json": components["schemas"]["Figure"];
-                    /**
-                     * @example frequency_hz,bfs,wf1s
-                     *     0.25,1.02,0.44
-                     */
                     "text/csv": string;
                     "application/octet-stream": string;
                 };
@@ -30619,10 +15463,7 @@ export interface operations {
     list_nomenclature: {
         parameters: {
             query?: {
-                /**
-                 * @description Channels, derivatives or symbols, separated by commas; else the glossary.
-                 * @example Cm_alpha,q
-                 */
+                /** @description Channels, derivatives or symbols, separated by commas; else the glossary. */
                 names?: string | null;
             };
             header?: never;
@@ -30637,27 +15478,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    /**
-                     * @example {
-                     *       "items": [
-                     *         {
-                     *           "symbol": "alpha",
-                     *           "unit": "rad",
-                     *           "display_unit": "deg",
-                     *           "label": "α",
-                     *           "meaning": "angle of attack"
-                     *         },
-                     *         {
-                     *           "symbol": "beta",
-                     *           "unit": "rad",
-                     *           "display_unit": "deg",
-                     *           "label": "β",
-                     *           "meaning": "angle of sideslip"
-                     *         }
-                     *       ],
-                     *       "next": null
-                     *     }
-                     */
                     "application/json": components["schemas"]["Glossary"];
                 };
             };
