@@ -159,23 +159,18 @@ def test_skews_and_scale_factors_come_back_from_redundancy(make_case):
     assert 0.5 < np.std(scores) < 1.5
 
 
-def test_delays_of_sensors_that_hear_little_but_noise_are_not_told_better_than_they_are(make_case):
-    """Noise turned by a delay looks like information; errors that count it are too small."""
-    case = make_case(2, n_outputs=20)
+def test_noise_of_sensors_does_not_pass_for_information_on_their_delays(make_case):
+    """Noise turned by a delay looks like it; standard errors that count it are too small."""
+    case = make_case(2, n_outputs=6)
     names = case.model.outputs
     omega = 2.0 * np.pi * np.linspace(0.25, 13.75, 80)
     rng = np.random.default_rng(6)
-    faint = [names.index("q"), names.index("theta"), names.index("az_egi")]
     scores = []
-    for seed in range(25):
+    for seed in range(20):
         _, y = case.spectra(seed, omega)
-        noise = 0.02 * np.sqrt(np.mean(np.abs(y) ** 2, axis=0))
-        noise[faint] *= 50.0
-        white = rng.standard_normal((2, *y.shape)) * np.sqrt(0.5)
-        z = FrequencyData(omega, y + noise * (white[0] + 1j * white[1]), names)
-        through = np.ones(y.shape, dtype=complex)
-        found = find_faults(case.model, z, through, names[-1], (), noise)
-        scores += list(found.delay_s[faint] / found.delay_std[faint])
+        data = FrequencyData(omega, add_noise(y, 0.3, rng), names)
+        found = find_faults(case.model, data, np.ones(y.shape, dtype=complex), names[-1])
+        scores += list(found.delay_s[:-1] / found.delay_std[:-1])
     assert 0.7 < np.sqrt(np.mean(np.square(scores))) < 1.25
 
 
