@@ -76,6 +76,7 @@ _UNITS: dict[str, Unit] = {
     "rad/s": Unit(1.0, "angular rate"),
     "deg/s": Unit(_DEGREE, "angular rate"),
     "mrad/s": Unit(1e-3, "angular rate"),
+    "rpm": Unit(pi / 30.0, "angular rate"),
     "rad/s2": Unit(1.0, "angular acceleration"),
     "deg/s2": Unit(_DEGREE, "angular acceleration"),
     "Pa": Unit(1.0, "pressure"),

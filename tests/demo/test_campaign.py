@@ -96,7 +96,7 @@ def test_kept_maneuver_has_condition_excitation_and_three_rates(store: Store):
     assert kept.max_input_correlation < 0.1
 
     channels = {channel.name: channel for channel in store.channels.find(maneuver_id=kept.id)}
-    assert len(channels) == 5 + 45 + 5 + 6
+    assert len(channels) == 5 + 45 + 5 + 8
     assert {channel.rate_hz for channel in channels.values()} == {1000.0, 200.0, 20.0}
     for channel in channels.values():
         assert channel.start_s == kept.start_s

@@ -5,6 +5,8 @@ from __future__ import annotations
 from math import pi
 from typing import Any
 
+import numpy as np
+
 from flexsid.demo.flex28 import INPUTS, Truth
 from flexsid.records.aircraft import (
     Aircraft,
@@ -16,6 +18,7 @@ from flexsid.records.aircraft import (
     Sensor,
     SensorKind,
     Surface,
+    ThrustTable,
 )
 from flexsid.records.controller import ControlLaw, Controller
 from flexsid.sysid.model.instruments import Butterworth, Instrument, SecondOrder
@@ -32,6 +35,7 @@ _DESCRIPTION = (
 )
 
 
+_STATIC_N = 300.0  # of one engine in standard air
 _HELD_S = 1e-3  # for which the flight computer holds a command: half of it is a delay
 
 
@@ -72,6 +76,21 @@ def describe_aircraft(truth: Truth) -> Aircraft:
         flutter=FlutterTable(
             fuel=_numbers(truth.flutter_fuel), speed_m_s=_numbers(truth.flutter_speed)
         ),
+        thrust=thrust_table(),
+    )
+
+
+def thrust_table() -> ThrustTable:
+    """Two small turbojets: thrust goes with the cube of rotation speed, less in warm air."""
+    rpm = np.arange(30e3, 100e3, 10e3)
+    kelvin = np.array([263.15, 288.15, 313.15])
+    newton = _STATIC_N * (rpm[:, None] / rpm[-1]) ** 3 * np.sqrt(288.15 / kelvin)
+    return ThrustTable(
+        engines=("engine_speed_l", "engine_speed_r"),
+        engine_speed_rad_s=_numbers(rpm * factor("rpm", "angular rate")),
+        total_temperature_k=_numbers(kelvin),
+        thrust_n=tuple(_numbers(np.round(row, 1)) for row in newton),
+        source="Invented ground test of one engine",
     )
 
 

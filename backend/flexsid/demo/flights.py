@@ -16,7 +16,7 @@ from flexsid.records.maneuver import Condition, Excitation, Role
 from flexsid.sysid.excitation.catalogue import design_flight_test_aid
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.units import factor
+from flexsid.units import factor, to_si
 from flexsid.workflow.condition import complete_condition
 from flexsid.workflow.keeping import largest_correlation
 
@@ -159,6 +159,10 @@ def _during(excited_s: float) -> slice:
 def _average(aircraft: Aircraft, states: list[FlownChannel]) -> Condition:
     """Average the recorded condition and look up what depends on fuel."""
     assert all(channel.role is Role.CONDITION and channel.rate_hz == LOW for channel in states)
-    mean = {channel.name: float(channel.samples.mean(dtype=np.float64)) for channel in states}
-    measured = {name: mean[name] for name in ("airspeed", "density", "fuel_fraction", "thrust")}
-    return complete_condition(aircraft, measured | {"alpha": mean["alpha_trim"]})
+    mean = {
+        channel.name: float(to_si(channel.samples.mean(dtype=np.float64), channel.unit))
+        for channel in states
+    }
+    alpha = mean.pop("alpha_trim")
+    del mean["altitude"]  # the density was recorded
+    return complete_condition(aircraft, mean | {"alpha": alpha})

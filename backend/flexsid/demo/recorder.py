@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from flexsid.demo.aircraft import thrust_table
 from flexsid.demo.truth_flight import RATE_HZ
 from flexsid.records.aircraft import Aircraft, Sensor, SensorKind
 from flexsid.records.maneuver import Role
@@ -14,6 +15,7 @@ from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.instruments import Butterworth, Instrument
 from flexsid.sysid.simulation.recording import pass_instruments
 from flexsid.units import factor
+from flexsid.workflow.thrust import TOTAL_TEMPERATURE, total_temperature
 
 HIGH, MEDIUM, LOW = RATE_HZ, 200.0, 20.0
 """The three rates of the paper: f_s, 0.20 f_s, 0.02 f_s. [Hz]"""
@@ -157,9 +159,22 @@ def condition_channels(
         ("density", "kg/m3", condition.density * level),
         ("fuel_fraction", "1", fuel - burn),
         ("alpha_trim", "rad", condition.alpha * level),
-        ("thrust", "N", condition.thrust * level),
+        *_engines(condition, level),
     )
     return [_channel(name, unit, Role.CONDITION, LOW, samples) for name, unit, samples in values]
+
+
+def _engines(
+    condition: FlightCondition, level: np.ndarray
+) -> Iterator[tuple[str, str, np.ndarray]]:
+    """Rotation speeds at which the engines balance the drag, and the air that they breathe."""
+    table = thrust_table()
+    kelvin = total_temperature(condition.density, condition.airspeed)
+    each = np.array([np.interp(kelvin, table.total_temperature_k, row) for row in table.thrust_n])
+    speed = np.interp(condition.thrust / len(table.engines), each, table.engine_speed_rad_s)
+    for name in table.engines:
+        yield name, "rpm", speed / factor("rpm", "angular rate") * level
+    yield TOTAL_TEMPERATURE, "K", kelvin * level
 
 
 def _wander(time: np.ndarray, noise: np.random.Generator) -> np.ndarray:

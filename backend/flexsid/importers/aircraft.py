@@ -18,6 +18,7 @@ from flexsid.records.aircraft import (
     Sensor,
     SensorKind,
     Surface,
+    ThrustTable,
 )
 from flexsid.sysid.model.instruments import (
     Butterworth,
@@ -68,6 +69,7 @@ def _definition(table: Table) -> Aircraft:
         instruments=instruments,
         polar=_polar(table.table("polar")) if "polar" in table else None,
         flutter=_flutter(table.table("flutter")) if "flutter" in table else None,
+        thrust=_thrust(table.table("thrust")) if "thrust" in table else None,
     )
     if not aircraft.surfaces:
         raise refuse(table.path("surfaces"), "is missing; an aircraft has at least one surface.")
@@ -238,3 +240,31 @@ def _flutter(table: Table) -> FlutterTable:
     if len(flutter.fuel) != len(flutter.speed_m_s) or not flutter.fuel:
         raise refuse(table.path("fuel"), "and speed must have the same number of values.")
     return flutter
+
+
+def _thrust(table: Table) -> ThrustTable:
+    """Thrust of one engine, row by row of rotation speed."""
+    speeds = table.si("engine_speed", "angular rate")
+    warmth = (
+        table.si("total_temperature", "temperature") if "total_temperature" in table else (288.15,)
+    )
+    values = table.si("thrust", "force")
+    if len(values) != len(speeds) * len(warmth) or len(speeds) < 2:
+        raise refuse(
+            table.path("thrust"),
+            f"must have {len(speeds)} x {len(warmth)} values, a row of temperatures for each of "
+            "two engine speeds or more.",
+        )
+    if any(b <= a for axis in (speeds, warmth) for a, b in pairwise(axis)):
+        raise refuse(table.path("engine_speed"), "and total_temperature must increase.")
+    found = ThrustTable(
+        engines=table.texts("engines"),
+        engine_speed_rad_s=speeds,
+        total_temperature_k=warmth,
+        thrust_n=tuple(values[k : k + len(warmth)] for k in range(0, len(values), len(warmth))),
+        source=table.text("source", " ").strip(),
+    )
+    table.close()
+    if not found.engines or len(set(found.engines)) < len(found.engines):
+        raise refuse(table.path("engines"), "must name a channel for each engine, none twice.")
+    return found

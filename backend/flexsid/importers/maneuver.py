@@ -32,6 +32,7 @@ _CONDITION = {
     "pitch_inertia": "inertia",
     "x_cg": "length",
     "z_cg": "length",
+    "total_temperature": "temperature",
 }
 
 
@@ -110,6 +111,9 @@ def read_maneuver(table: Table, excitation: Table | None) -> ManeuverPart:
         for key, dimension in _CONDITION.items()
         if (quantity := condition.optional_quantity(key, dimension)) is not None
     }
+    if "engines" in condition:  # rotation speeds by the channels that the thrust table names
+        engines = condition.table("engines")
+        quantities |= {name: engines.quantity(name, "angular rate") for name in engines.names()}
     condition.close()
     if "airspeed" not in quantities:
         raise refuse(condition.path("airspeed"), "is missing; the true airspeed is needed.")

@@ -39,8 +39,24 @@ class MassTable:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ThrustTable:
+    """Thrust of one engine, as a ground test told it, against the state of the engine.
+
+    ``engines`` are the condition channels of the rotation speeds, one for each engine.
+    ``thrust_n`` has a row for every rotation speed and a column for every total temperature
+    of the air; one temperature alone means that thrust does not depend on it.
+    """
+
+    engines: tuple[str, ...]
+    engine_speed_rad_s: tuple[float, ...]
+    total_temperature_k: tuple[float, ...]
+    thrust_n: tuple[tuple[float, ...], ...]
+    source: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class DragPolar:
-    """Parabolic polar; gives trim angle of attack and thrust where none was measured."""
+    """Parabolic polar; gives trim angle of attack, and thrust that nobody recorded or tabled."""
 
     cd_min: float
     oswald: float
@@ -112,5 +128,6 @@ class Aircraft:
     instruments: dict[str, Instrument]
     polar: DragPolar | None = None
     flutter: FlutterTable | None = None
+    thrust: ThrustTable | None = None
     description: str = ""
     id: int | None = None

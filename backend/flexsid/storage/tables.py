@@ -93,6 +93,7 @@ aircraft = _table(
     _json("instruments"),
     _json("polar", required=False),
     _json("flutter", required=False),
+    _json("thrust", required=False),
     _text("description"),
 )
 

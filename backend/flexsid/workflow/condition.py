@@ -11,6 +11,7 @@ from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, DragPolar
 from flexsid.records.maneuver import Condition
 from flexsid.sysid.model.condition import GRAVITY
+from flexsid.workflow.thrust import TOTAL_TEMPERATURE, table_thrust, total_temperature
 
 _GAS_CONSTANT = 287.05287  # dry air [J/(kg K)]
 _TROPOPAUSE_M = 11_000.0
@@ -58,7 +59,9 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
     measured
         SI values by name: ``airspeed``, ``density`` or ``altitude``, and any of
         ``fuel_fraction``, ``alpha``, ``gamma``, ``thrust``, ``mass``,
-        ``pitch_inertia``, ``x_cg``, ``z_cg``.
+        ``pitch_inertia``, ``x_cg``, ``z_cg``. Thrust that is not among them follows from
+        the thrust table where all its engines are, entered with ``total_temperature`` or
+        that of standard air, and else balances the drag.
 
     Raises
     ------
@@ -89,6 +92,13 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
     pressure_area = 0.5 * density * airspeed**2 * aircraft.geometry.area_m2
     lift = mass * GRAVITY * math.cos(gamma) / pressure_area
     alpha, thrust = _trim(aircraft.polar, lift, pressure_area)
+    engines = aircraft.thrust
+    if "thrust" in measured:
+        thrust = measured["thrust"]
+    elif engines is not None and all(name in measured for name in engines.engines):
+        air = measured.get(TOTAL_TEMPERATURE, total_temperature(density, airspeed))
+        speeds = {name: np.array([measured[name]]) for name in engines.engines}
+        thrust = float(table_thrust(engines, speeds, air)[0])
     flutter = aircraft.flutter
     return Condition(
         airspeed_m_s=airspeed,
@@ -102,7 +112,7 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
         z_cg_m=measured.get("z_cg", _at(table.fuel, table.z_cg_m, fuel)),
         alpha_rad=measured.get("alpha", alpha),
         gamma_rad=gamma,
-        thrust_n=measured.get("thrust", thrust),
+        thrust_n=thrust,
         flutter_speed_m_s=None if flutter is None else _at(flutter.fuel, flutter.speed_m_s, fuel),
     )
 

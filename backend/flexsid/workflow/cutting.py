@@ -23,6 +23,7 @@ from flexsid.workflow.condition import airspeed_ratio, complete_condition
 from flexsid.workflow.excited import excitation_of
 from flexsid.workflow.interval import excitation_interval, samples_between
 from flexsid.workflow.keeping import largest_correlation
+from flexsid.workflow.thrust import TOTAL_TEMPERATURE
 
 TRIM_S = 2.0
 """Steady flight kept before an excitation."""
@@ -39,6 +40,7 @@ _MEASURED = {  # of a condition by the names that channels have
     "alpha_trim": "alpha",
     "gamma": "gamma",
     "thrust": "thrust",
+    TOTAL_TEMPERATURE: TOTAL_TEMPERATURE,
     "mass": "mass",
     "pitch_inertia": "pitch_inertia",
     "x_cg": "x_cg",
@@ -278,8 +280,10 @@ def _measured(
 ) -> dict[str, float]:
     """Averages of what was recorded of the condition, in SI."""
     measured: dict[str, float] = {}
+    engines = () if aircraft.thrust is None else aircraft.thrust.engines
+    known = _MEASURED | {name: name for name in engines}
     for channel, samples in pieces:
-        key = _MEASURED.get(channel.name)
+        key = known.get(channel.name)
         if channel.role is Role.CONDITION and key is not None:
             measured[key] = float(np.mean(to_si(samples, channel.unit), dtype=np.float64))
     for key, also in (("airspeed", None), ("density", "altitude")):

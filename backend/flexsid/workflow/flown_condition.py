@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 
-from flexsid.errors import FlexsidError
+from flexsid.errors import BadInput, FlexsidError
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.maneuver import Maneuver, Role
+from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.records.quality import Average, FlightConditionQuality
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -17,6 +20,7 @@ from flexsid.units import si_unit
 from flexsid.workflow.models import flight_condition
 from flexsid.workflow.modes import find_modal_tables, load_modes
 from flexsid.workflow.predictions import best_prediction, predicted_modes, prediction_at
+from flexsid.workflow.thrust import TOTAL_TEMPERATURE, table_thrust, total_temperature
 from flexsid.workflow.transforms import load_channels
 
 MOST_FUEL = 0.03
@@ -35,10 +39,14 @@ def flown_condition(store: Store, maneuver: Maneuver) -> FlightConditionQuality:
     """
     assert maneuver.id is not None
     recorded = store.channels.find(maneuver_id=maneuver.id, role=Role.CONDITION)
+    loaded = load_channels(store, maneuver.id, [c.name for c in recorded])
     averages = tuple(
         _average(channel.name, si_unit(channel.unit), np.asarray(values, dtype=float))
-        for channel, values in load_channels(store, maneuver.id, [c.name for c in recorded])
+        for channel, values in loaded
     )
+    names = {average.name for average in averages}
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    averages += tuple(a for a in _tabled(aircraft, maneuver, loaded) if a.name not in names)
     by_name = {average.name: average for average in averages}
     fuel, speed = by_name.get("fuel_fraction"), by_name.get("airspeed")
     fuel_change = None if fuel is None else abs(fuel.drift)
@@ -57,6 +65,37 @@ def flown_condition(store: Store, maneuver: Maneuver) -> FlightConditionQuality:
         separation_factor=_separation(store, maneuver),
         time_invariant=all(known) if known else None,
     )
+
+
+def _tabled(
+    aircraft: Aircraft, maneuver: Maneuver, loaded: Sequence[tuple[Channel, np.ndarray]]
+) -> Iterator[Average]:
+    """What the tables of the aircraft make of the fuel and the engines, sample by sample."""
+    known = {channel.name: (channel, np.asarray(values, float)) for channel, values in loaded}
+    if "fuel_fraction" in known:
+        table, fuel = aircraft.mass, known["fuel_fraction"][1]
+        for name, unit, column in (
+            ("mass", "kg", table.mass_kg),
+            ("pitch_inertia", "kg*m2", table.pitch_inertia_kg_m2),
+            ("x_cg", "m", table.x_cg_m),
+        ):
+            yield _average(name, unit, np.interp(fuel, table.fuel, column))
+    engines = aircraft.thrust
+    if engines is None or not all(name in known for name in engines.engines):
+        return
+    condition = maneuver.condition
+    air = np.array(total_temperature(condition.density_kg_m3, condition.airspeed_m_s))
+    inputs = {name: known[name] for name in engines.engines}
+    clocks = {(c.rate_hz, c.start_s, c.n_samples) for c, _ in inputs.values()}
+    if TOTAL_TEMPERATURE in known:
+        channel, air = known[TOTAL_TEMPERATURE]
+        clocks.add((channel.rate_hz, channel.start_s, channel.n_samples))
+    speeds = {name: values for name, (_, values) in inputs.items()}
+    if len(clocks) > 1:  # averages then, as the condition has them
+        speeds = {name: values.mean(keepdims=True) for name, values in speeds.items()}
+        air = air.mean(keepdims=True)
+    with contextlib.suppress(BadInput):  # beyond the table: nothing is known
+        yield _average("thrust", "N", table_thrust(engines, speeds, air))
 
 
 def _average(name: str, unit: str, values: np.ndarray) -> Average:

@@ -26,6 +26,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import Derivative
 from flexsid.workflow.condition import airspeed_ratio, complete_condition
 from flexsid.workflow.excited import recorded_excitation
+from flexsid.workflow.thrust import keep_thrust
 
 BYTES_AT_ONCE = 16 * 1024**2
 """Samples written by one statement."""
@@ -76,6 +77,10 @@ def keep_aircraft(store: Store, part: AircraftPart | None, aircraft_id: int | No
                 "define the aircraft in the mapping."
             )
         return store.aircraft.add(part.definition)
+    if part.definition is not None and part.definition.thrust is None:
+        part = replace(part, definition=replace(part.definition, thrust=known[0].thrust))
+    elif part.definition is not None and known[0].thrust is None:
+        known = [keep_thrust(store, known[0].id or 0, part.definition.thrust)]
     if part.definition is not None and replace(known[0], id=None) != part.definition:
         raise Conflict(
             f"Aircraft '{part.name}' is there already with another definition; take the definition "

@@ -73,6 +73,8 @@ def content_hash(store: Store, maneuver: Maneuver) -> str:
         asdict(maneuver.condition),
         None if maneuver.excitation is None else asdict(maneuver.excitation),
         [asdict(sensor) for sensor in aircraft.sensors],
+        asdict(aircraft.mass),
+        None if aircraft.thrust is None else asdict(aircraft.thrust),
         {name: repr(instrument) for name, instrument in sorted(aircraft.instruments.items())},
         sorted((table.kind, *sorted(table.arrays.values())) for table in tables),
         sorted(p.values for p in store.predictions.find(aircraft_id=maneuver.aircraft_id)),

@@ -17,6 +17,7 @@ import type {
   StructureFilesRequest,
   StructureEditRequest,
   StructureRequest,
+  ThrustRequest,
   UploadDetail,
 } from "./types";
 
@@ -215,6 +216,33 @@ interface GivenController {
   file: File | null;
   reads: string;
   drives: string;
+}
+
+export function useSetThrust() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: ({ id, table }: { id: number; table: ThrustRequest }) =>
+      body(
+        api.PUT("/api/v1/aircraft/{aircraft_id}/thrust", {
+          params: { path: { aircraft_id: id } },
+          body: table,
+        }),
+      ),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["aircraft"] }),
+  });
+}
+
+export function useRemoveThrust() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (id: number) =>
+      body(
+        api.DELETE("/api/v1/aircraft/{aircraft_id}/thrust", {
+          params: { path: { aircraft_id: id } },
+        }),
+      ),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["aircraft"] }),
+  });
 }
 
 export function useKeepController() {

@@ -10,6 +10,7 @@ import { Loaded } from "../components/Loaded";
 import { ModalTableView } from "../components/ModalTableView";
 import { PageHead } from "../components/PageHead";
 import { Section } from "../components/Section";
+import { ThrustSection } from "../components/ThrustSection";
 import { fixed, percent } from "../lib/format";
 import { someFuels } from "../lib/modes";
 
@@ -128,6 +129,7 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
           />
         </div>
       </Section>
+      <ThrustSection aircraft={aircraft} />
       <Loaded query={tables}>
         {(all) =>
           all.length === 0 ? (
