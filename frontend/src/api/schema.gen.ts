@@ -61,6 +61,30 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/aircraft/{aircraft_id}/thrust": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Set Thrust
+         * @description Give an aircraft the thrust table that new maneuvers take their thrust from.
+         */
+        put: operations["set_thrust"];
+        post?: never;
+        /**
+         * Remove Thrust
+         * @description Take the thrust table of an aircraft away; maneuvers keep the thrust that they have.
+         */
+        delete: operations["remove_thrust"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/flights": {
         parameters: {
             query?: never;
@@ -3299,6 +3323,7 @@ export interface components {
             };
             polar?: components["schemas"]["DragPolar"] | null;
             flutter?: components["schemas"]["FlutterTable"] | null;
+            thrust?: components["schemas"]["ThrustTable"] | null;
             /**
              * Description
              * @default
@@ -4645,7 +4670,7 @@ export interface components {
         };
         /**
          * DragPolar
-         * @description Parabolic polar; gives trim angle of attack and thrust where none was measured.
+         * @description Parabolic polar; gives trim angle of attack, and thrust that nobody recorded or tabled.
          */
         DragPolar: {
             /** Cd Min */
@@ -8705,6 +8730,62 @@ export interface components {
             bic: number | null;
         };
         /**
+         * ThrustRequest
+         * @description Thrust of one engine as a table of text, and the channels of the rotation speeds.
+         *
+         *     The first row has a label and total temperatures; every other row has a rotation speed,
+         *     then thrust. Without temperatures, two columns are enough.
+         */
+        ThrustRequest: {
+            /** Engines */
+            engines: string[];
+            /** Text */
+            text: string;
+            /**
+             * Speed Unit
+             * @default rpm
+             */
+            speed_unit: string;
+            /**
+             * Temperature Unit
+             * @default K
+             */
+            temperature_unit: string;
+            /**
+             * Thrust Unit
+             * @default N
+             */
+            thrust_unit: string;
+            /**
+             * Source
+             * @default
+             */
+            source: string;
+        };
+        /**
+         * ThrustTable
+         * @description Thrust of one engine, as a ground test told it, against the state of the engine.
+         *
+         *     ``engines`` are the condition channels of the rotation speeds, one for each engine.
+         *     ``thrust_n`` has a row for every rotation speed and a column for every total temperature
+         *     of the air; one temperature alone means that thrust does not depend on it.
+         */
+        ThrustTable: {
+            /** Engines */
+            engines: string[];
+            /** Engine Speed Rad S */
+            engine_speed_rad_s: number[];
+            /** Total Temperature K */
+            total_temperature_k: number[];
+            /** Thrust N */
+            thrust_n: number[][];
+            /**
+             * Source
+             * @default
+             */
+            source: string;
+        };
+        /**
          * TrackerForecast
          * @description What a classical tracker extrapolates from the same runs, or why it cannot.
          */
@@ -9025,6 +9106,74 @@ export interface operations {
         };
     };
     get_aircraft: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                aircraft_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Aircraft"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    set_thrust: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                aircraft_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ThrustRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Aircraft"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    remove_thrust: {
         parameters: {
             query?: never;
             header?: never;
