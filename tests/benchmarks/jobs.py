@@ -89,14 +89,26 @@ def fill(url: str, count: int) -> list[int]:
 
 
 def trivial(port: int, ids: list[int]) -> None:
-    """Submit to done of small equation-error runs, one after the other, over REST."""
+    """Submit to done of rigid equation-error runs, one after the other, over REST."""
+    few = _one_by_one(port, ids, {"modes": [], "outputs": ["alpha", "q", "az_egi"]})
+    whole = statistics.median(_one_by_one(port, ids, {"modes": []}))
+    _say(
+        "submit_to_done_ms",
+        statistics.median(few),
+        bar=60.0,
+        p90=_at(few, 0.9),
+        with_all_sensors=whole,
+    )
+
+
+def _one_by_one(port: int, ids: list[int], structure: dict[str, Any]) -> list[float]:
     times = []
     client = Client(port)
     for k in range(40):
         body = {
             "maneuver_id": ids[k % len(ids)],
             "method": "EE",
-            "structure": {"modes": []},
+            "structure": structure,
             "settings": {"max_iterations": 500 + k},  # or it would be the run asked for before
         }
         start = time.perf_counter()
@@ -104,7 +116,7 @@ def trivial(port: int, ids: list[int]) -> None:
         while client.get(f"/api/v1/jobs/{job}")["state"] in ("queued", "running"):
             time.sleep(0.001)
         times.append(1e3 * (time.perf_counter() - start))
-    _say("submit_to_done_ms", statistics.median(times[5:]), bar=60.0, p90=_at(times[5:], 0.9))
+    return times[5:]
 
 
 def batch_against_direct(port: int, url: str, ids: list[int], workers: int) -> None:
