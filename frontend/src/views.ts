@@ -172,6 +172,9 @@ export const runView = view((search) => ({
   /** Outputs of the check in time, and the maneuver that it is made with. */
   outputs: words(search.outputs),
   against: integer(search.against),
+  /** Window of that check [s]. */
+  from: number(search.from),
+  to: number(search.to),
 }));
 export type RunView = ReturnType<typeof runView>;
 
@@ -199,8 +202,10 @@ export const compareView = view((search) => ({
   derivative: text(search.derivative),
   against: oneOf(search.against, AGAINST),
   degree: integer(search.degree),
-  /** Output of the frequency responses. */
+  /** Output of the frequency responses, and their window [Hz]. */
   output: text(search.output),
+  low: number(search.low),
+  high: number(search.high),
 }));
 export type CompareView = ReturnType<typeof compareView>;
 
@@ -291,6 +296,9 @@ export const designView = view((search) => ({
   /** Limits of the allocation: largest deflection [deg] and load factor [g]. */
   allowed: number(search.allowed),
   load: number(search.load),
+  /** Window of everything over frequency [Hz]. */
+  low: number(search.low),
+  high: number(search.high),
 }));
 export type DesignView = ReturnType<typeof designView>;
 

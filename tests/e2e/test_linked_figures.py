@@ -27,9 +27,42 @@ def test_a_brushed_band_is_shared_and_fitted(page: Page):
     expect(page.get_by_label("Band from")).to_have_value(re.compile(r"^\d"))
 
 
-def test_figures_are_kept_as_json(page: Page):
+def test_fits_that_are_compared_share_zoom_and_cursor(page: Page, compared: list[int]):
+    page.goto(f"/compare?runs={compared[0]},{compared[2]}&tab=poles")
+    fits = page.get_by_test_id("figure-fit")
+    for place in (0, 1):
+        expect(fits.nth(place)).to_have_attribute("data-drawn", "true", timeout=30_000)
+    _brush(page, fits.first, 0.1, 0.3)
+    expect(page.get_by_test_id("band-bar")).to_contain_text("Hz")
+    ranges = [
+        fits.nth(place).locator(".js-plotly-plot").evaluate("plot => plot.layout.xaxis.range")
+        for place in (0, 1)
+    ]
+    assert ranges[0] == pytest.approx(ranges[1])
+    fits.first.locator(".nsewdrag").first.hover(force=True)
+    expect(fits.nth(1).locator(".linked-cursor")).to_be_visible()
+
+
+def test_a_window_in_time_holds_in_every_tab_over_time(page: Page):
+    page.goto("/maneuvers/2?tab=reconstruction")
+    _brush(page, _drawn(page, "reconstruction"), 0.3, 0.6)
+    expect(page).to_have_url(re.compile("from=.*to="))
+    band = page.get_by_test_id("band-bar")
+    expect(band).to_contain_text(" s")
+    told = [float(part) for part in band.inner_text().split(" s")[0].split(" to ")]
+    page.get_by_test_id("tab-time").click()
+    figure = _drawn(page, "time-history")
+    shown = figure.locator(".js-plotly-plot").evaluate("plot => plot._fullLayout.xaxis.range")
+    assert shown == pytest.approx(told, abs=0.5)
+
+
+def test_figures_are_kept_as_json_and_sent_nowhere(page: Page):
     page.goto("/maneuvers/2?tab=spectra")
     figure = _drawn(page, "spectrum")
+    expect(figure.get_by_role("button", name="Zoom")).to_have_count(1)
+    expect(
+        figure.get_by_role("button", name=re.compile("Share|cloud", re.IGNORECASE))
+    ).to_have_count(0)
     figure.get_by_role("button", name=re.compile("Download")).click()
     with page.expect_download() as kept:
         page.get_by_role("menuitem", name="JSON").click()
@@ -48,6 +81,7 @@ def _drawn(page: Page, kind: str) -> Locator:
 
 
 def _brush(page: Page, figure: Locator, start: float, stop: float) -> None:
+    figure.scroll_into_view_if_needed()
     box = figure.locator(".nsewdrag").first.bounding_box()
     assert box is not None
     height = box["y"] + box["height"] / 2

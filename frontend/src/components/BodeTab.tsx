@@ -1,7 +1,7 @@
 import { MultiSelect, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { figureQuery, maneuversQuery, runsQuery } from "../api/queries";
-import { bandOf, windowOf } from "../lib/band";
+import { bandOf, overFrequency, windowOf } from "../lib/band";
 import { excitedInputs } from "../lib/channels";
 import { integers } from "../lib/urlState";
 import { BandBar } from "./BandBar";
@@ -39,7 +39,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
     windowed: view.windowed,
     view: view.plane === "loops" ? undefined : view.plane,
   };
-  const overFrequency = (view.plane ?? "bode") === "bode";
+  const overBand = (view.plane ?? "bode") === "bode";
   const campaign = useInfiniteQuery(maneuversQuery({}, "id", 200));
   const others = (campaign.data?.pages ?? [])
     .flatMap((page) => page.items)
@@ -139,7 +139,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
           <Empty title="Nothing to draw">Tick an input and an output on the left.</Empty>
         ) : (
           <>
-            {overFrequency && (
+            {overBand && (
               <BandBar
                 maneuverId={maneuver.id}
                 window={windowOf(view)}
@@ -153,14 +153,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
               title="Frequency responses of the bare airframe"
               params={params}
               revision={[outputs, inputs, view.plane].join("|")}
-              window={overFrequency ? windowOf(view) : undefined}
-              onWindow={
-                overFrequency
-                  ? (window) => {
-                      onChange(bandOf(window));
-                    }
-                  : undefined
-              }
+              {...(overBand ? overFrequency(view, onChange) : {})}
             />
             <NotDrawn params={params} />
           </>

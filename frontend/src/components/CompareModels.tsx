@@ -1,16 +1,35 @@
 import { Select, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { maneuverQuery } from "../api/queries";
+import { overFrequency } from "../lib/band";
 import { excitedInputs } from "../lib/channels";
 import type { CompareTabProps } from "./CompareDerivatives";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
 import { Loaded } from "./Loaded";
 import { Section } from "./Section";
+import { WindowBar } from "./WindowBar";
+
+const HINT = "Drag over a figure to choose a band; responses and fits share it.";
+
+function Band({ shared }: { shared: ReturnType<typeof overFrequency> }) {
+  return (
+    <WindowBar
+      window={shared.window}
+      unit="Hz"
+      onClear={() => {
+        shared.onWindow(null);
+      }}
+      hint={HINT}
+      whole="Whole band"
+    />
+  );
+}
 
 /** Frequency responses of all maneuvers with the models of all runs over them. */
 export function CompareResponses({ comparison, view, onChange }: CompareTabProps) {
   const [first, ...beside] = comparison.maneuver_ids;
+  const shared = overFrequency(view, onChange);
   const maneuver = useQuery({ ...maneuverQuery(first ?? 0), enabled: first !== undefined });
   return (
     <Loaded query={maneuver} rows={8}>
@@ -38,7 +57,9 @@ export function CompareResponses({ comparison, view, onChange }: CompareTabProps
               />
             }
           >
+            <Band shared={shared} />
             <Figure
+              {...shared}
               kind="bode"
               title={`${output}, measured and modelled`}
               params={{
@@ -57,7 +78,8 @@ export function CompareResponses({ comparison, view, onChange }: CompareTabProps
 }
 
 /** What each run fitted, and its poles beside those of the others. */
-export function ComparePoles({ comparison, view, onRun }: CompareTabProps) {
+export function ComparePoles({ comparison, view, onChange, onRun }: CompareTabProps) {
+  const shared = overFrequency(view, onChange);
   const runs = comparison.sources.filter(
     (source) => source.run_id !== null && source.kind !== "prediction",
   );
@@ -67,9 +89,11 @@ export function ComparePoles({ comparison, view, onRun }: CompareTabProps) {
         <Figure kind="poles" title="Poles" params={{ run_id: view.runs }} onPick={onRun} />
       </Section>
       <Section title="Fits" note="Fitted over measured lines of the first outputs">
+        <Band shared={shared} />
         <div className="fits">
           {runs.map((source) => (
             <Figure
+              {...shared}
               key={source.key}
               kind="fit"
               title={source.label}

@@ -1,6 +1,7 @@
 import { useQuery } from "@tanstack/react-query";
 import { expectedErrorsQuery, expectedResponseQuery } from "../api/queries";
 import type { Design, ExpectedError, ExpectedMode, ExpectedSummary } from "../api/types";
+import type { overFrequency } from "../lib/band";
 import { fixed, relativeError, withError } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
@@ -72,16 +73,16 @@ const correlationColumns = (surfaces: string[]): Column<Row>[] => [
   })),
 ];
 
-/** What a design would tell of a run's derivatives: errors, signals, correlation, lines. */
-export function ExpectedPart({
-  design,
-  level,
-  run,
-}: {
+interface Props {
   design: Design;
   level: number;
   run: number;
-}) {
+  /** Zoom and cursor of everything over frequency. */
+  shared: ReturnType<typeof overFrequency>;
+}
+
+/** What a design would tell of a run's derivatives: errors, signals, correlation, lines. */
+export function ExpectedPart({ design, level, run, shared }: Props) {
   const errors = useQuery(expectedErrorsQuery(design.id, level, run));
   const response = useQuery(expectedResponseQuery(design.id, level, run));
   const params = { design_id: design.id, run_id: run, level };
@@ -104,10 +105,16 @@ export function ExpectedPart({
         </Loaded>
       </Section>
       <div className="panel" style={{ padding: 12 }}>
-        <Figure kind="design-signal" title="Signal over noise at every line" params={params} />
+        <Figure
+          {...shared}
+          kind="design-signal"
+          title="Signal over noise at every line"
+          params={params}
+        />
       </div>
       <div className="panel" style={{ padding: 12 }}>
         <Figure
+          {...shared}
           kind="design-worth"
           title="What each line buys: parameters' worth of information"
           params={params}

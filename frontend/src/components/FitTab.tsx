@@ -1,6 +1,6 @@
 import { SegmentedControl, Stack } from "@mantine/core";
 import type { Run } from "../api/types";
-import { bandOf, windowOf } from "../lib/band";
+import { bandOf, overFrequency, windowOf } from "../lib/band";
 import type { RunView } from "../views";
 import { BandBar } from "./BandBar";
 import { Empty } from "./Empty";
@@ -53,10 +53,7 @@ export function FitTab({ run, view, onChange }: RunTabProps) {
           kind="fit"
           title={`Fit of ${output ?? block.name}`}
           params={{ run_id: run.id, block: block.name, output }}
-          window={windowOf(view)}
-          onWindow={(window) => {
-            onChange(bandOf(window));
-          }}
+          {...overFrequency(view, onChange)}
         />
       </div>
     </div>

@@ -1,6 +1,7 @@
 import { useEffect, useRef, useState } from "react";
 import type { FigureSpec } from "../api/types";
 import { inUnits, themedData, themedLayout, windowed } from "../lib/figureLayout";
+import { followCursor } from "./linkedCursor";
 import type { FigureEvents, PlotlyHandle } from "./figureEvents";
 
 interface Props extends FigureEvents {
@@ -15,6 +16,7 @@ interface Props extends FigureEvents {
 
 const CONFIG = {
   displaylogo: false,
+  showSendToCloud: false, // on by default: what was flown stays here
   responsive: false,
   doubleClick: "reset",
   modeBarButtonsToRemove: [
@@ -43,6 +45,8 @@ function firstId(customdata: unknown): number | null {
 /** Draws one spec; a spec that cannot be drawn becomes an error of this figure alone. */
 export function PlotlyCanvas({ spec, scheme, height, revision, window, ...props }: Props) {
   const element = useRef<HTMLDivElement>(null);
+  const cursor = useRef<HTMLDivElement>(null);
+  const { link } = props;
   const events = useRef(props);
   const [failure, setFailure] = useState<Error | null>(null);
   useEffect(() => {
@@ -101,6 +105,11 @@ export function PlotlyCanvas({ spec, scheme, height, revision, window, ...props 
   }, [spec, scheme, height, revision]);
 
   useEffect(() => {
+    if (link === undefined || element.current === null || cursor.current === null) return;
+    return followCursor(link, element.current, cursor.current);
+  }, [link]);
+
+  useEffect(() => {
     const target = element.current;
     if (target === null) return;
     const observer = new ResizeObserver(() => {
@@ -118,5 +127,10 @@ export function PlotlyCanvas({ spec, scheme, height, revision, window, ...props 
   }, []);
 
   if (failure !== null) throw failure;
-  return <div ref={element} style={{ width: "100%", minHeight: height }} />;
+  return (
+    <div style={{ position: "relative" }}>
+      <div ref={element} style={{ width: "100%", minHeight: height }} />
+      <div ref={cursor} className="linked-cursor" aria-hidden="true" />
+    </div>
+  );
 }

@@ -5,6 +5,8 @@ import type { ManeuverQuality } from "../api/types";
 import { useTakeCorrections } from "../api/commands";
 import { calibrationsOf, delaysOf, repairsOf } from "./corrections";
 import { count, fixed, percent, significant } from "../lib/format";
+import { overFrequency } from "../lib/band";
+import { BandBar } from "./BandBar";
 import { ConditioningSteps } from "./ConditioningSteps";
 import { Facts } from "./ConditionFacts";
 import { Figure } from "./Figure";
@@ -22,16 +24,22 @@ const TITLES = {
 } as const;
 
 /** What was found about the recording: verdict, findings, channels, condition, corrections. */
-export function QualityTab({ maneuver }: ManeuverTabProps) {
+export function QualityTab({ maneuver, view, onChange }: ManeuverTabProps) {
   const quality = useQuery(qualityQuery(maneuver.id));
   return (
     <Loaded query={quality} rows={10}>
-      {(data) => <Found id={maneuver.id} quality={data} />}
+      {(data) => <Found id={maneuver.id} quality={data} shared={overFrequency(view, onChange)} />}
     </Loaded>
   );
 }
 
-function Found({ id, quality }: { id: number; quality: ManeuverQuality }) {
+interface FoundProps {
+  id: number;
+  quality: ManeuverQuality;
+  shared: ReturnType<typeof overFrequency>;
+}
+
+function Found({ id, quality, shared }: FoundProps) {
   const { report } = quality;
   return (
     <Stack gap="md">
@@ -66,7 +74,15 @@ function Found({ id, quality }: { id: number; quality: ManeuverQuality }) {
         <Condition quality={quality} />
       </Section>
       <div className="panel" style={{ padding: 12 }}>
+        <BandBar
+          maneuverId={id}
+          window={shared.window}
+          onClear={() => {
+            shared.onWindow(null);
+          }}
+        />
         <Figure
+          {...shared}
           kind="signal-to-noise"
           title="Signal over noise by channel and line"
           params={{ maneuver_id: id }}

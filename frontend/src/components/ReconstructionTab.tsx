@@ -3,7 +3,10 @@ import { useQuery } from "@tanstack/react-query";
 import { figureQuery } from "../api/queries";
 import { integers } from "../lib/urlState";
 import { fixed } from "../lib/format";
+import { overFrequency, overTime } from "../lib/band";
+import { BandBar } from "./BandBar";
 import { Figure } from "./Figure";
+import { WindowBar } from "./WindowBar";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 
 interface Meta {
@@ -28,6 +31,10 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
   };
   const figure = useQuery(figureQuery("reconstruction", params));
   const meta = (figure.data?.layout.meta ?? {}) as Meta;
+  const shared = domain === "time" ? overTime(view, onChange) : overFrequency(view, onChange);
+  const whole = () => {
+    shared.onWindow(null);
+  };
   const first = meta.modes?.[0];
   const chosen = view.quantities ?? (first === undefined ? ["CZ"] : ["CZ", `etaddot${first}`]);
   return (
@@ -77,10 +84,22 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
         ))}
       </Stack>
       <div className="panel" style={{ padding: 12 }}>
+        {domain === "time" ? (
+          <WindowBar
+            window={shared.window}
+            unit="s"
+            onClear={whole}
+            hint="Drag over a figure to zoom; time histories share the window."
+            whole="Whole record"
+          />
+        ) : (
+          <BandBar maneuverId={maneuver.id} window={shared.window} onClear={whole} />
+        )}
         <Figure
           kind="reconstruction"
           title={domain === "time" ? "Smoothed by a Kalman filter" : "Line by line"}
           params={params}
+          {...shared}
         />
       </div>
     </div>

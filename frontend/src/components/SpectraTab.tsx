@@ -1,6 +1,6 @@
 import { Stack, Switch } from "@mantine/core";
 import { excitedInputs } from "../lib/channels";
-import { bandOf, windowOf } from "../lib/band";
+import { bandOf, overFrequency, windowOf } from "../lib/band";
 import { BandBar } from "./BandBar";
 import { ChannelPicker } from "./ChannelPicker";
 import { Empty } from "./Empty";
@@ -54,10 +54,7 @@ export function SpectraTab({ maneuver, view, onChange }: ManeuverTabProps) {
               title="Fourier magnitudes by excited input"
               params={{ maneuver_id: maneuver.id, channels, full: view.full }}
               revision={`${channels.join()} ${String(view.full)}`}
-              window={windowOf(view)}
-              onWindow={(window) => {
-                onChange(bandOf(window));
-              }}
+              {...overFrequency(view, onChange)}
             />
           </>
         )}

@@ -1,9 +1,11 @@
 import { MultiSelect, Select, Stack, Text } from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { maneuverQuery, maneuversQuery } from "../api/queries";
+import { overTime } from "../lib/band";
 import { integer } from "../lib/urlState";
 import { Figure } from "./Figure";
 import type { RunTabProps } from "./FitTab";
+import { WindowBar } from "./WindowBar";
 
 /** The identified model under the recorded inputs of its maneuver, or of another one. */
 export function TimeTab({ run, view, onChange }: RunTabProps) {
@@ -14,6 +16,7 @@ export function TimeTab({ run, view, onChange }: RunTabProps) {
     .filter((one) => one.aircraft_id === own.data?.aircraft_id);
   // Equation error keeps coefficients, not outputs: its model has the usual ones.
   const outputs = run.method === "EE" ? [] : (run.blocks[0]?.outputs ?? []);
+  const shared = overTime(view, onChange);
   return (
     <div className="split" style={{ gridTemplateColumns: "minmax(220px, 260px) minmax(0, 1fr)" }}>
       <Stack gap="sm">
@@ -26,7 +29,9 @@ export function TimeTab({ run, view, onChange }: RunTabProps) {
           searchable
           onChange={(value) => {
             const id = integer(value ?? undefined);
-            onChange({ against: id === run.maneuver_id ? undefined : id });
+            // Another recording has other times.
+            const whole = { from: undefined, to: undefined };
+            onChange({ against: id === run.maneuver_id ? undefined : id, ...whole });
           }}
         />
         {outputs.length > 0 && (
@@ -46,6 +51,15 @@ export function TimeTab({ run, view, onChange }: RunTabProps) {
         </Text>
       </Stack>
       <div className="panel" style={{ padding: 12 }}>
+        <WindowBar
+          window={shared.window}
+          unit="s"
+          onClear={() => {
+            shared.onWindow(null);
+          }}
+          hint="Drag over the figure to zoom; the window stays in the address."
+          whole="Whole record"
+        />
         <Figure
           kind="time-check"
           title="Recorded and simulated"
@@ -54,6 +68,7 @@ export function TimeTab({ run, view, onChange }: RunTabProps) {
             outputs: view.outputs?.join(","),
             maneuver_id: view.against,
           }}
+          {...shared}
         />
       </div>
     </div>

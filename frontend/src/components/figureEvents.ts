@@ -3,6 +3,8 @@ export interface FigureEvents {
   onPick?: (id: number) => void;
   /** The x axis was zoomed to a window, in its units, or reset (null). */
   onWindow?: (window: [number, number] | null) => void;
+  /** Quantity of the x axis, where figures of the page share a cursor over it. */
+  link?: string;
 }
 
 export interface PlotlyHandle {

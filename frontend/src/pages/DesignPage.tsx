@@ -18,6 +18,7 @@ import { ProblemAlert } from "../components/ProblemAlert";
 import { RehearsalPart } from "../components/RehearsalPart";
 import { Section } from "../components/Section";
 import { TaskProgress } from "../components/TaskProgress";
+import { overFrequency } from "../lib/band";
 import { fixed } from "../lib/format";
 import { DESIGN_TABS, type DesignView } from "../views";
 
@@ -141,6 +142,7 @@ function OneDesign({ design }: { design: Design }) {
             </div>
             <div className="panel" style={{ padding: 12 }}>
               <Figure
+                {...overFrequency(view, change)}
                 kind="design-spectrum"
                 title="Lines by the input that owns them"
                 params={params}
@@ -150,7 +152,14 @@ function OneDesign({ design }: { design: Design }) {
         </Tabs.Panel>
         <Tabs.Panel value="told" pt="md">
           <ForRun view={view} onChange={change}>
-            {(run) => <ExpectedPart design={design} level={level} run={run} />}
+            {(run) => (
+              <ExpectedPart
+                design={design}
+                level={level}
+                run={run}
+                shared={overFrequency(view, change)}
+              />
+            )}
           </ForRun>
         </Tabs.Panel>
         <Tabs.Panel value="amplitudes" pt="md">

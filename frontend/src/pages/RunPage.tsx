@@ -15,7 +15,7 @@ import { StateBadge } from "../components/RunBadge";
 import { RunActions } from "../components/RunActions";
 import { RunOutcome } from "../components/RunOutcome";
 import { TimeTab } from "../components/TimeTab";
-import { bandOf, windowOf } from "../lib/band";
+import { overFrequency } from "../lib/band";
 import { RUN_TABS, type RunView } from "../views";
 
 const route = getRouteApi("/runs/$id");
@@ -108,14 +108,7 @@ function Results({ run }: { run: Run }) {
         title={title}
         params={{ run_id: run.id, ...(kind === "residual" ? { block } : {}) }}
         height={height}
-        window={kind === "residual" ? windowOf(view) : undefined}
-        onWindow={
-          kind === "residual"
-            ? (window) => {
-                change(bandOf(window));
-              }
-            : undefined
-        }
+        {...(kind === "residual" ? overFrequency(view, change) : {})}
       />
     </div>
   );

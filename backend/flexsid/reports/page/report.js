@@ -35,7 +35,9 @@ async function draw(target, spec) {
     if (/^[xy]axis\d*$/.test(key)) layout[key] = under(AXIS, layout[key]);
   }
   layout.height ??= height(spec.layout);
-  await Plotly.newPlot(target, spec.data, layout, { displaylogo: false, responsive: false });
+  // Plotly offers to send figures to its own cloud unless it is told not to.
+  const config = { displaylogo: false, responsive: false, showSendToCloud: false };
+  await Plotly.newPlot(target, spec.data, layout, config);
 }
 
 async function drawAll() {
