@@ -86,3 +86,13 @@ def test_two_standard_errors_hold_the_truth(maneuver, method, kind, low, high):
         estimate = maneuver.estimate(method, kind, seed)
         inside.append(np.abs(estimate.values - truth) <= 2.0 * estimate.std_errors)
     assert low <= np.mean(inside) <= high, f"{np.mean(inside):.3f}"
+
+
+def test_equation_error_bears_coloured_noise_beyond_flutter(make_case):
+    maneuver = Maneuver(make_case(2, airspeed_ratio=1.2))
+    truth = maneuver.case.truth.values.ravel()
+    inside = []
+    for seed in range(60):
+        estimate = maneuver.estimate("EE", "coloured", seed)
+        inside.append(np.abs(estimate.values - truth) <= 2.0 * estimate.std_errors)
+    assert 0.90 <= np.mean(inside) <= 0.98, f"{np.mean(inside):.3f}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.sysid.conftest import OMEGA, add_noise
@@ -13,6 +15,7 @@ from flexsid.sysid.estimation.fusion import fuse, with_priors
 from flexsid.sysid.estimation.real_time import RealTimeEquationError, RecursiveTransform
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.estimation.regression import Disturbance, regress
+from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import finite_fourier_transform
 
@@ -59,6 +62,22 @@ def test_what_sensors_cannot_tell_apart_is_refused(make_case):
     _, outputs, through = spectra(case, u, y)
     with pytest.raises(NotIdentifiable, match="5 outputs cannot give 6 motions"):
         reconstruct_motion(case.model, outputs, through)
+
+
+def test_sensors_that_nothing_checks_are_named(make_case):
+    case = make_case(2)
+    u, y = case.spectra(2)
+    z = FrequencyData(OMEGA, add_noise(y, 0.03, np.random.default_rng(2)), case.model.outputs)
+    assert reconstruct_motion(case.model, z, np.ones_like(y)).taken_as_exact == ()
+    rigid = ("alpha", "theta", "q", "az_egi", "az_cf", "az_ca")
+    names = (*rigid, "az_ofs")
+    kept = [case.model.outputs.index(name) for name in names]
+    rows = SensorRows(names, case.model.sensors.polynomial[:, kept])
+    rows.polynomial[:, : len(rigid), 2:] = 0.0  # the wing is seen by its own sensor only
+    few = replace(case.model.with_modes(1), sensors=SensorRows(names, rows.polynomial[:, :, :3]))
+    seen = (few.response(make_case(1).truth, OMEGA) @ u[:, :, None])[:, :, 0]
+    z = FrequencyData(OMEGA, add_noise(seen, 0.03, np.random.default_rng(3)), names)
+    assert reconstruct_motion(few, z, np.ones_like(seen)).taken_as_exact == ("az_ofs",)
 
 
 def test_delays_are_not_for_equation_error(make_case):

@@ -140,7 +140,8 @@ def compute(task: Task, report: Report) -> Computed:
     if task.method is Method.EE:
         report(Progress(message="Reconstructing motion from the sensors"))
         parameters = parameters_of(task, any_start(task), task.extras)
-        estimate, companions = _equation_error(task, parameters)
+        estimate, companions, remarks = _equation_error(task, parameters)
+        warnings += remarks
         estimate = with_priors(estimate, task.priors)
         start = "none needed"
         if companions:
@@ -222,13 +223,20 @@ def parameters_of(task: Task, start: DerivativeTable, extras: tuple[str, ...]) -
     )
 
 
-def _equation_error(task: Task, parameters: Parameters) -> tuple[Estimate, tuple[int, ...]]:
-    """Estimate of all maneuvers together, and the companion modes that sensors allowed."""
-    estimates, companions = [], ()
+def _equation_error(
+    task: Task, parameters: Parameters
+) -> tuple[Estimate, tuple[int, ...], list[str]]:
+    """Estimate of all maneuvers, the companion modes that sensors allowed, and remarks."""
+    estimates, companions, alone = [], (), {}
     for data in task.maneuvers:
         motion, companions = motion_of(data)
+        alone |= dict.fromkeys(motion.taken_as_exact)
         estimates.append(equation_error(data.model, motion, data.measured.inputs, parameters))
-    return fuse(estimates, [data.label for data in task.maneuvers]), companions
+    remarks = [
+        f"No other sensor checks what {', '.join(alone)} {'sees' if len(alone) == 1 else 'see'}: "
+        "noise there passes for motion, and standard errors may be too small. Compare with OE."
+    ] if alone else []  # fmt: skip
+    return fuse(estimates, [data.label for data in task.maneuvers]), companions, remarks
 
 
 def motion_of(data: ManeuverData) -> tuple[Motion, tuple[int, ...]]:

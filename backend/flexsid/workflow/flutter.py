@@ -97,7 +97,7 @@ def _tell(store: Store, question: Question) -> Flutter:
         tested_m_s=tested,
         next_m_s=following,
         airspeed_m_s=None if crossing is None else crossing.airspeed,
-        airspeed_std_m_s=None if crossing is None else best.airspeed_std,
+        airspeed_std_m_s=_known(best.airspeed_std),
         spread_m_s=best.spread,
         low_m_s=None if interval is None else interval[0],
         high_m_s=None if interval is None else interval[1],
@@ -240,7 +240,7 @@ def _structure(group: Group, *, preferred: bool) -> StructureForecast:
         left_out_modes=last.left_out,
         source=last.source,
         airspeed_m_s=None if crossing is None else crossing.airspeed,
-        airspeed_std_m_s=None if crossing is None else prediction.airspeed_std,
+        airspeed_std_m_s=_known(prediction.airspeed_std),
         frequency_rad_s=None if crossing is None else crossing.frequency,
         sentence=prediction.sentence,
         preferred=preferred,
@@ -258,7 +258,7 @@ def _single(store: Store, answer: Answered, part: Flown) -> RunForecast:
         label=part.maneuver.label,
         tested_m_s=part.maneuver.condition.airspeed_m_s,
         airspeed_m_s=None if crossing is None else crossing.airspeed,
-        airspeed_std_m_s=None if crossing is None else prediction.airspeed_std,
+        airspeed_std_m_s=_known(prediction.airspeed_std),
     )
 
 
@@ -330,6 +330,10 @@ def _equivalents(store: Store, answer: Answered) -> tuple[EquivalentLine, ...]:
             )
         )
     return tuple(lines)
+
+
+def _known(std: float) -> float | None:
+    return std if np.isfinite(std) else None
 
 
 def _separation(answer: Answered) -> float | None:

@@ -78,7 +78,7 @@ def equation_error(
         )
     X = regressors(model, motion, inputs)
     z = aerodynamic_coefficients(model, motion)
-    disturbances = MotionNoise(model, motion) if compensate else None
+    disturbances = MotionNoise(model, motion.coloured()) if compensate else None
     held = parameters.base.values.copy()
     held[parameters.rows, parameters.columns] = 0.0
     size = parameters.start.size
@@ -131,6 +131,7 @@ class MotionNoise:
         self.spread = self.regressor @ motion.covariance
         self.regressors = np.real(self.spread @ self.regressor.conj().transpose(0, 2, 1))
         self.covariance = motion.covariance
+        self.doubt = motion.doubt
 
     def of_row(self, row: int, held: Float[np.ndarray, " n_w"], columns: np.ndarray) -> Disturbance:
         """Errors of the row's free regressors and dependent variable."""
@@ -141,4 +142,5 @@ class MotionNoise:
             self.regressors[:, columns[:, None], columns],
             np.real(cross[:, columns]),
             np.real(np.sum(dependent * own, axis=1)),
+            self.doubt,
         )

@@ -9,34 +9,50 @@ noise in its regressors would bring.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexsid.errors import NotIdentifiable
+from flexsid.sysid.estimation.noise import smoothed_density
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import FrequencyData, check_signal
 
 _WORST_CONDITION = 1e8
 _ITERATIONS = 20
+_LEAST_FREEDOM = 0.05  # of a sensor, below which its own noise is not known
 _BEST_SENSOR = 1e-3  # of its signal: keeps a few sensors from being fitted exactly
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """Motion r = [alpha, q, eta_1..n] at every line, with the covariance of its errors."""
+    """Motion r = [alpha, q, eta_1..n] at every line, with the covariance of its errors.
+
+    Where the sensors' noise was estimated, ``colour`` is how much larger its variance is at
+    each line than on average, ``doubt`` the relative standard deviation of all variances, and
+    ``taken_as_exact`` names sensors whose noise cannot be told from motion that they alone see.
+    """
 
     omega: Float[np.ndarray, " n_omega"]
     values: Complex[np.ndarray, "n_omega n_r"]
     covariance: Complex[np.ndarray, "n_omega n_r n_r"]
     noise: Float[np.ndarray, " n_y"]
+    colour: Float[np.ndarray, " n_omega"] | None = None
+    doubt: float = 0.0
+    taken_as_exact: tuple[str, ...] = ()
 
     def first(self, n_modes: int) -> Motion:
         """The rigid motion and the first modes only."""
         n_r = 2 + n_modes
         covariance = self.covariance[:, :n_r, :n_r]
-        return Motion(self.omega, self.values[:, :n_r], covariance, self.noise)
+        return replace(self, values=self.values[:, :n_r], covariance=covariance)
+
+    def coloured(self) -> Motion:
+        """The same with errors as large at each line as the sensors disagree there."""
+        if self.colour is None:
+            return self
+        return replace(self, covariance=self.covariance * self.colour[:, None, None], colour=None)
 
 
 def reconstruct_motion(
@@ -85,14 +101,24 @@ def reconstruct_motion(
         )
     sigma = _relative_level(z) if noise is None else np.asarray(noise, dtype=float)
     sensors = _Sensors(model, P, z, sigma)
-    if noise is None and n_y > n_r:
-        for _ in range(_ITERATIONS):
-            update = sensors.noise_from_redundancy(sigma)
-            change = np.max(np.abs(np.log(update / sigma)))
-            sigma = update
-            if change < 0.01:
-                break
-    return Motion(outputs.omega, *sensors.solve(sigma), sigma)
+    if noise is not None or n_y == n_r:
+        return Motion(outputs.omega, *sensors.solve(sigma), sigma)
+    colour = np.ones(outputs.omega.size)
+    for _ in range(_ITERATIONS):
+        update, colour = sensors.noise_from_redundancy(sigma, colour)
+        change = np.max(np.abs(np.log(update / sigma)))
+        sigma = update
+        if change < 0.01:
+            break
+    exact = np.flatnonzero(sensors.freedom(sigma) <= _LEAST_FREEDOM)
+    return Motion(
+        outputs.omega,
+        *sensors.solve(sigma),
+        sigma,
+        colour,
+        doubt=float(np.sqrt(n_y / (outputs.omega.size * (n_y - n_r)))),
+        taken_as_exact=tuple(model.outputs[k] for k in exact),
+    )
 
 
 def observability(
@@ -179,15 +205,36 @@ class _Sensors:
         motion = np.matmul(self.back, x)[:, :, 0]
         return motion, self.back @ inverse @ self.back.conj().transpose(0, 2, 1)
 
-    def noise_from_redundancy(self, sigma: Float[np.ndarray, " n_y"]) -> Float[np.ndarray, " n_y"]:
-        """Noise level from what the sensors disagree on, own pull on the solution removed."""
+    def noise_from_redundancy(
+        self, sigma: Float[np.ndarray, " n_y"], colour: Float[np.ndarray, " n_omega"]
+    ) -> tuple[Float[np.ndarray, " n_y"], Float[np.ndarray, " n_omega"]]:
+        """Noise level of every sensor, and how much larger its variance is at each line.
+
+        Both from what the sensors disagree on, their own pull on the solution removed.
+        """
         inverse, x, weight = self._weighted(sigma)
         residual = self.z - np.matmul(self.q, x)[:, :, 0]
+        power = np.real(residual) ** 2 + np.imag(residual) ** 2
+        n_omega, n_y, n_r = self.q.shape
+        freedom = np.maximum(self._freedom(inverse, weight), _LEAST_FREEDOM)
+        expected = (1.0 / colour) @ power / (n_omega * freedom)
+        level = np.maximum(self.sigma * np.sqrt(expected), _BEST_SENSOR * self.level)
+        together = np.sqrt(power @ (self.sigma / level) ** 2 / (n_y - n_r))
+        one_group = np.zeros(n_omega, dtype=int)
+        smooth = smoothed_density(together[:, None].astype(complex), one_group, 1)
+        colour = np.real(smooth.of_lines()[:, 0, 0])
+        return level, colour / colour.mean()
+
+    def freedom(self, sigma: Float[np.ndarray, " n_y"]) -> Float[np.ndarray, " n_y"]:
+        """Share of every sensor that the others check; the rest is its pull on the solution."""
+        inverse, _, weight = self._weighted(sigma)
+        return self._freedom(inverse, weight)
+
+    def _freedom(
+        self, inverse: Complex[np.ndarray, "n_omega n_r n_r"], weight: Float[np.ndarray, " n_y"]
+    ) -> Float[np.ndarray, " n_y"]:
         seen = np.real(np.sum(np.matmul(self.q, inverse) * self.q.conj(), axis=(0, 2)))
-        n_omega = residual.shape[0]
-        freedom = np.maximum(n_omega - weight * seen, 0.05 * n_omega)
-        power = np.sum(np.real(residual) ** 2 + np.imag(residual) ** 2, axis=0)
-        return np.maximum(self.sigma * np.sqrt(power / freedom), _BEST_SENSOR * self.level)
+        return 1.0 - weight * seen / len(self.q)
 
     def _weighted(
         self, sigma: Float[np.ndarray, " n_y"]

@@ -15,18 +15,21 @@ _WORST_CONDITION = 1e10
 _ITERATIONS = 20
 _STILL = 1e-7  # of the largest derivative, in equal units: no change worth a round
 _MARGIN = 1.5  # the compensated normal matrix keeps at least 1/3 of its weakest direction
+_LEAST = 0.02  # of a direction that error bars count as motion where all may be noise
 
 
 @dataclass(frozen=True, slots=True)
 class Disturbance:
     """Covariance of the errors at every line, real parts: theta is real.
 
-    Of the regressors, of the dependent variable, and E[x z*] between the two.
+    Of the regressors, of the dependent variable, and E[x z*] between the two; ``doubt`` is
+    the relative standard deviation of all this where it was itself estimated.
     """
 
     regressors: Float[np.ndarray, "n_omega p p"]
     cross: Float[np.ndarray, "n_omega p"]
     dependent: Float[np.ndarray, " n_omega"]
+    doubt: float = 0.0
 
     def equation_variance(self, theta: Float[np.ndarray, " p"]) -> Float[np.ndarray, " n_omega"]:
         """Variance that these errors give to z - X theta at every line."""
@@ -42,6 +45,14 @@ class Weighing:
     values: Float[np.ndarray, " p"]
     variance: Float[np.ndarray, " n_omega"]
     keep: float
+
+
+@dataclass(frozen=True, slots=True)
+class Certainty:
+    """Inverse of the normal matrix of the motion alone, and how far its noise pulled the values."""
+
+    inverse: Float[np.ndarray, "p p"]
+    pulled: Float[np.ndarray, " p"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,12 +115,12 @@ def regress(
             code="collinear",
         )
     theta = np.linalg.solve(r, q.T @ np.concatenate([np.real(z), np.imag(z)])) / scale
-    weighing = Weighing(theta, np.ones(n_lines), 0.0)
-    if disturbance is None:
-        normal = (r.T @ r) * np.outer(scale, scale)
-    else:
-        weighing, normal = compensate(X, z, theta, disturbance)
-    return _with_covariance(X, z, weighing.values, normal, weighing.variance)
+    if disturbance is not None:
+        weighing, certainty = compensate(X, z, theta, disturbance)
+        return _with_covariance(X, z, weighing, certainty, disturbance.doubt)
+    inverse = np.linalg.inv(r.T @ r) / np.outer(scale, scale)
+    plain = Weighing(theta, np.ones(n_lines), 0.0)
+    return _with_covariance(X, z, plain, Certainty(inverse, np.zeros(p)), 0.0)
 
 
 def compensate(
@@ -117,17 +128,18 @@ def compensate(
     z: Complex[np.ndarray, " n_omega"],
     theta: Float[np.ndarray, " p"],
     disturbance: Disturbance,
-) -> tuple[Weighing, Float[np.ndarray, "p p"]]:
+) -> tuple[Weighing, Certainty]:
     """Weight the lines by the known errors and take their bias out, from a first guess on.
 
-    Returns
-    -------
-    tuple
-        The weighing, and the compensated normal matrix.
+    Notes
+    -----
+    Where noise makes most of a direction of the normal matrix, only a part is taken out,
+    or the direction would be divided by next to nothing. Error bars then do count what
+    is left, and that the share of noise is known as well as lines and sensors tell it.
     """
     n_lines, p = X.shape
-    normal = np.empty((p, p))
     variance, keep = np.ones(n_lines), 1.0
+    shares, directions, pulled = np.zeros(p), np.eye(p), np.zeros(p)
     stacked = np.concatenate([np.real(X), np.imag(X)])
     target = np.concatenate([np.real(z), np.imag(z)])
     spread = disturbance.regressors.reshape(n_lines, -1)
@@ -140,16 +152,20 @@ def compensate(
         pull = weight @ disturbance.cross
         scale = np.sqrt(np.diag(noisy))
         outer = np.outer(scale, scale)
-        share = linalg.eigh(bias / outer, noisy / outer, eigvals_only=True)[-1]
-        keep = min(1.0, 1.0 / max(_MARGIN * share, np.finfo(float).tiny))
-        normal = noisy - keep * bias
-        right = weighted @ target - keep * pull
-        update = np.linalg.solve(normal / outer, right / scale) / scale
+        shares, directions = linalg.eigh(bias / outer, noisy / outer)
+        keep = min(1.0, 1.0 / max(_MARGIN * shares[-1], np.finfo(float).tiny))
+        right = (weighted @ target - keep * pull) / scale
+        update = directions @ ((directions.T @ right) / (1.0 - keep * shares)) / scale
         moved = np.max(np.abs(update - theta) * scale) / np.max(np.abs(theta) * scale)
         theta = update
+        directions /= scale[:, None]
+        pulled = bias @ theta - pull
         if moved < _STILL:
             break
-    return Weighing(theta, variance, keep), normal
+    doubt = np.hypot(disturbance.doubt, 1.0 / np.sqrt(n_lines))
+    motion = np.maximum(1.0 - shares * (1.0 + 2.0 * doubt), _LEAST)
+    inverse = (directions / motion) @ directions.T
+    return Weighing(theta, variance, keep), Certainty(inverse, inverse @ pulled)
 
 
 def _line_variance(
@@ -189,19 +205,19 @@ def _white_rest(
 def _with_covariance(
     X: Complex[np.ndarray, "n_omega p"],
     z: Complex[np.ndarray, " n_omega"],
-    theta: Float[np.ndarray, " p"],
-    normal: Float[np.ndarray, "p p"],
-    variance: Float[np.ndarray, " n_omega"],
+    weighing: Weighing,
+    certainty: Certainty,
+    doubt: float,
 ) -> Regression:
     n_lines, p = X.shape
+    theta, variance, inverse = weighing.values, weighing.variance, certainty.inverse
     nu = (z - X @ theta) / np.sqrt(variance)
-    scale = np.sqrt(np.diag(normal))
-    identity = np.eye(p)
-    inverse = np.linalg.solve(normal / np.outer(scale, scale), identity) / np.outer(scale, scale)
     freedom = n_lines - 0.5 * p
     level = float(np.sum(np.abs(nu) ** 2)) / freedom
     one_group = np.zeros(n_lines, dtype=int)
     density = np.real(noise.smoothed_density(nu[:, None], one_group, 1).of_lines()[:, 0, 0])
     density *= n_lines / freedom
     middle = np.real((X.conj() * (density / variance)[:, None]).T @ X)
-    return Regression(theta, 0.5 * level * inverse, 0.5 * inverse @ middle @ inverse)
+    corrected = 0.5 * inverse @ middle @ inverse
+    corrected += doubt**2 * np.outer(certainty.pulled, certainty.pulled)
+    return Regression(theta, 0.5 * level * inverse, corrected)

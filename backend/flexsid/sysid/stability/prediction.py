@@ -48,9 +48,9 @@ class Prediction:
     @property
     def interval(self) -> tuple[float, float] | None:
         """95 % interval of the airspeed, statistics and structure together. [m/s]"""
-        if self.crossing is None:
-            return None
         reach = _SIGMAS * float(np.hypot(self.airspeed_std, self.spread))
+        if self.crossing is None or not np.isfinite(reach):
+            return None
         return self.crossing.airspeed - reach, self.crossing.airspeed + reach
 
 
@@ -111,10 +111,9 @@ def predict_flutter(
     error = crossing_error(found.aircraft, crossing, found.uncertain, density)
     leading = sorted(crossing.participation, key=crossing.participation.__getitem__)[::-1][:2]
     moving = " with ".join(names[name] for name in leading)
-    sentence = (
-        f"{crossing.mechanism.value.capitalize()} of {moving} at "
-        f"{crossing.airspeed:.2f} ± {2.0 * float(np.hypot(error.airspeed_std, spread)):.2f} m/s"
-    )
+    reach = 2.0 * float(np.hypot(error.airspeed_std, spread))
+    sentence = f"{crossing.mechanism.value.capitalize()} of {moving} at {crossing.airspeed:.2f}"
+    sentence += f" ± {reach:.2f} m/s" if np.isfinite(reach) else " m/s, with unknown error"
     sentence += f", {crossing.frequency:.2f} rad/s." if crossing.frequency else "."
     if crossing.recovers_at is not None:
         sentence += f" It is a hump: stable again from {crossing.recovers_at:.2f} m/s."
