@@ -60,6 +60,38 @@ def test_a_run_can_be_printed_as_json_or_left_to_a_server(flown_url: str, capsys
     assert "run 3 is queued" in capsys.readouterr().out
 
 
+def test_what_cannot_be_estimated_leaves_no_run_behind(flown_url: str, capsys) -> None:
+    to = ("--wait", "--database", flown_url)
+    run = ("run", "--method", "EE", "--maneuver")
+    assert "mode 99" in refused(capsys, 2, *run, "1", "--modes", "7,99", *to)
+    # Of many the others are carried out.
+    assert main([*run, "99,1", "--modes", "7", *to]) == 1
+    printed = capsys.readouterr()
+    assert printed.err == "flexsid: maneuver 99: there is no maneuver 99\n"
+    assert "run 2: EE of maneuver 1" in printed.out
+
+
+def test_arguments_that_are_none_are_answered_as_asked(capsys) -> None:
+    assert "choose from" in refused(capsys, 2, "run", "--maneuver", "1", "--method", "XX")
+    assert "--help" in refused(capsys, 2, "run", "--method", "OE")
+    assert main(["nonsense", "--json"]) == 2
+    assert json.loads(capsys.readouterr().err)["code"] == "bad-arguments"
+
+
+def test_a_reader_that_has_read_enough_is_no_failure(flown_url: str) -> None:
+    command = "import sys; from flexsid.cli.main import main; sys.exit(main(sys.argv[1:]))"
+    reading = subprocess.Popen(
+        [sys.executable, "-c", command, *ESTIMATE, "--wait", "--database", flown_url],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    assert reading.stdout is not None
+    reading.stdout.close()
+    _, err = reading.communicate(timeout=120)
+    assert (reading.returncode, err) == (141, b"")
+
+
 def test_a_run_takes_a_kept_structure_or_the_approved_one(flown_url: str, capsys) -> None:
     run = ("run", "--maneuver", "1", "--method", "EE", "--json", "--database", flown_url)
     assert main([*run, "--structure", "2:1"]) == 0
@@ -179,6 +211,9 @@ def test_what_is_wrong_is_said_in_one_line(flown_url: str, capsys) -> None:
     assert "no run 99" in refused(capsys, 1, "export", "99", "--output", "a.json", *to)
     assert ".csv" in refused(capsys, 2, "export", "1", "--output", "a.xls", *to)
     assert "written" in refused(capsys, 1, "export", "1", "--output", "no/folder/a.json", *to)
+    quick = ("design", "--fta", "500", "--effort", "quick")
+    assert "written" in refused(capsys, 1, *quick, "--output", "no/folder/a.csv")
+    assert "above zero" in refused(capsys, 2, "flutter", "1", "--next", "-4", *to)
     assert "nowhere.csv" in refused(capsys, 2, "import", "nowhere.csv", *to)
     assert "address" in refused(capsys, 2, "migrate", "--database", "nonsense")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import sys
+from pathlib import Path
 from typing import Any
 
 import control
@@ -14,8 +15,34 @@ from plotly.graph_objects import Figure
 from scipy.io import loadmat
 
 from flexsid.client import Refused, RunFailed, Unreachable, Workbench
+from flexsid.client import workbench as client
 from flexsid.client.progress import ProgressLine
 from flexsid.errors import BadInput, FlexsidError
+
+MAPPING = """
+[aircraft]
+name = "FLEX-28"
+[flight]
+number = 7
+[maneuver]
+label = "sent"
+[maneuver.condition]
+airspeed = { value = 40, unit = "m/s" }
+altitude = { value = 1500, unit = "m" }
+fuel_fraction = { value = 50, unit = "%" }
+[time]
+column = "t"
+[[channels]]
+column = "wf4"
+name = "wf4s"
+unit = "deg"
+role = "input"
+[[channels]]
+column = "q"
+name = "q"
+unit = "deg/s"
+role = "output"
+"""
 
 
 def test_lists_are_tables(workbench: Workbench) -> None:
@@ -149,3 +176,46 @@ def test_progress_is_one_line_where_somebody_watches() -> None:
     line.show([half, done])
     assert " 75% 1 of 2 runs" in shown.getvalue()
     assert silent.getvalue() == ""
+
+
+def test_every_choice_of_the_interface_can_be_given(workbench: Workbench) -> None:
+    schemas = workbench.get("openapi.json")["components"]["schemas"]
+    structure = set(schemas["StructureRequest"]["properties"])
+    request = set(schemas["RunRequest"]["properties"])
+    assert structure - {"modes"} == client._STRUCTURE
+    assert request - {"maneuver_id", "method", "structure", "settings"} == client._REQUEST
+
+
+def test_a_run_takes_a_kept_structure(workbench: Workbench) -> None:
+    run = workbench.submit(1, "EE", structure_id=2, structure_version=1)
+    workbench.wait(run, timeout_s=60)
+    assert workbench.run(run)["structure_id"] == 2
+    rigid = workbench.submit(1, "EE", modes=[])
+    assert workbench.run(rigid)["structure"]["modes"] == []
+
+
+def test_who_works_stands_with_what_is_asked_for(live_url: str) -> None:
+    ann = Workbench(live_url, analyst="Zoë")
+    assert ann.run(ann.submit(1, "EE", modes=[7], band_hz=[0.3, 10.0]))["author"] == "Zoë"
+
+
+def test_files_are_brought_in(workbench: Workbench, tmp_path: Path) -> None:
+    time_s = np.arange(400) / 50.0
+    table = np.column_stack([time_s, np.sin(time_s), np.cos(time_s)])
+    record, mapping = tmp_path / "récord.csv", tmp_path / "mapping.toml"
+    np.savetxt(record, table, delimiter=",", header="t,wf4,q", comments="")
+    mapping.write_text(MAPPING)
+    maneuver = workbench.bring_in(record, mapping=mapping)
+    kept = workbench.get(f"maneuvers/{maneuver}")
+    assert [channel["name"] for channel in kept["channels"]] == ["wf4s", "q"]
+    mapping.write_text(MAPPING.replace('"q"', '"r"'))
+    with pytest.raises(Refused, match=r"récord\.csv"):
+        workbench.bring_in(record, mapping=mapping)
+
+
+def test_reports_are_written(workbench: Workbench, tmp_path: Path) -> None:
+    workbench.save_report(tmp_path / "run.html", "run", 1)
+    assert "Equation error, run 1" in (tmp_path / "run.html").read_text(encoding="utf-8")
+    workbench.save_report(tmp_path / "two.html", "comparison", run_ids=[1], prediction_ids=[1])
+    with pytest.raises(BadInput, match=r"\.html or \.pdf"):
+        workbench.save_report(tmp_path / "run.txt", "run", 1)

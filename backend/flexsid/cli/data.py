@@ -12,7 +12,7 @@ from typing import Any
 import orjson
 
 from flexsid.cli.opening import opened
-from flexsid.cli.saying import say, say_next, show_share
+from flexsid.cli.saying import say, say_next, show_share, write_file
 from flexsid.cli.serve import bring_along
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records.run import EstimationRun
@@ -79,10 +79,7 @@ def export(settings: Settings, run_id: int, output: str, *, as_json: bool = Fals
         raise BadInput(f"{output} ends in {file.suffix!r}; expected one of {', '.join(_EXPORTS)}")
     with opened(settings) as store:
         content = _EXPORTS[file.suffix](store, run_id)
-    try:
-        file.write_bytes(content)
-    except OSError as error:
-        raise FlexsidError(f"{output} cannot be written: {error.strerror}") from error
+    write_file(file, content)
     if as_json:
         say((), {"run": run_id, "file": output}, as_json=True)
     else:

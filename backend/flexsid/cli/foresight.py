@@ -11,7 +11,7 @@ import numpy as np
 
 from flexsid.cli.opening import opened
 from flexsid.cli.runs import numbers
-from flexsid.cli.saying import say
+from flexsid.cli.saying import say, write_file
 from flexsid.errors import BadInput
 from flexsid.importers import confined
 from flexsid.records.excitation import ExcitationDesign
@@ -52,7 +52,7 @@ def design(chosen: argparse.Namespace) -> int:
         peak_factors=designer.peak_factors(made),
         fta=chosen.fta,
     )
-    output.write_bytes(export_design(kept, form, 1))
+    write_file(output, export_design(kept, form, 1))
     say(
         (f"{name:<10} relative peak factor {one:.4f}" for name, one in kept.peak_factors.items()),
         {"file": chosen.output, "peak_factors": kept.peak_factors},
@@ -86,6 +86,8 @@ def _described(design: ExcitationDesign) -> Iterator[str]:
 
 def foretell(settings: Settings, chosen: argparse.Namespace) -> int:
     """Print where runs see the aircraft lose stability."""
+    if chosen.next is not None and not chosen.next > 0.0:
+        raise BadInput(f"--next is {chosen.next:g}; expected an airspeed above zero [m/s]")
     question = Question(
         run_ids=tuple(numbers(chosen.runs, int, "RUNS")),
         fuel=chosen.fuel,

@@ -11,6 +11,7 @@ import os
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NoReturn
 
 import flexsid
 from flexsid.errors import BadInput, FlexsidError
@@ -25,10 +26,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # Before numpy is loaded: one thread each, for the matrices are small and the cores are shared.
     for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")
-    chosen = _parser().parse_args(arguments)
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
     logging.getLogger("flexsid").setLevel(logging.INFO)
+    asked = sys.argv[1:] if arguments is None else arguments
+    as_json = "--json" in asked
     try:
+        chosen = _parser().parse_args(asked)
         settings = read_settings()
         if chosen.database is not None:
             settings = replace(settings, database=chosen.database)
@@ -36,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except FlexsidError as error:
         from flexsid.cli.saying import complain
 
-        complain(error.message, error.code, as_json=chosen.json)
+        complain(error.message, error.code, as_json=as_json)
         return 2 if isinstance(error, BadInput) else 1
     except KeyboardInterrupt:
         return 130
@@ -45,10 +48,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 141
 
 
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise BadInput(f"{message}; see {self.prog} --help", code="bad-arguments")
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="flexsid", description="Identify flexible aircraft from flight test."
-    )
+    parser = _Parser(prog="flexsid", description="Identify flexible aircraft from flight test.")
     parser.add_argument("--version", action="version", version=f"flexsid {flexsid.__version__}")
     commands = parser.add_subparsers(required=True, metavar=None)
 

@@ -10,8 +10,8 @@ from pathlib import Path
 from flexsid import reports
 from flexsid.cli.opening import opened
 from flexsid.cli.runs import numbers
-from flexsid.cli.saying import say
-from flexsid.errors import BadInput, FlexsidError
+from flexsid.cli.saying import say, write_file
+from flexsid.errors import BadInput
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
 
@@ -21,7 +21,7 @@ def report(settings: Settings, chosen: argparse.Namespace) -> int:
     file = Path(chosen.output)
     if file.suffix not in (".html", ".pdf"):
         raise BadInput(f"{file} ends in {file.suffix!r}; expected .html or .pdf")
-    _write(file, _content(settings, chosen, file.suffix))
+    write_file(file, _content(settings, chosen, file.suffix))
     if chosen.json:
         say((), {"file": str(file)}, as_json=True)
     else:
@@ -53,10 +53,3 @@ def _made(store: Store, chosen: argparse.Namespace) -> reports.Report:
         )
     made = reports.run_report if chosen.kind == "run" else reports.decision_report
     return made(store, ids[0])
-
-
-def _write(file: Path, content: bytes) -> None:
-    try:
-        file.write_bytes(content)
-    except OSError as error:
-        raise FlexsidError(f"{file} cannot be written: {error.strerror}") from error

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from flexsid.cli.opening import opened
 from flexsid.cli.saying import complain, say, say_next, show_share
-from flexsid.errors import BadInput
+from flexsid.errors import BadInput, FlexsidError
 from flexsid.jobs.direct import carry_out
 from flexsid.jobs.steps import estimation_steps
 from flexsid.records.model_structure import Structure
@@ -67,8 +67,17 @@ def run(settings: Settings, chosen: argparse.Namespace) -> int:
     failed = False
     with opened(settings) as store:
         for done, maneuver in enumerate(maneuvers, start=1):
-            one = _with_structure(store, replace(wanted, maneuver_id=maneuver), chosen.structure)
-            kept = _begin(store, one, wait=chosen.wait)
+            try:
+                one = _with_structure(
+                    store, replace(wanted, maneuver_id=maneuver), chosen.structure
+                )
+                kept = _begin(store, one, wait=chosen.wait)
+            except FlexsidError as error:
+                if len(maneuvers) == 1:
+                    raise
+                complain(f"maneuver {maneuver}: {error.message}", error.code, as_json=chosen.json)
+                failed = True
+                continue
             if len(maneuvers) == 1:
                 say(_table(kept) if kept.error is None else (), kept, as_json=chosen.json)
             else:
@@ -102,9 +111,9 @@ def _with_structure(store: Store, wanted: EstimationRun, named: str | None) -> E
 
 def _begin(store: Store, wanted: EstimationRun, *, wait: bool) -> EstimationRun:
     steps = estimation_steps()
+    steps.prepare(store, wanted)  # what cannot be done is refused at once
     if wait:
         return carry_out(store, wanted, steps, show)
-    steps.prepare(store, wanted)  # what cannot be done is refused at once
     kept, _ = batches.add_once(store, identified(store, wanted))
     return kept
 

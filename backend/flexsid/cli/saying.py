@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import orjson
+
+from flexsid.errors import FlexsidError
 
 _OPTIONS = orjson.OPT_NON_STR_KEYS | orjson.OPT_UTC_Z | orjson.OPT_SERIALIZE_NUMPY
 
@@ -23,6 +26,22 @@ def say(lines: Iterable[str], answer: Any, *, as_json: bool) -> None:
 def say_next(line: str, answer: Any, *, as_json: bool) -> None:
     """Print one of many answers as soon as it is there; as JSON one object per line."""
     print(orjson.dumps(answer, option=_OPTIONS).decode() if as_json else line, flush=True)
+
+
+def write_file(file: str | Path, content: bytes) -> None:
+    """Write what a command made.
+
+    Raises
+    ------
+    FlexsidError
+        If the file cannot be written.
+    """
+    try:
+        Path(file).write_bytes(content)
+    except OSError as error:
+        raise FlexsidError(
+            f"{file} cannot be written: {error.strerror}", code="not-written"
+        ) from error
 
 
 def complain(message: str, code: str, *, as_json: bool) -> None:

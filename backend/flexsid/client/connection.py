@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import secrets
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 from urllib.error import HTTPError, URLError
-from urllib.parse import urlencode
+from urllib.parse import quote, urlencode
 from urllib.request import Request, urlopen
 
 from flexsid.errors import FlexsidError
@@ -29,10 +31,11 @@ class Unreachable(FlexsidError):
 
 @dataclass(frozen=True, slots=True)
 class Connection:
-    """Where the workbench is, and how long an answer may take."""
+    """Where the workbench is, how long an answer may take, and who asks."""
 
     url: str
     timeout_s: float
+    analyst: str = ""
 
     def get(self, path: str, query: Mapping[str, Any]) -> bytes:
         """Read what stands at a path below ``/api/v1``."""
@@ -52,6 +55,27 @@ class Connection:
             )
         )
 
+    def send_files(self, path: str, files: Mapping[str, Iterable[Path]], **fields: Any) -> bytes:
+        """Send files, and fields that are not None, as a form of a page does."""
+        boundary = secrets.token_hex(16)
+        parts = [
+            (f'form-data; name="{name}"; filename="{_quoted(file.name)}"', file.read_bytes())
+            for name, named in files.items()
+            for file in named
+        ]
+        parts += [
+            (f'form-data; name="{name}"', str(value).encode())
+            for name, value in fields.items()
+            if value is not None
+        ]
+        body = b"".join(
+            f"--{boundary}\r\nContent-Disposition: {head}\r\n\r\n".encode() + content + b"\r\n"
+            for head, content in parts
+        )
+        kind = {"Content-Type": f"multipart/form-data; boundary={boundary}"}
+        data = body + f"--{boundary}--\r\n".encode()
+        return self._send(Request(self._address(path), data=data, headers=kind, method="POST"))
+
     def delete(self, path: str) -> None:
         """Delete what stands at a path."""
         self._send(Request(self._address(path), method="DELETE"))
@@ -60,6 +84,8 @@ class Connection:
         return f"{self.url.rstrip('/')}/api/v1/{path.strip('/')}"
 
     def _send(self, request: Request) -> bytes:
+        if self.analyst:
+            request.add_header("X-Flexsid-Analyst", quote(self.analyst))
         try:
             with urlopen(request, timeout=self.timeout_s) as answer:
                 return answer.read()
@@ -78,6 +104,11 @@ def _refusal(status: int, content: bytes) -> Refused:
         return Refused(status, problem["code"], problem["detail"])
     except (ValueError, KeyError, TypeError):
         return Refused(status, "http-error", f"the server answered {status}; is it a workbench?")
+
+
+def _quoted(name: str) -> str:
+    """A file's name as pages send it."""
+    return name.replace('"', "%22").replace("\r", "%0D").replace("\n", "%0A")
 
 
 def _text(value: Any) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,9 +19,17 @@ if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
 _ENDED = frozenset({"succeeded", "failed", "cancelled"})
-_STRUCTURE = frozenset({"inputs", "outputs", "free", "fixed", "free_delays", "also_free", "axis"})
+_STRUCTURE = frozenset(
+    {
+        *("inputs", "outputs", "free", "fixed", "fixed_to", "absent", "axis"),
+        *("free_delays", "also_free", "delays", "instruments"),
+    }
+)
 _REQUEST = frozenset(
-    {"modal_table_id", "damping_table_id", "prediction_id", "structure_id", "author"}
+    {
+        *("modal_table_id", "damping_table_id", "prediction_id"),
+        *("structure_id", "structure_version", "author", "priority", "limits"),
+    }
 )
 _PAGE = 1000  # most items of one answer
 _PATIENCE_S = 60.0  # a server that restarts is waited for
@@ -40,6 +48,8 @@ class Workbench:
     ----------
     url
         Address of the server.
+    analyst
+        Your name. It stands with all you ask for, and proposals and comments need one.
     timeout_s
         Longest wait for one answer. [s]
 
@@ -52,8 +62,10 @@ class Workbench:
     >>> workbench.parameters(run)  # doctest: +SKIP
     """
 
-    def __init__(self, url: str = "http://127.0.0.1:8000", *, timeout_s: float = 60.0) -> None:
-        self._connection = Connection(url, timeout_s)
+    def __init__(
+        self, url: str = "http://127.0.0.1:8000", *, analyst: str = "", timeout_s: float = 60.0
+    ) -> None:
+        self._connection = Connection(url, timeout_s, analyst)
 
     def __repr__(self) -> str:
         return f"Workbench({self._connection.url!r})"
@@ -129,10 +141,40 @@ class Workbench:
         """Modal tables; ``kind`` is FEM or GVT."""
         return self.table("modal-tables", **query)
 
+    # --- data ---
+
+    def bring_in(
+        self,
+        *files: str | Path,
+        mapping: str | Path | None = None,
+        aircraft_id: int | None = None,
+    ) -> int:
+        """Import a maneuver from files on this computer; return its id.
+
+        Parameters
+        ----------
+        *files
+            Recorder files and tables of one maneuver.
+        mapping
+            TOML file that says what they hold; not for forms that are recognised.
+        aircraft_id
+            Whose, where the mapping names none.
+
+        Raises
+        ------
+        Refused
+            If they do not hold what the mapping says; nothing is kept then.
+        """
+        sent = {"files": [Path(file) for file in files]}
+        if mapping is not None:
+            sent["mapping"] = [Path(mapping)]
+        answer = self._connection.send_files("maneuvers", sent, aircraft_id=aircraft_id)
+        return json.loads(answer)["id"]
+
     # --- runs ---
 
     def submit(
-        self, maneuver_id: int, method: str, modes: Iterable[int] = (), **choices: Any
+        self, maneuver_id: int, method: str, modes: Iterable[int] | None = None, **choices: Any
     ) -> int:
         """Ask for a run and return its id at once.
 
@@ -143,12 +185,14 @@ class Workbench:
         method
             OE, FRE or EE.
         modes
-            Numbers of the structural modes in the model.
+            Numbers of the structural modes in the model; none at all is ``[]``. Where no
+            structure is described, it is that of ``structure_id``, else the one that was
+            approved for the condition of the maneuver.
         **choices
-            Of the structure (``inputs``, ``outputs``, ``free``, ``fixed``, ``free_delays``,
-            ``also_free``), of the settings (``start``, ``band_hz``, ``noise``, ``priors``,
-            ``prior_spread``, ``together_with`` ...) and of tables (``modal_table_id``,
-            ``prediction_id`` ...), as the interface names them.
+            Of the structure (``inputs``, ``outputs``, ``free``, ``fixed``, ``absent``,
+            ``free_delays``, ``also_free`` ...), of the settings (``start``, ``band_hz``,
+            ``noise``, ``priors``, ``prior_spread`` ...) and of the request (``structure_id``,
+            ``modal_table_id``, ``prediction_id``, ``priority`` ...), as the interface names them.
 
         Raises
         ------
@@ -157,10 +201,12 @@ class Workbench:
         """
         structure = {name: choices.pop(name) for name in _STRUCTURE & choices.keys()}
         request = {name: choices.pop(name) for name in _REQUEST & choices.keys()}
+        if modes is not None:
+            structure["modes"] = list(modes)
         body = {
             "maneuver_id": maneuver_id,
             "method": method,
-            "structure": {"modes": list(modes), **structure},
+            "structure": structure or None,
             "settings": choices or None,
             **request,
         }
@@ -179,10 +225,22 @@ class Workbench:
             If they have not ended in time.
         """
         line = ProgressLine(show_progress)
+        try:
+            runs = self._ended(run_ids, timeout_s, line)
+        finally:
+            line.end()
+        lost = [run for run in runs if run["state"] != "succeeded"]
+        if lost:
+            raise RunFailed("; ".join(map(_why, lost)))
+
+    def _ended(
+        self, run_ids: Sequence[int], timeout_s: float | None, line: ProgressLine
+    ) -> list[dict[str, Any]]:
+        """Ask again and again until all have ended; a server that restarts is waited for."""
         started = heard = time.monotonic()
         pause = 0.05
         runs: list[dict[str, Any]] = []
-        while not runs or not all(run["state"] in _ENDED for run in runs):
+        while not all(run["state"] in _ENDED for run in runs) or len(runs) < len(run_ids):
             if timeout_s is not None and time.monotonic() - started > timeout_s:
                 raise TimeoutError(f"runs {_listed(run_ids)} have not ended in {timeout_s:g} s")
             time.sleep(pause if runs else 0.0)
@@ -195,13 +253,8 @@ class Workbench:
                     raise
                 time.sleep(1.0)
                 continue
-            if not runs:
-                return
             line.show(runs)
-        line.end()
-        lost = [run for run in runs if run["state"] != "succeeded"]
-        if lost:
-            raise RunFailed("; ".join(map(_why, lost)))
+        return runs
 
     def cancel(self, run_id: int) -> None:
         """Stop a run that has not ended."""
@@ -259,6 +312,28 @@ class Workbench:
         if form not in ("mat", "json"):
             raise BadInput(f"{file} ends in '.{form}'; expected .mat or .json")
         Path(file).write_bytes(self._connection.get(f"runs/{run_id}/model", {"format": form}))
+
+    def save_report(
+        self, file: str | Path, kind: str, number: int | None = None, **query: Any
+    ) -> None:
+        """Write a report to a ``.html`` or ``.pdf`` file.
+
+        Parameters
+        ----------
+        file
+            Its ending says the form.
+        kind
+            ``run``, ``comparison``, ``decision`` or ``campaign``.
+        number
+            Id of the run or decision.
+        **query
+            ``run_ids`` and ``prediction_ids`` of a comparison; filters of a campaign.
+        """
+        form = Path(file).suffix.removeprefix(".")
+        if form not in ("html", "pdf"):
+            raise BadInput(f"{file} ends in '.{form}'; expected .html or .pdf")
+        path = f"reports/{kind}" if number is None else f"reports/{kind}/{number}"
+        Path(file).write_bytes(self._connection.get(path, {**query, "format": form}))
 
     def figure(self, kind: str, **query: Any) -> Figure:
         """A figure as the page draws it, e.g. ``figure("bode", maneuver_id=1, output="q")``."""
