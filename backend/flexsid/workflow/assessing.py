@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import multiprocessing
+import os
 import threading
 from collections.abc import Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
@@ -29,8 +30,12 @@ class Assessing:
     failed: int
 
 
+_MOST_PROCESSES = 8
+_NICENESS = 10  # who waits for an answer goes first
+
+
 class Assessments:
-    """Looks at maneuvers in a process of its own, for a second of mathematics each.
+    """Looks at maneuvers beside the server, on all processors but one.
 
     Everything found is kept at once, so that nothing is lost when the server stops.
     """
@@ -52,13 +57,18 @@ class Assessments:
             new = [number for number in maneuver_ids if number not in self._waiting]
             if new and self._pool is None:
                 context = multiprocessing.get_context("spawn")
-                self._pool = ProcessPoolExecutor(1, mp_context=context)
+                self._pool = ProcessPoolExecutor(
+                    _processes(len(new)),
+                    mp_context=context,
+                    initializer=_prepare,
+                    initargs=(self._url,),
+                )
                 self._total = self._done = self._failed = 0
             for number in new:
                 assert self._pool is not None
                 self._waiting.add(number)
                 self._total += 1
-                future = self._pool.submit(_assess, self._url, number)
+                future = self._pool.submit(_assess, number)
                 future.add_done_callback(lambda done, number=number: self._ended(number, done))
         return self.state()
 
@@ -99,13 +109,24 @@ class Assessments:
             pool.shutdown(wait=False)
 
 
-def _assess(url: str, maneuver_id: int) -> None:
-    """Look at one maneuver, in a process that has its own connection."""
-    store = Store.open(url)
+def _processes(n_maneuvers: int) -> int:
+    return max(1, min(_MOST_PROCESSES, n_maneuvers, (os.cpu_count() or 2) - 1))
+
+
+_opened: list[Store] = []  # the connection of a process that looks at maneuvers
+
+
+def _prepare(url: str) -> None:
+    """Open the store once in a process that has its own connection."""
+    if hasattr(os, "nice"):
+        os.nice(_NICENESS)
+    threadpool_limits(1)
+    _opened.append(Store.open(url))
+
+
+def _assess(maneuver_id: int) -> None:
+    """Look at one maneuver."""
     try:
-        with threadpool_limits(1):
-            quality(store, maneuver_id)
+        quality(_opened[0], maneuver_id)
     except FlexsidError as error:
         raise RuntimeError(error.message) from error  # ours do not survive the way back
-    finally:
-        store.close()

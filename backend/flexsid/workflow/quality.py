@@ -313,11 +313,8 @@ def _decays(store: Store, maneuver: Maneuver) -> tuple[str, float] | None:
 def _figures(report: QualityReport) -> Figures:
     outputs = [c for c in report.channels if c.role == Role.OUTPUT]
     ratios = [c.signal_to_noise_db for c in outputs if c.signal_to_noise_db is not None]
-    skewed = [
-        c
-        for c in report.channels
-        if c.delay_s is not None and c.delay_std is not None and abs(c.delay_s) > 2 * c.delay_std
-    ]
+    late = {finding.channel for finding in report.findings if finding.about == "skew"}
+    skewed = [c for c in report.channels if c.name in late]
     worst = max(skewed, key=lambda c: abs(c.delay_s or 0.0), default=None)
     heard = [
         c.coherence

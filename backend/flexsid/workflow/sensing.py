@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import Motion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.preparation.redundancy import strong_lines
+from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.measured import measure
 from flexsid.workflow.measurement import MeasuredLines
 from flexsid.workflow.models import OutputDefinition, build_model, define_outputs
@@ -53,6 +55,17 @@ class Sensing:
     def duration_s(self) -> float:
         """Length of what the lines were transformed from. [s]"""
         return _transformed(self.maneuver)
+
+    def at(self, some: np.ndarray) -> Sensing:
+        """The same sensors at some of the lines."""
+        lines = self.measured
+        omega, names = lines.omega[some], lines.outputs.names
+        measured = replace(
+            lines,
+            outputs=FrequencyData(omega, lines.outputs.values[some], names),
+            instruments=lines.instruments[some],
+        )
+        return replace(self, measured=measured)
 
     def with_modes(self, numbers: tuple[int, ...]) -> AeroelasticModel:
         """A model of other modes for the same sensors."""
@@ -130,6 +143,11 @@ def motion_of(sensing: Sensing, modes: Sequence[int] = ()) -> tuple[AeroelasticM
     if modes:
         model = sensing.with_modes(tuple(modes))
         return model, _reconstruct(sensing, model)
+    model, motion = _as_many_as_move(sensing.at(strong_lines(sensing.measured.outputs.values)))
+    return model, _reconstruct(sensing, model, motion.noise)
+
+
+def _as_many_as_move(sensing: Sensing) -> tuple[AeroelasticModel, Motion]:
     numbers = sensing.model.modes.numbers
     model = sensing.model
     while True:
@@ -149,7 +167,7 @@ def motion_of(sensing: Sensing, modes: Sequence[int] = ()) -> tuple[AeroelasticM
         numbers = sensing.modes[: len(numbers) + 1]
         try:
             model = sensing.with_modes(numbers)
-            motion = _reconstruct(sensing, model)
+            motion = _reconstruct(sensing, model, motion.noise)
         except NotIdentifiable:
             break
         tried.append((model, motion))
@@ -184,13 +202,15 @@ def _transformed(maneuver: Maneuver) -> float:
     return (excitation.n_periods - 1) * excitation.period_s
 
 
-def _reconstruct(sensing: Sensing, model: AeroelasticModel) -> Motion:
+def _reconstruct(
+    sensing: Sensing, model: AeroelasticModel, guess: np.ndarray | None = None
+) -> Motion:
     """Weight sensors by their noise, or by their disagreement where that is larger.
 
     Disagreement alone may find that one sensor is fitted exactly; a sensor has noise.
     """
     lines = sensing.measured
-    found = reconstruct_motion(model, lines.outputs, lines.instruments)
+    found = reconstruct_motion(model, lines.outputs, lines.instruments, guess=guess)
     least = np.where(np.isfinite(sensing.noise), sensing.noise, 0.0)
     if np.all(found.noise >= least):
         return found

@@ -62,8 +62,8 @@ def sensor_faults(sensing: Sensing) -> SensorFaults:
     reference = _reference(sensing)
     least = np.where(np.isfinite(sensing.noise), sensing.noise, 0.0)
 
-    def find(model: AeroelasticModel) -> Faults:
-        return find_faults(model, lines.outputs, lines.instruments, reference, scaled, least)
+    def find(model: AeroelasticModel, near: Faults | None = None) -> Faults:
+        return find_faults(model, lines.outputs, lines.instruments, reference, scaled, least, near)
 
     first = find(sensing.model)
     seen = np.where(first.delay_std < _TELLING, first.delay_s, 0.0)
@@ -74,14 +74,14 @@ def sensor_faults(sensing: Sensing) -> SensorFaults:
     model, motion = motion_of(undone)
     count = len(model.modes.numbers)
     same = model.modes.numbers == sensing.model.modes.numbers
-    best = first if same else find(model)
+    best = first if same else find(model, first)
     others = []
     for more in range(1, _MORE_MODES + 1):
         if count + more > len(sensing.modes):
             break
         richer = sensing.with_modes(sensing.modes[: count + more])
         try:
-            others.append(find(richer))
+            others.append(find(richer, best))
         except NotIdentifiable:
             break
     coherence = agreement(model, undone.measured.outputs, lines.instruments, motion.noise)
@@ -113,7 +113,13 @@ def _input_skews(sensing: Sensing, motion: Motion, timed_s: float) -> InputSkews
         try:
             model = sensing.with_modes(numbers[:number])
             found.append(
-                find_input_skews(model, motion.first(number), lines.inputs, lines.input_noise)
+                find_input_skews(
+                    model,
+                    motion.first(number),
+                    lines.inputs,
+                    lines.input_noise,
+                    found[0] if found else None,
+                )
             )
         except (NotIdentifiable, np.linalg.LinAlgError):
             if number == count:

@@ -60,6 +60,7 @@ def reconstruct_motion(
     outputs: FrequencyData,
     instruments: Complex[np.ndarray, "n_omega n_y"],
     noise: Float[np.ndarray, " n_y"] | None = None,
+    guess: Float[np.ndarray, " n_y"] | None = None,
 ) -> Motion:
     """Separate rigid and elastic motion at every line.
 
@@ -74,6 +75,8 @@ def reconstruct_motion(
     noise
         Standard deviation of each output's spectral noise; estimated from the
         redundancy of the sensors when not known. [output unit * s]
+    guess
+        What the noise may be, to begin with where it is estimated. [output unit * s]
 
     Raises
     ------
@@ -99,7 +102,8 @@ def reconstruct_motion(
             outputs=n_y,
             motions=n_r,
         )
-    sigma = _relative_level(z) if noise is None else np.asarray(noise, dtype=float)
+    first = guess if noise is None else noise
+    sigma = _relative_level(z) if first is None else np.asarray(first, dtype=float)
     sensors = _Sensors(model, P, z, sigma)
     if noise is not None or n_y == n_r:
         return Motion(outputs.omega, *sensors.solve(sigma), sigma)

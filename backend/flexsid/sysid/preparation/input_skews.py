@@ -27,7 +27,7 @@ from flexsid.sysid.preparation.redundancy import strong_lines
 from flexsid.sysid.signals import FrequencyData
 
 _STEPS = 8
-_SMALL_S = 1e-7
+_SMALL_S = 2e-6
 _IN_BAND = 1.3  # of the highest line: modes further above are known by little but their stiffness
 
 
@@ -45,6 +45,7 @@ def find_input_skews(
     motion: Motion,
     inputs: FrequencyData,
     noise: Float[np.ndarray, "n_omega n_u"] | None = None,
+    near: InputSkews | None = None,
 ) -> InputSkews:
     """Find the delays on which the derivatives of all coefficients agree.
 
@@ -58,6 +59,8 @@ def find_input_skews(
         Surface deflections, known instruments undone. [rad s]
     noise
         Variance of the inputs' spectra, none by default. [rad2 s2]
+    near
+        Skews to begin with; none by default.
 
     Raises
     ------
@@ -76,7 +79,7 @@ def find_input_skews(
     some = strong_lines(u)
     seen = Motion(motion.omega[some], motion.values[some], motion.covariance[some], motion.noise)
     equations = _Equations.of(model, seen, None if noise is None else noise[some])
-    delay = np.zeros(n_u)
+    delay = np.zeros(n_u) if near is None else near.delay_s
     information, excess = np.eye(n_u), 1.0
     for _ in range(_STEPS):
         turned = u[some] * np.exp(1j * seen.omega[:, None] * delay)

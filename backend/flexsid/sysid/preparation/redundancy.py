@@ -23,6 +23,7 @@ from flexsid.sysid.signals import FrequencyData
 _ROUNDS = 4  # of new weights
 _STEPS = 40
 _SMALL = 1e-3  # of a standard error: steps below change nothing
+_ROUGHLY = 0.1  # of a standard error, while the weights are not known
 _LARGEST_STEP_RAD = 0.3  # at the highest line: beyond that a delay may slip by a whole turn
 _NEIGHBOURS = 8  # lines whose residuals a missing mode makes alike
 _ENOUGH_LINES = 160
@@ -36,7 +37,8 @@ class Faults:
 
     ``delay_s`` counts from the reference output, whose own is zero: a delay common to all
     turns the motion and cannot be seen. ``scale`` is recorded over true, exactly one with no
-    standard error where it was taken as known.
+    standard error where it was taken as known. ``noise`` is the standard deviation of each
+    output's spectral noise [output unit * s].
     """
 
     names: tuple[str, ...]
@@ -45,6 +47,7 @@ class Faults:
     delay_std: Float[np.ndarray, " n_y"]
     scale: Float[np.ndarray, " n_y"]
     scale_std: Float[np.ndarray, " n_y"]
+    noise: Float[np.ndarray, " n_y"]
     band_hz: tuple[float, float]
 
 
@@ -55,6 +58,7 @@ def find_faults(
     reference: str | None = None,
     scaled: Sequence[str] = (),
     least: Float[np.ndarray, " n_y"] | None = None,
+    near: Faults | None = None,
 ) -> Faults:
     """Find delays and scale factors on which all sensors agree about the motion.
 
@@ -73,6 +77,8 @@ def find_faults(
     least
         Noise that every output has at least; without it a sensor may be fitted exactly.
         [output unit * s]
+    near
+        Faults to begin with, of the same outputs; none by default.
 
     Raises
     ------
@@ -108,13 +114,14 @@ def find_faults(
         raise NotIdentifiable(
             f"'{silent}' never moves; leave it out", code="silent-channel", channel=silent
         )
-    sigma = 0.05 * level
-    value = np.zeros(free.count)
+    sigma = 0.05 * level if near is None else near.noise
+    value = np.zeros(free.count) if near is None else free.gather(near.delay_s, near.scale)
     for _ in range(_ROUNDS):
-        value = _converge(problem, free, value, sigma)
+        value = _converge(problem, free, value, sigma, _ROUGHLY)
         delay, gain = free.spread(value, len(names))
         seen = instruments[some] * np.exp(-1j * omega[:, None] * delay + gain)
-        update = reconstruct_motion(model, FrequencyData(omega, z, names), seen).noise
+        data = FrequencyData(omega, z, names)
+        update = reconstruct_motion(model, data, seen, guess=sigma).noise
         if least is not None:
             update = np.maximum(update, least)
         if np.max(np.abs(np.log(update / sigma))) < 0.05:
@@ -131,6 +138,7 @@ def find_faults(
         delay_std=delay_std,
         scale=np.exp(gain),
         scale_std=np.exp(gain) * gain_std,
+        noise=sigma,
         band_hz=(float(omega[0] / 2.0 / np.pi), float(omega[-1] / 2.0 / np.pi)),
     )
 
@@ -168,6 +176,10 @@ class _Free:
         factor = np.ones((omega.size, self.count), dtype=complex)
         factor[:, : self.delays.size] = -1j * omega[:, None]
         return factor
+
+    def gather(self, delay: np.ndarray, scale: np.ndarray) -> np.ndarray:
+        """The other way round from ``spread``, of scale factors."""
+        return np.concatenate([delay[self.delays], np.log(scale[self.gains])])
 
     def spread(self, value: np.ndarray, n_y: int) -> tuple[np.ndarray, np.ndarray]:
         delay, gain = np.zeros(n_y), np.zeros(n_y)
@@ -210,7 +222,11 @@ def _normal(
 
 
 def _converge(
-    problem: _Problem, free: _Free, start: np.ndarray, sigma: np.ndarray
+    problem: _Problem,
+    free: _Free,
+    start: np.ndarray,
+    sigma: np.ndarray,
+    small: float = _SMALL,
 ) -> Float[np.ndarray, " n_free"]:
     """Levenberg-Marquardt in delays and log gains alone."""
     value, damping = start, 1e-3
@@ -230,7 +246,7 @@ def _converge(
             value, cost = value + step, lower
             normal, gradient = _normal(free, *trial[1:], trial[0])
             damping = max(damping / 10.0, 1e-12)
-            if np.max(np.abs(step) * np.sqrt(np.maximum(diagonal, 0.0))) < _SMALL:
+            if np.max(np.abs(step) * np.sqrt(np.maximum(diagonal, 0.0))) < small:
                 break
         else:
             damping *= 10.0

@@ -72,10 +72,13 @@ def spectrum(
     rates = sampling(store, maneuver, channels or inputs)
     lines = _lines(maneuver, min((rate_hz for rate_hz, _ in rates.values()), default=0.0))
     values = np.full((lines.omega.size, len(rates)), np.nan, dtype=complex)
-    for column, (name, (rate_hz, _)) in enumerate(rates.items()):
+    for rate_hz in {rate_hz for rate_hz, _ in rates.values()}:
         seen = lines.omega <= np.pi * rate_hz
         below = Lines(lines.omega[seen], lines.owner[seen], lines.inputs)
-        values[seen, column] = spectra_of(store, maneuver, aircraft, (name,), below).values[:, 0]
+        alike = tuple(name for name, (rate, _) in rates.items() if rate == rate_hz)
+        columns = [place for place, name in enumerate(rates) if name in alike]
+        found = spectra_of(store, maneuver, aircraft, alike, below).values
+        values[np.ix_(seen, columns)] = found
     background_hz, background = _background(store, maneuver, tuple(rates)) if full else (None, None)
     frequency_hz = lines.omega / (2.0 * np.pi)
     return Spectra(
