@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 import sqlalchemy as sa
@@ -22,6 +23,7 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Limits, Method, RunSettings, RunState
 from flexsid.storage import queue, run_log
+from flexsid.storage.database import DatabaseUnavailable
 from flexsid.storage.store import Store
 
 AddRun = Callable[..., EstimationRun]
@@ -237,6 +239,31 @@ def test_a_full_disk_loses_no_result(
     lift()
     ended = until(run)
     assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 1)
+
+
+@pytest.mark.parametrize("executor", [None], ids=["local"])
+def test_a_start_that_the_database_kept_but_did_not_confirm_is_made_again(
+    store: Store,
+    add_run: AddRun,
+    dispatcher: Dispatcher,
+    until: Until,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    claim, lost = queue.claim, []
+
+    def lose(*known: Any, **options: Any) -> EstimationRun | None:
+        run = claim(*known, **options)
+        if run is not None and not lost:
+            lost.append(run)
+            raise DatabaseUnavailable("the connection is gone")
+        return run
+
+    monkeypatch.setattr(queue, "claim", lose)
+    run = add_run(author="compute")
+    dispatcher.start()
+    ended = until(run)
+    assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 2)
+    assert _kinds(store, run) == ["queued", "started", "queued", "started", "succeeded"]
 
 
 def _fill_disk(store: Store, backend: str) -> Callable[[], None]:

@@ -124,6 +124,7 @@ class Dispatcher:
         self._last_logged: dict[Key, float] = {}
         self._checked = 0.0
         self._began = 0.0
+        self._interrupted = False
 
     def start(self) -> None:
         """Begin, as soon as no other server leads."""
@@ -179,12 +180,17 @@ class Dispatcher:
                     self._workers.wait(self._idle_s)
             except DatabaseUnavailable as error:
                 _log.warning("%s; trying again", error.message)
+                self._interrupted = True
                 self._stopping.wait(_POLL_S)
             except Exception:
                 _log.exception("the dispatcher goes on after an error")
                 self._stopping.wait(_POLL_S)
 
     def _turn(self) -> None:
+        if self._interrupted:
+            known = {key[0] for key in self._under_way} | {key[0] for key, _ in self._news}
+            queue.put_back_strays(self._store, self._leadership.me, known)
+            self._interrupted = False
         busy = False
         while self._workers.room > 0 and (self._ready or self._prepare_next()):
             self._submit()

@@ -206,6 +206,22 @@ def take_over(store: Store, is_gone: Callable[[str | None], bool] = lambda owner
     return len(left)
 
 
+def put_back_strays(store: Store, owner: str, known: Iterable[int]) -> int:
+    """Queue again what stands as started by a process that knows nothing of it.
+
+    So it does where the database kept a start and went away before it said so.
+    """
+    query = sa.select(runs.c.id, runs.c.attempt).where(
+        runs.c.state == RunState.RUNNING.value, runs.c.owner == owner
+    )
+    carried_out = set(known)
+    with store.database.transaction() as connection:
+        strays = [row for row in connection.execute(query) if row.id not in carried_out]
+        for row in strays:
+            put_back(store, row.id, row.attempt, "the database did not answer")
+    return len(strays)
+
+
 def request_cancel(store: Store, run_id: int) -> EstimationRun:
     """Cancel a run that has not ended; whoever carries it out is to be stopped."""
     with store.transaction():
