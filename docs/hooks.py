@@ -18,6 +18,7 @@ BACKEND = Path(__file__).parents[1] / "backend"
 sys.path.insert(0, str(BACKEND))
 
 _EQUATION = re.compile(r'<(span|div) class="arithmatex">\\[([](.*?)\\[)\]]</\1>', re.DOTALL)
+_PICTURE = re.compile(r"!\[([^\]]*)\]\(([^)\s]*pictures/\w+)\.png\)")
 _LIBRARY = {
     "Signals": ["signals"],
     "Spectra": ["spectra"],
@@ -44,6 +45,11 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for name, make in pages.items():
         files.append(File.generated(config, f"reference/{name}.md", content=make()))
     return files
+
+
+def on_page_markdown(markdown: str, **_kwargs: Any) -> str:
+    """Show every picture in the theme of the reader."""
+    return _PICTURE.sub(r"![\1](\2.png#only-light)\n![\1](\2-dark.png#only-dark)", markdown)
 
 
 def on_page_content(content: str, **_kwargs: Any) -> str:

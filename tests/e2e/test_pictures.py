@@ -9,7 +9,7 @@ import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import pytest
 from playwright.sync_api import Browser, expect
@@ -23,11 +23,12 @@ KEPT = ROOT / "docs" / "assets" / "pictures"
 TAKEN = Path(__file__).parent / "screenshots"
 
 PAGES = {
-    "campaign": ("/campaign", ("envelope",)),
-    "bode": ("/maneuvers/4?tab=bode&outputs=q&inputs=bfs,wf4s&models=1", ("bode",)),
-    "compare": ("/compare?runs=1,2,3&predictions=1&coefficient=Cm", ("derivatives",)),
-    "flutter": ("/flutter?runs=1,4", ("v-omega-zeta",)),
+    "campaign": ("/campaign", "envelope", 800),
+    "bode": ("/maneuvers/4?tab=bode&outputs=q&inputs=bfs,wf4s&models=1", "bode", 960),
+    "compare": ("/compare?runs=1,2,3&predictions=1&coefficient=Cm", "derivatives", 800),
+    "flutter": ("/flutter?runs=1,4", "v-omega-zeta", 960),
 }
+"""Address, the figure that it is about, and how high the picture is."""
 
 
 @pytest.fixture(scope="module")
@@ -45,26 +46,32 @@ def estimated(
         yield url
 
 
+@pytest.mark.parametrize("theme", ["light", "dark"])
 @pytest.mark.parametrize("name", PAGES)
 def test_the_pictures_of_the_documentation_can_be_taken(
-    name: str, browser: Browser, estimated: str
+    name: str, theme: Literal["light", "dark"], browser: Browser, estimated: str
 ) -> None:
-    path, figures = PAGES[name]
-    context = browser.new_context(viewport={"width": 1280, "height": 800}, base_url=estimated)
+    path, figure, height = PAGES[name]
+    context = browser.new_context(
+        viewport={"width": 1280, "height": height}, base_url=estimated, color_scheme=theme
+    )
     page = context.new_page()
     page.goto(path)
-    for figure in figures:
-        shown = page.get_by_test_id(f"figure-{figure}").first
-        expect(shown).to_have_attribute("data-drawn", "true", timeout=30_000)
+    shown = page.get_by_test_id(f"figure-{figure}").first
+    expect(shown).to_have_attribute("data-drawn", "true", timeout=30_000)
     page.wait_for_load_state("networkidle")
+    box = shown.bounding_box()
+    if box is not None and box["y"] > height / 2:
+        shown.evaluate("figure => figure.scrollIntoView({ block: 'end' })")
     TAKEN.mkdir(exist_ok=True)
-    taken = TAKEN / f"documentation-{name}.png"
+    file = f"{name}.png" if theme == "light" else f"{name}-{theme}.png"
+    taken = TAKEN / f"documentation-{file}"
     page.screenshot(path=taken)
     context.close()
     if os.environ.get("RENEW_PICTURES") == "1":
         KEPT.mkdir(parents=True, exist_ok=True)
-        shutil.copy(taken, KEPT / f"{name}.png")
-    assert (KEPT / f"{name}.png").is_file()
+        shutil.copy(taken, KEPT / file)
+    assert (KEPT / file).is_file()
 
 
 def test_every_picture_is_shown_somewhere() -> None:

@@ -64,7 +64,9 @@ def test_every_make_target_of_the_readme_exists():
 
 def test_links_of_the_documents_lead_somewhere():
     for document in [*ROOT.glob("*.md"), *ROOT.glob(".github/*.md"), *ROOT.glob("*/README.md")]:
-        for target in re.findall(r"\]\(([^)#:]+)\)", document.read_text()):
+        text = document.read_text()
+        links = re.findall(r"\]\(([^)#:]+)\)", text)
+        for target in links + re.findall(r'(?:src|srcset)="([^":]+)"', text):
             assert (document.parent / target).exists(), f"{document.name}: {target}"
 
 
