@@ -212,6 +212,8 @@ export type CompareView = ReturnType<typeof compareView>;
 /** What becomes of modes that runs left out, where they are not carried as predicted. */
 export const OTHERS = ["residualized"] as const;
 
+export const ALONG = ["dynamic_pressure", "fuel"] as const;
+
 export const flutterView = view((search) => ({
   runs: integers(search.runs),
   /** Fuel in percent, altitude [m] and next airspeed [m/s], where not the fastest point's. */
@@ -219,6 +221,8 @@ export const flutterView = view((search) => ({
   altitude: number(search.altitude),
   next: number(search.next),
   others: oneOf(search.others, OTHERS),
+  /** What roots are followed along, where not airspeed. */
+  along: oneOf(search.along, ALONG),
   /** Derivatives drift linearly with dynamic pressure. */
   trend: flag(search.trend),
 }));

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
 from flexsid.records.flight import Flight
+from flexsid.records.flutter import Along
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
@@ -76,8 +79,17 @@ def test_the_next_point_is_answered_with_its_margin(store: Store, runs):
     assert [tracker.airspeed_m_s for tracker in answer.trackers] == [None] * 3
     assert "three" in answer.trackers[0].sentence
     assert answer.equivalents == (), "two points are no line with an error"
-    assert answer.separation is not None
-    assert 1.0 < answer.separation < 4.0
+    assert [one.mode for one in answer.equivalent_points] == list(ESTIMATED) * 2
+    first = answer.equivalent_points[0]
+    assert (first.frequency_hz or 0.0) == pytest.approx(3.87, rel=0.05)
+    assert (first.frequency_std_hz or 1.0) < 0.05
+    assert all(1.0 < (run.separation or 0.0) < 4.0 for run in answer.runs)
+    assert (answer.margin or 0.0) == pytest.approx(truth / answer.tested_m_s - 1.0, abs=0.02)
+    early, late = answer.progress
+    assert (early.n_runs, late.n_runs) == (1, 2)
+    assert late.airspeed_m_s == pytest.approx(answer.airspeed_m_s)
+    assert (late.low_m_s, late.high_m_s) == pytest.approx((answer.low_m_s, answer.high_m_s))
+    assert (early.low_m_s or 0.0) < truth < (early.high_m_s or 0.0)
 
 
 def test_modes_that_runs_left_out_are_carried_as_predicted(store: Store, runs):
@@ -105,7 +117,22 @@ def test_everything_is_drawn(store: Store, runs):
     assert {branch.name for branch in roots.branches} >= {"SP", "SW1B", "SW1T"}
     assert figures.v_omega_zeta(roots)["layout"]["yaxis2"]["title"]["text"] == "Damping ratio [%]"
     assert len(figures.root_locus(roots)["data"]) == len(roots.branches)
-    assert figures.flutter_forecast(flutter(store, question))["data"]
+    told = flutter(store, question)
+    assert figures.flutter_forecast(told)["data"]
+    assert len(figures.equivalent_modes(told)["data"]) == 2 * len(ESTIMATED)
+    assert {branch.name for branch in roots.branches if branch.held} == {"S15", "S17", "S18", "S22"}
+    pressure = flutter_roots(store, question, Along.DYNAMIC_PRESSURE)
+    assert pressure.flutter == pytest.approx(0.5 * told.density_kg_m3 * (roots.flutter or 0.0) ** 2)
+    over = flutter_roots(store, replace(question, next_m_s=57.0), Along.FUEL)
+    at_asked = int(np.argmin(np.abs(over.at - 0.3)))
+    speed = int(np.argmin(np.abs(roots.airspeed_m_s - 57.0)))
+    for branch in over.branches:
+        same = next(one for one in roots.branches if one.name == branch.name)
+        assert branch.imag[at_asked] == pytest.approx(same.imag[speed], rel=0.05)
+    assert "57.0 m/s" in over.note
+    for drawn in (pressure, over):
+        assert figures.v_omega_zeta(drawn)["layout"]["meta"]["note"] == drawn.note
+        assert figures.root_locus(drawn)["data"]
     table = flutter_map(store, question)
     assert (np.diff(table.airspeed_m_s, axis=0) > 0.0).all(), "thinner air delays flutter"
     assert figures.flutter_map(table)["data"][0]["type"] == "heatmap"

@@ -98,6 +98,7 @@ def test_flutter_at_every_fuel_weight_is_where_the_state_space_says(fuel, make_c
 
     expected = brentq(growth, 50.0, 65.0, xtol=1e-8)
     assert found.airspeed == pytest.approx(expected, rel=1e-6)
+    assert found.airspeed == pytest.approx(truth.flutter_speed_at(fuel), rel=1e-5)
 
 
 def test_roots_keep_their_names_through_a_coalescence():
@@ -165,6 +166,26 @@ def test_where_roots_meet_draws_replace_first_order():
     assert bands.by_draws.any()
     again = bands_by_draws(aircraft, locus, uncertain, only=bands.by_draws)
     assert np.array_equal(bands.real_std[bands.by_draws], again.real_std)
+
+
+def test_where_the_first_derivative_vanishes_draws_replace_it():
+    """A covariance that happens not to move a root to first order still moves it."""
+    aircraft = flex28(4)
+    locus = follow_roots(aircraft, np.linspace(50.0, 54.0, 5))
+    known = everything(aircraft, 0.02)
+    family = state_family(aircraft, locus.airspeed)
+    modal = decompose(family)
+    root = int(np.argmin(np.abs(modal.values[2] - locus.roots[2, 1])))
+    slope = slopes(family, modal, known.rows, known.columns)[2, root]
+    scale = np.sqrt(np.diag(known.covariance))
+    q = np.linalg.qr(np.stack([np.real(slope), np.imag(slope)], axis=1) * scale[:, None])[0]
+    left = (np.eye(scale.size) - q @ q.T) * np.outer(scale, scale)
+    uncertain = replace(known, covariance=left)
+    bands = root_bands(aircraft, locus, uncertain)
+    drawn = bands_by_draws(aircraft, locus, uncertain)
+    assert bands.by_draws[2]
+    for ours, theirs in ((bands.real_std, drawn.real_std), (bands.imag_std, drawn.imag_std)):
+        assert np.abs(ours / theirs - 1.0).max() < 0.1
 
 
 def test_error_of_the_flutter_speed_is_that_of_draws():

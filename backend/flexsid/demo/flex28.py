@@ -32,8 +32,11 @@ _MICROSTRAIN = factor("ustrain", "strain")
 _DEGREE = factor("deg", "angle")
 
 # Open-loop flutter speed of the eight-mode truth, from its own eigenvalues. [ft/s]
-_FLUTTER_FUEL = (0.0, 0.25, 0.5, 0.75, 1.0)
-_FLUTTER_SPEED = (199.00, 196.26, 194.60, 193.47, 192.63)
+_FLUTTER_FUEL = np.linspace(0.0, 1.0, 17)
+_FLUTTER_SPEED = (
+    198.996, 198.157, 197.447, 196.806, 196.264, 195.777, 195.323, 194.954, 194.603,
+    194.285, 194.004, 193.723, 193.470, 193.240, 193.004, 192.819, 192.628,
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -138,7 +141,7 @@ def load_truth() -> Truth:
             name: np.array(place) * _FOOT for name, place in source["points_struct"].items()
         },
         derivatives=np.stack([_table(at_fuel) for at_fuel in source["derivatives"]]),
-        flutter_fuel=np.array(_FLUTTER_FUEL),
+        flutter_fuel=_FLUTTER_FUEL,
         flutter_speed=np.array(_FLUTTER_SPEED) * _FOOT,
         actuator=Actuator(
             natural_frequency=dynamics["wn"],

@@ -11,7 +11,13 @@ from flexsid.figures.excitation import (
     design_worth,
 )
 from flexsid.figures.fit import fit
-from flexsid.figures.flutter import flutter_forecast, flutter_map, root_locus, v_omega_zeta
+from flexsid.figures.flutter import (
+    equivalent_modes,
+    flutter_forecast,
+    flutter_map,
+    root_locus,
+    v_omega_zeta,
+)
 from flexsid.figures.forest import forest
 from flexsid.figures.ground_test import ground_test
 from flexsid.figures.iterations import iterations
@@ -47,6 +53,7 @@ __all__ = [
     "design_spectrum",
     "design_worth",
     "envelope",
+    "equivalent_modes",
     "fit",
     "flutter_forecast",
     "flutter_map",

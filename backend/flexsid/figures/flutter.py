@@ -7,30 +7,39 @@ import numpy as np
 from flexsid.figures import style
 from flexsid.figures.quantities import text
 from flexsid.figures.spec import Spec, axis, column, empty, layout_key, rows, title, vertical_mark
-from flexsid.records.flutter import Flutter, FlutterMap, FlutterRoots, RootBranch
+from flexsid.records.flutter import Along, Flutter, FlutterMap, FlutterRoots, RootBranch
 
 _HZ = 1.0 / (2.0 * np.pi)
 _FILL = 0.18
+_AXES = {  # factor for display, label, unit
+    Along.AIRSPEED: (1.0, "Airspeed [m/s]", "m/s"),
+    Along.DYNAMIC_PRESSURE: (1.0, "Dynamic pressure [Pa]", "Pa"),
+    Along.FUEL: (100.0, "Fuel [%]", "% fuel"),
+}
 _STILL = 0.05  # rad/s: a root below stands still and has no frequency
 
 
 def v_omega_zeta(value: FlutterRoots) -> Spec:
-    """Draw frequency and damping ratio over airspeed with bands of ±2 standard errors."""
+    """Draw frequency and damping ratio with bands of ±2 standard errors.
+
+    Modes that were not identified are drawn thin and grey, and do not widen the view.
+    """
+    factor, label, unit = _AXES[value.along]
     top, bottom = rows([1.0, 1.0])
     layout: Spec = {
-        "xaxis": {**title("Airspeed [m/s]"), "anchor": axis(2)},
-        layout_key(1): {**title("Frequency [Hz]"), "domain": top, "rangemode": "tozero"},
+        "xaxis": {**title(label), "anchor": axis(2)},
+        layout_key(1): {**title("Frequency [Hz]"), "domain": top, **_view(value)},
         layout_key(2): {**title("Damping ratio [%]"), "domain": bottom},
         "showlegend": True,
         "hovermode": "closest",
         "shapes": [_level(axis(2))],
         "annotations": [],
-        "meta": {"rows": 4},
+        "meta": {"rows": 4, "note": value.note},
     }
-    _mark_speeds(layout, value)
+    _mark_places(layout, value, factor)
+    x = factor * value.at
     data: list[Spec] = []
-    for number, branch in enumerate(value.branches):
-        colour, symbol = style.of_index(number)
+    for branch, (colour, symbol, width) in zip(value.branches, _colours(value), strict=True):
         size = np.hypot(branch.real, branch.imag)
         moves = branch.imag > _STILL
         frequency = np.where(moves, size * _HZ, np.nan)
@@ -38,21 +47,23 @@ def v_omega_zeta(value: FlutterRoots) -> Spec:
         damping = np.where(moves, 100.0 * branch.damping, np.nan)
         band = np.where(moves, 100.0 * branch.damping_std, np.nan)
         for row, (y, std) in enumerate(((frequency, spread), (damping, band)), start=1):
-            data += _band(value.airspeed_m_s, y, std, colour, row, branch.name)
-            data.append(_curve(value.airspeed_m_s, y, colour, row, branch.name))
-        data += _tested(value, branch.name, colour, symbol)
+            if not branch.held:
+                data += _band(x, y, std, colour, row, branch.name)
+            data.append(_curve(x, y, colour, row, branch.name, unit, width))
+        data += _tested(value, branch.name, colour, symbol, factor, unit)
     return {"data": data, "layout": layout}
 
 
 def root_locus(value: FlutterRoots) -> Spec:
-    """Draw the roots in the s-plane as airspeed rises; the hover text tells the speed."""
-    data = []
-    for number, branch in enumerate(value.branches):
-        colour, _ = style.of_index(number)
-        data.append(_locus(value, branch, colour))
+    """Draw the roots in the s-plane; the hover text tells where on the axis."""
+    factor, label, unit = _AXES[value.along]
+    data = [
+        _locus(branch, factor * value.at, unit, colour, width)
+        for branch, (colour, _, width) in zip(value.branches, _colours(value), strict=True)
+    ]
     layout: Spec = {
         "xaxis": {**title("Real part [rad/s]"), "zeroline": False},
-        "yaxis": {**title("Imaginary part [rad/s]"), "rangemode": "tozero"},
+        "yaxis": {**title("Imaginary part [rad/s]"), **_view(value, 1.0)},
         "shapes": [
             {
                 "type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1,
@@ -61,9 +72,30 @@ def root_locus(value: FlutterRoots) -> Spec:
         ],
         "showlegend": True,
         "hovermode": "closest",
-        "meta": {"rows": 3},
+        "meta": {"rows": 3, "note": f"Along {label.lower()} from the circle to the last dot."},
     }  # fmt: skip
     return {"data": data, "layout": layout}
+
+
+def _colours(value: FlutterRoots) -> list[tuple[str, str, float]]:
+    """Colour, symbol and width of every branch; held modes share the grey."""
+    shown, result = 0, []
+    for branch in value.branches:
+        if branch.held:
+            result.append((style.GREY, "circle", 0.8))
+        else:
+            colour, symbol = style.of_index(shown)
+            result.append((colour, symbol, 1.8))
+            shown += 1
+    return result
+
+
+def _view(value: FlutterRoots, factor: float = _HZ) -> Spec:
+    """As high as what was identified; the rest is found by zooming out."""
+    known = [np.hypot(b.real, b.imag).max() for b in value.branches if not b.held]
+    if not known or not any(b.held for b in value.branches):
+        return {"rangemode": "tozero"}
+    return {"range": [0.0, 1.1 * factor * float(max(known))]}
 
 
 def flutter_forecast(value: Flutter) -> Spec:
@@ -88,6 +120,7 @@ def flutter_forecast(value: Flutter) -> Spec:
             "hovertemplate": "%{text}<br>at %{x:.1f} m/s<br>flutter %{y:.2f} m/s<extra></extra>",
         }
     ]  # fmt: skip
+    data += _progress(value)
     shapes: list[Spec] = []
     if value.low_m_s is not None and value.high_m_s is not None:
         shapes.append(
@@ -124,6 +157,30 @@ def flutter_forecast(value: Flutter) -> Spec:
     return {"data": data, "layout": layout}
 
 
+def _progress(value: Flutter) -> list[Spec]:
+    """What all runs up to an airspeed said together, with its interval."""
+    known = [step for step in value.progress if step.airspeed_m_s is not None]
+    if len(known) < 2:
+        return []
+    up = [float(step.high_m_s or np.nan) - float(step.airspeed_m_s or 0.0) for step in known]
+    return [
+        {
+            "type": "scatter",
+            "mode": "lines+markers",
+            "name": "all runs up to there, 95 %",
+            "x": column([step.tested_m_s for step in known]),
+            "y": column([float(step.airspeed_m_s or 0.0) for step in known]),
+            "error_y": {
+                "type": "data", "array": column(up), "color": style.VERMILION, "thickness": 1.5,
+            },
+            "marker": {"color": style.VERMILION, "size": 7, "symbol": "diamond"},
+            "line": {"color": style.VERMILION, "width": 1.2},
+            "text": [f"{step.n_runs} runs" for step in known],
+            "hovertemplate": "%{text} up to %{x:.1f} m/s<br>%{y:.2f} m/s<extra></extra>",
+        }
+    ]  # fmt: skip
+
+
 def flutter_map(value: FlutterMap) -> Spec:
     """Draw the flutter speed over fuel and altitude."""
     if not np.isfinite(value.airspeed_m_s).any():
@@ -156,21 +213,23 @@ def _near(speed: float | None) -> Spec:
     return {} if speed is None else {"range": [0.8 * speed, 1.25 * speed]}
 
 
-def _mark_speeds(layout: Spec, value: FlutterRoots) -> None:
-    marks = [(value.tested_m_s, "fastest flown")]
-    if value.flutter_m_s is not None:
-        marks.append((value.flutter_m_s, "flutter"))
-    for speed, name in marks:
-        shape, note = vertical_mark(speed, name)
+def _mark_places(layout: Spec, value: FlutterRoots, factor: float) -> None:
+    marks = [
+        (place, name)
+        for place, name in ((value.tested_to, "fastest flown"), (value.flutter, "flutter"))
+        if place is not None
+    ]
+    for place, name in marks:
+        shape, note = vertical_mark(factor * place, name)
         layout["shapes"].append(shape)
         layout["annotations"].append(note)
-    if value.interval_m_s is not None:
-        low, high = value.interval_m_s
+    if value.interval is not None:
+        low, high = value.interval
         layout["shapes"].append(
             {
-                "type": "rect", "xref": "x", "x0": low, "x1": high, "yref": "paper", "y0": 0,
-                "y1": 1, "fillcolor": style.FLAG, "opacity": _FILL, "line": {"width": 0},
-                "layer": "below",
+                "type": "rect", "xref": "x", "x0": factor * low, "x1": factor * high,
+                "yref": "paper", "y0": 0, "y1": 1, "fillcolor": style.FLAG, "opacity": _FILL,
+                "line": {"width": 0}, "layer": "below",
             }
         )  # fmt: skip
 
@@ -182,8 +241,10 @@ def _level(y: str) -> Spec:
     }  # fmt: skip
 
 
-def _curve(x: np.ndarray, y: np.ndarray, colour: str, row: int, name: str) -> Spec:
-    unit = "Hz" if row == 1 else "%"
+def _curve(
+    x: np.ndarray, y: np.ndarray, colour: str, row: int, name: str, unit: str, width: float
+) -> Spec:
+    of_y = "Hz" if row == 1 else "%"
     return {
         "type": "scatter",
         "mode": "lines",
@@ -193,8 +254,8 @@ def _curve(x: np.ndarray, y: np.ndarray, colour: str, row: int, name: str) -> Sp
         "x": column(x, exact=True),
         "y": column(y),
         "yaxis": axis(row),
-        "line": {"color": colour, "width": 1.8},
-        "hovertemplate": f"%{{x:.1f}} m/s<br>%{{y:.3g}} {unit}<extra>{text(name)}</extra>",
+        "line": {"color": colour, "width": width},
+        "hovertemplate": f"%{{x:.4~g}} {unit}<br>%{{y:.3g}} {of_y}<extra>{text(name)}</extra>",
     }
 
 
@@ -224,7 +285,9 @@ def _band(
     ]
 
 
-def _tested(value: FlutterRoots, name: str, colour: str, symbol: str) -> list[Spec]:
+def _tested(
+    value: FlutterRoots, name: str, colour: str, symbol: str, factor: float, unit: str
+) -> list[Spec]:
     found = [root for root in value.tested if root.name == name]
     if not found:
         return []
@@ -234,11 +297,11 @@ def _tested(value: FlutterRoots, name: str, colour: str, symbol: str) -> list[Sp
         "name": f"{text(name)} in single runs",
         "legendgroup": name,
         "showlegend": False,
-        "x": column([root.airspeed_m_s for root in found]),
+        "x": column([factor * root.at for root in found]),
         "marker": {"color": colour, "symbol": f"{symbol}-open", "size": 7},
         "text": [text(root.label) for root in found],
         "customdata": [[root.run_id] for root in found],
-        "hovertemplate": "%{text}<br>%{x:.1f} m/s<br>%{y:.3g}<extra></extra>",
+        "hovertemplate": f"%{{text}}<br>%{{x:.4~g}} {unit}<br>%{{y:.3g}}<extra></extra>",
     }
     return [
         {**shared, "y": column([root.frequency * _HZ for root in found]), "yaxis": axis(1)},
@@ -246,18 +309,81 @@ def _tested(value: FlutterRoots, name: str, colour: str, symbol: str) -> list[Sp
     ]
 
 
-def _locus(value: FlutterRoots, branch: RootBranch, colour: str) -> Spec:
+def _locus(branch: RootBranch, at: np.ndarray, unit: str, colour: str, width: float) -> Spec:
+    sizes = [7.0, *[3.0 if width > 1.0 else 2.0] * (at.size - 1)]
     return {
         "type": "scatter",
         "mode": "lines+markers",
         "name": text(branch.name),
         "x": column(branch.real),
         "y": column(branch.imag),
-        "marker": {"color": colour, "size": 3},
-        "line": {"color": colour, "width": 1},
-        "customdata": [[speed] for speed in value.airspeed_m_s.round(2).tolist()],
+        "marker": {"color": colour, "size": sizes},
+        "line": {"color": colour, "width": 0.6 * width},
+        "customdata": [[float(f"{place:.5g}")] for place in at],
         "hovertemplate": (
-            f"%{{customdata[0]:.1f}} m/s<br>%{{x:.2f}} + j %{{y:.2f}} rad/s"
+            f"%{{customdata[0]}} {unit}<br>%{{x:.2f}} + j %{{y:.2f}} rad/s"
             f"<extra>{text(branch.name)}</extra>"
         ),
     }
+
+
+def equivalent_modes(value: Flutter) -> Spec:
+    """Draw equivalent frequency and damping over dynamic pressure, ±2 standard errors (Eq. 25)."""
+    if not value.equivalent_points:
+        return empty("No run estimated a structural mode")
+    top, bottom = rows([1.0, 1.0])
+    data: list[Spec] = []
+    lines = {line.mode: line for line in value.equivalents}
+    for number, mode in enumerate(dict.fromkeys(p.mode for p in value.equivalent_points)):
+        own = [p for p in value.equivalent_points if p.mode == mode and p.frequency_hz is not None]
+        if not own:
+            continue
+        colour, symbol = style.of_index(number)
+        for row, (y, std, scale) in enumerate(
+            (("frequency_hz", "frequency_std_hz", 1.0), ("damping", "damping_std", 100.0)), start=1
+        ):
+            values = scale * np.array([getattr(p, y) for p in own], dtype=float)
+            errors = 2.0 * scale * np.array([getattr(p, std) for p in own], dtype=float)
+            data.append(
+                {
+                    "type": "scatter", "mode": "markers", "name": text(own[0].name),
+                    "legendgroup": own[0].name, "showlegend": row == 1, "yaxis": axis(row),
+                    "x": column([p.dynamic_pressure_pa for p in own]), "y": column(values),
+                    "error_y": {"type": "data", "array": column(errors), "thickness": 1},
+                    "marker": {"color": colour, "symbol": symbol, "size": 7},
+                    "text": [text(p.label) for p in own],
+                    "customdata": [[p.run_id] for p in own],
+                    "hovertemplate": "%{text}<br>%{x:.0f} Pa<br>%{y:.4g}<extra></extra>",
+                }
+            )  # fmt: skip
+            line = lines.get(mode)
+            if line is not None:
+                at_rest, error = (
+                    (line.frequency_hz, line.frequency_std_hz)
+                    if row == 1
+                    else (100.0 * line.damping, 100.0 * line.damping_std)
+                )
+                data.append(
+                    {
+                        "type": "scatter", "mode": "markers",
+                        "name": f"{text(own[0].name)} in vacuo",
+                        "legendgroup": own[0].name, "showlegend": False, "yaxis": axis(row),
+                        "x": [0.0], "y": [at_rest],
+                        "error_y": {"type": "data", "array": [2.0 * error], "thickness": 1},
+                        "marker": {"color": colour, "symbol": f"{symbol}-open", "size": 10},
+                        "hovertemplate": "without air<br>%{y:.4g}<extra></extra>",
+                    }
+                )  # fmt: skip
+    return {
+        "data": data,
+        "layout": {
+            "xaxis": {
+                **title("Dynamic pressure [Pa]"), "anchor": axis(2), "rangemode": "tozero",
+            },
+            layout_key(1): {**title("Equivalent frequency [Hz]"), "domain": top},
+            layout_key(2): {**title("Equivalent damping [%]"), "domain": bottom},
+            "showlegend": True,
+            "hovermode": "closest",
+            "meta": {"rows": 3, "note": "Open marks: without air, from straight lines."},
+        },
+    }  # fmt: skip

@@ -3,8 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
+
+
+class Along(StrEnum):
+    """What roots are followed along."""
+
+    AIRSPEED = "airspeed"
+    DYNAMIC_PRESSURE = "dynamic_pressure"
+    FUEL = "fuel"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,13 +40,29 @@ class StructureForecast:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunForecast:
-    """Flutter speed of one run, against the speed at which it was flown."""
+    """Flutter speed of one run, against the speed at which it was flown.
+
+    ``separation`` is the lowest elastic over the short-period frequency there; None where the
+    short period does not oscillate.
+    """
 
     run_id: int
     label: str
     tested_m_s: float
     airspeed_m_s: float | None
     airspeed_std_m_s: float | None
+    separation: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProgressForecast:
+    """Flutter speed from all runs up to an airspeed, with its 95 % interval."""
+
+    tested_m_s: float
+    n_runs: int
+    airspeed_m_s: float | None
+    low_m_s: float | None
+    high_m_s: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +80,25 @@ class Participation:
 
     name: str
     share: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EquivalentPoint:
+    """A mode as if it stood alone in the air of one run (Eq. 25), at the loading asked for.
+
+    Frequency and damping are None where the air has taken all stiffness.
+    """
+
+    run_id: int
+    label: str
+    airspeed_m_s: float
+    dynamic_pressure_pa: float
+    mode: int
+    name: str
+    frequency_hz: float | None
+    frequency_std_hz: float | None
+    damping: float | None
+    damping_std: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,8 +127,8 @@ class Flutter:
 
     ``airspeed_std_m_s`` is statistical, ``spread_m_s`` the standard deviation between model
     structures; ``low_m_s`` to ``high_m_s`` holds the flutter speed with 95 % probability.
-    ``known_m_s`` is what the aircraft's table predicted before flight. ``separation`` is the
-    lowest elastic over the short-period frequency at the fastest point.
+    ``margin`` is that of the fastest point flown, ``known_m_s`` what the aircraft's table
+    predicted before flight.
     """
 
     sentence: str
@@ -92,6 +136,7 @@ class Flutter:
     fuel_fraction: float
     density_kg_m3: float
     tested_m_s: float
+    margin: float | None
     next_m_s: float
     airspeed_m_s: float | None
     airspeed_std_m_s: float | None
@@ -104,16 +149,21 @@ class Flutter:
     known_m_s: float | None
     structures: tuple[StructureForecast, ...]
     runs: tuple[RunForecast, ...]
+    progress: tuple[ProgressForecast, ...]
     trackers: tuple[TrackerForecast, ...]
     equivalents: tuple[EquivalentLine, ...]
-    separation: float | None
+    equivalent_points: tuple[EquivalentPoint, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RootBranch:
-    """One root over airspeed with its standard errors, all (n_v,). [rad/s, 1]"""
+    """One root with its standard errors, all (n_v,). [rad/s, 1]
+
+    ``held`` where the mode that dominates it was not identified.
+    """
 
     name: str
+    held: bool
     real: np.ndarray
     imag: np.ndarray
     damping: np.ndarray
@@ -129,6 +179,7 @@ class TestedRoot:
     run_id: int
     label: str
     airspeed_m_s: float
+    at: float
     name: str
     frequency: float
     damping: float
@@ -137,15 +188,23 @@ class TestedRoot:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FlutterRoots:
-    """Roots of the preferred model over airspeed; ``by_draws`` where first order misleads."""
+    """Roots of the preferred model along airspeed [m/s], dynamic pressure [Pa] or fuel [1].
 
+    ``by_draws`` tells where first order misleads, so that draws make the standard errors,
+    ``note`` says so in words. Over fuel the airspeed is one. ``flutter``, ``interval`` and
+    ``tested_to`` are places on the same axis; over fuel the first is where stability ends.
+    """
+
+    along: Along
+    at: np.ndarray
     airspeed_m_s: np.ndarray
     branches: tuple[RootBranch, ...]
     tested: tuple[TestedRoot, ...]
-    flutter_m_s: float | None
-    interval_m_s: tuple[float, float] | None
-    tested_m_s: float
+    flutter: float | None
+    interval: tuple[float, float] | None
+    tested_to: float | None
     by_draws: np.ndarray
+    note: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -10,26 +10,22 @@ import numpy as np
 from flexsid.errors import FlexsidError
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.flutter import (
-    EquivalentLine,
     Flutter,
     FlutterMap,
-    FlutterRoots,
     Participation,
-    RootBranch,
+    ProgressForecast,
     RunForecast,
     StructureForecast,
-    TestedRoot,
     TrackerForecast,
 )
 from flexsid.storage.store import Store
-from flexsid.sysid.stability.bands import root_bands
-from flexsid.sysid.stability.equivalent import equivalent_modes, fit_in_vacuo, separation
+from flexsid.sysid.stability.equivalent import separation
 from flexsid.sysid.stability.flutter import follow_roots
 from flexsid.sysid.stability.prediction import (
     Identified,
     Prediction,
-    fuse_identified,
     predict_flutter,
+    structure_spread,
 )
 from flexsid.sysid.stability.trackers import (
     TestPoint,
@@ -39,18 +35,18 @@ from flexsid.sysid.stability.trackers import (
 )
 from flexsid.workflow.condition import standard_density
 from flexsid.workflow.flutter_models import (
+    NEXT,
     Answered,
     Flown,
     Group,
     Others,
     Question,
-    at_fuel,
     flown,
-    loaded,
     models_of,
     named,
     remembered_of,
 )
+from flexsid.workflow.flutter_roots import equivalent_lines, equivalent_points, flutter_roots
 
 __all__ = [
     "FusedModel",
@@ -63,7 +59,7 @@ __all__ = [
     "fused_model",
 ]
 
-_NEXT = 1.03  # of the fastest point flown: the next one if nobody says another
+_STEP = 1.02  # of an airspeed: closer ones are one step of a campaign
 _TRACKERS = {
     "Damping extrapolation": damping_extrapolation,
     "Flutter margin (Zimmerman-Weissenburger)": flutter_margin,
@@ -85,16 +81,17 @@ def flutter(store: Store, question: Question) -> Flutter:
 def _tell(store: Store, question: Question) -> Flutter:
     answer = models_of(store, question)
     best = answer.best.prediction
-    tested = answer.tested
-    following = question.next_m_s or _NEXT * tested
+    tested = answer.at.tested
+    following = question.next_m_s or NEXT * tested
     interval, crossing = best.interval, best.crossing
-    known = answer.aircraft.flutter
+    known = answer.at.aircraft.flutter
     return Flutter(
         sentence=best.sentence,
         next_point=_next_point(best, following),
         fuel_fraction=answer.fuel,
-        density_kg_m3=answer.density,
+        density_kg_m3=answer.at.density,
         tested_m_s=tested,
+        margin=None if crossing is None else crossing.airspeed / tested - 1.0,
         next_m_s=following,
         airspeed_m_s=None if crossing is None else crossing.airspeed,
         airspeed_std_m_s=_known(best.airspeed_std),
@@ -106,7 +103,7 @@ def _tell(store: Store, question: Question) -> Flutter:
         participation=()
         if crossing is None
         else tuple(
-            Participation(name=named(answer.modes, motion), share=share)
+            Participation(name=named(answer.at.modes, motion), share=share)
             for motion, share in sorted(crossing.participation.items(), key=lambda x: -x[1])
         ),
         known_m_s=None
@@ -116,59 +113,15 @@ def _tell(store: Store, question: Question) -> Flutter:
             _structure(group, preferred=group is answer.best) for group in answer.groups
         ),
         runs=tuple(_single(store, answer, part) for part in answer.best.parts),
+        progress=_progress(store, answer),
         trackers=_trackers(answer),
-        equivalents=_equivalents(store, answer),
-        separation=_separation(answer),
-    )
-
-
-def flutter_roots(store: Store, question: Question) -> FlutterRoots:
-    """Follow the roots of the preferred model over airspeed, with standard errors."""
-    return remembered_of(store, "roots", question, lambda: _follow(store, question))
-
-
-def _follow(store: Store, question: Question) -> FlutterRoots:
-    answer = models_of(store, question)
-    found, best = answer.best.found, answer.best.prediction
-    bands = root_bands(found.aircraft, best.locus, found.uncertain, answer.density)
-    locus, damping = best.locus, best.locus.damping()
-    tested = tuple(
-        TestedRoot(
-            run_id=part.run.id or 0,
-            label=part.maneuver.label,
-            airspeed_m_s=part.maneuver.condition.airspeed_m_s,
-            name=name,
-            frequency=abs(root.value),
-            damping=-root.value.real / abs(root.value),
-            damping_std=root.damping_std,
-        )
-        for part in answer.best.parts
-        for name, root in part.roots.items()
-    )
-    return FlutterRoots(
-        airspeed_m_s=locus.airspeed,
-        branches=tuple(
-            RootBranch(
-                name=named(answer.modes, name),
-                real=np.real(locus.roots[:, k]),
-                imag=np.imag(locus.roots[:, k]),
-                damping=damping[:, k],
-                real_std=bands.real_std[:, k],
-                imag_std=bands.imag_std[:, k],
-                damping_std=bands.damping_std[:, k],
-            )
-            for k, name in enumerate(locus.names)
-        ),
-        tested=tested,
-        flutter_m_s=None if best.crossing is None else best.crossing.airspeed,
-        interval_m_s=best.interval,
-        tested_m_s=answer.tested,
-        by_draws=bands.by_draws,
+        equivalents=equivalent_lines(store, answer),
+        equivalent_points=equivalent_points(store, answer),
     )
 
 
 def flutter_map(store: Store, question: Question) -> FlutterMap:
-    """Flutter speed over fuel and altitude from the preferred model's derivatives."""
+    """Flutter speed over fuel and altitude from the preferred structure's runs."""
     return remembered_of(store, "map", question, lambda: _map(store, question))
 
 
@@ -176,10 +129,9 @@ def _map(store: Store, question: Question) -> FlutterMap:
     answer = models_of(store, question)
     fuel, altitude = np.linspace(0.0, 1.0, 9), np.linspace(0.0, 6000.0, 7)
     speeds = np.full((altitude.size, fuel.size), np.nan)
-    band = np.linspace(*answer.band, 60)
+    band = np.linspace(*answer.at.band, 60)
     for column, share in enumerate(fuel.tolist()):
-        there = loaded(answer.aircraft, answer.modes, answer.best.parts, share, answer.density)
-        aircraft = replace(there, derivatives=answer.best.found.aircraft.derivatives)
+        aircraft = answer.fused_at(store, answer.best.parts, share).aircraft
         for row, height in enumerate(altitude):
             crossing = follow_roots(aircraft, band, standard_density(float(height))).flutter
             if crossing is not None:
@@ -225,7 +177,7 @@ def fused_model(store: Store, question: Question) -> FusedModel:
     """Fuse the runs of a question as their flutter forecast does."""
     answer = models_of(store, question)
     found = answer.best.found
-    return FusedModel(answer.aircraft, found, answer.fuel, answer.density, answer.tested)
+    return FusedModel(answer.at.aircraft, found, answer.fuel, answer.at.density, answer.at.tested)
 
 
 def _structure(group: Group, *, preferred: bool) -> StructureForecast:
@@ -248,17 +200,52 @@ def _structure(group: Group, *, preferred: bool) -> StructureForecast:
 
 
 def _single(store: Store, answer: Answered, part: Flown) -> RunForecast:
-    own = at_fuel(store, part, answer.fuel)
-    to = loaded(answer.aircraft, answer.modes, [part], answer.fuel, answer.density)
-    found = fuse_identified([own], replace(to, derivatives=own.aircraft.derivatives))
-    prediction = predict_flutter(found, answer.band, answer.density)
+    found = answer.fused_at(store, [part], answer.fuel)
+    prediction = predict_flutter(found, answer.at.band, answer.at.density)
     crossing = prediction.crossing
+    short = part.poles.get("SP", 0j)
+    elastic = [abs(pole) for name, pole in part.poles.items() if name != "SP"]
     return RunForecast(
         run_id=part.run.id or 0,
         label=part.maneuver.label,
         tested_m_s=part.maneuver.condition.airspeed_m_s,
         airspeed_m_s=None if crossing is None else crossing.airspeed,
         airspeed_std_m_s=_known(prediction.airspeed_std),
+        separation=separation(elastic, abs(short)) if elastic and short.imag > 0.0 else None,
+    )
+
+
+def _progress(store: Store, answer: Answered) -> tuple[ProgressForecast, ...]:
+    """What was known after every airspeed of the campaign, structures and their spread."""
+    steps: list[float] = []
+    for speed in sorted(part.maneuver.condition.airspeed_m_s for part in answer.best.parts):
+        if steps and speed < _STEP * steps[-1]:
+            steps[-1] = speed
+        else:
+            steps.append(speed)
+    return tuple(_until(store, answer, speed) for speed in steps)
+
+
+def _until(store: Store, answer: Answered, speed: float) -> ProgressForecast:
+    def predict(group: Group, spread: float = 0.0) -> Prediction | None:
+        parts = [p for p in group.parts if p.maneuver.condition.airspeed_m_s <= speed]
+        if not parts:
+            return None
+        found = answer.fused_at(store, parts, answer.fuel)
+        return predict_flutter(found, answer.at.band, answer.at.density, spread)
+
+    best, *others = (predict(group) for group in (answer.best, *answer.groups[1:]))
+    assert best is not None  # its parts gave the speed
+    interval, crossing = best.interval, best.crossing
+    if crossing is not None:
+        speeds = [other.crossing.airspeed for other in others if other and other.crossing]
+        interval = replace(best, spread=structure_spread(speeds, crossing.airspeed)).interval
+    return ProgressForecast(
+        tested_m_s=speed,
+        n_runs=sum(p.maneuver.condition.airspeed_m_s <= speed for p in answer.best.parts),
+        airspeed_m_s=None if crossing is None else crossing.airspeed,
+        low_m_s=None if interval is None else interval[0],
+        high_m_s=None if interval is None else interval[1],
     )
 
 
@@ -270,7 +257,7 @@ def _trackers(answer: Answered) -> tuple[TrackerForecast, ...]:
         shares = best.crossing.participation
         motions = tuple(sorted(shares, key=lambda name: -shares[name]))
     elastic = [name for name in motions if name != "SP"]
-    critical = named(answer.modes, elastic[0]) if elastic else ""
+    critical = named(answer.at.modes, elastic[0]) if elastic else ""
     points = [
         TestPoint(
             part.maneuver.condition.airspeed_m_s,
@@ -292,55 +279,8 @@ def _trackers(answer: Answered) -> tuple[TrackerForecast, ...]:
     return tuple(result)
 
 
-def _equivalents(store: Store, answer: Answered) -> tuple[EquivalentLine, ...]:
-    """Straight lines over dynamic pressure, all runs brought to one loading first."""
-    found = answer.best.found
-    modes = answer.modes.table.at(answer.fuel).select(found.aircraft.modes.numbers)
-    free = {int(row) - 2 for row in found.uncertain.rows}
-    points = []
-    for part in answer.best.parts:
-        own = at_fuel(store, part, answer.fuel)
-        at = loaded(answer.aircraft, answer.modes, [part], answer.fuel, answer.density)
-        there = replace(at, derivatives=own.aircraft.derivatives)
-        points.append(equivalent_modes(there, own.uncertain))
-    size = answer.aircraft.geometry
-    lines = []
-    for k, number in enumerate(modes.numbers):
-        if k not in free:
-            continue
-        try:
-            line = fit_in_vacuo(
-                [each[k] for each in points], size.area_m2, size.chord_m, float(modes.mass[k])
-            )
-        except FlexsidError:
-            continue  # too few points for a line
-        lines.append(
-            EquivalentLine(
-                mode=number,
-                name=named(answer.modes, str(number)),
-                table_hz=float(modes.omega[k]) / (2.0 * np.pi),
-                frequency_hz=line.omega / (2.0 * np.pi),
-                frequency_std_hz=line.omega_std / (2.0 * np.pi),
-                damping=line.zeta,
-                damping_std=line.zeta_std,
-                stiffness_derivative=line.stiffness_derivative,
-                stiffness_derivative_std=line.stiffness_derivative_std,
-                damping_derivative=line.damping_derivative,
-                damping_derivative_std=line.damping_derivative_std,
-            )
-        )
-    return tuple(lines)
-
-
 def _known(std: float) -> float | None:
     return std if np.isfinite(std) else None
-
-
-def _separation(answer: Answered) -> float | None:
-    fastest = max(answer.best.parts, key=lambda part: part.maneuver.condition.airspeed_m_s)
-    short = fastest.poles.get("SP", 0j)
-    elastic = [abs(pole) for name, pole in fastest.poles.items() if name != "SP"]
-    return separation(elastic, abs(short)) if elastic and short.imag > 0.0 else None
 
 
 def _next_point(best: Prediction, following: float) -> str:

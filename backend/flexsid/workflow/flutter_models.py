@@ -37,6 +37,9 @@ from flexsid.workflow.predictions import best_prediction, prediction_at
 
 _T = TypeVar("_T")
 
+NEXT = 1.03
+"""Of the fastest point flown: the next one if nobody says another."""
+
 _BAND = (0.35, 2.0)  # of the fastest point flown: where flutter is looked for
 
 
@@ -104,21 +107,33 @@ class Group:
 
 
 @dataclass(frozen=True, slots=True)
-class Answered:
-    """Everything that an answer and its figures are made of."""
+class _At:
+    """What holds for all runs of a question: aircraft, air, fastest point, how to fuse."""
 
     aircraft: Aircraft
     modes: AircraftModes
-    groups: list[Group]
-    best: Group
-    fuel: float
     density: float
     tested: float
+    trend: bool
 
     @property
     def band(self) -> tuple[float, float]:
         """Airspeeds in which flutter is looked for. [m/s]"""
         return _BAND[0] * self.tested, _BAND[1] * self.tested
+
+
+@dataclass(frozen=True, slots=True)
+class Answered:
+    """Everything that an answer and its figures are made of; the preferred group is ``best``."""
+
+    at: _At
+    groups: list[Group]
+    best: Group
+    fuel: float
+
+    def fused_at(self, store: Store, parts: Sequence[Flown], fuel: float) -> Identified:
+        """Runs of one structure, some or all, fused at a loading."""
+        return _fused(store, parts, self.at, fuel)[0]
 
 
 def models_of(store: Store, question: Question) -> Answered:
@@ -224,20 +239,13 @@ def _models(store: Store, question: Question) -> Answered:
     for part in parts:
         key = (part.found.aircraft.modes.numbers, part.source is None, *_free_places(part))
         structures.setdefault(key, []).append(part)
-    tested = fastest.airspeed_m_s
+    at = _At(aircraft, modes, density, fastest.airspeed_m_s, question.trend)
     fused: list[tuple[list[Flown], Identified, str]] = []
     for same in structures.values():
-        parts_at = [at_fuel(store, part, fuel) for part in same]
-        to = replace(
-            loaded(aircraft, modes, same, fuel, density),
-            derivatives=parts_at[-1].aircraft.derivatives,
-        )
-        band = (_BAND[0] * tested, _BAND[1] * tested)
-        found, note = _fused(parts_at, to, band, density, tested, trend=question.trend)
+        found, note = _fused(store, same, at, fuel)
         fused.append((same, found, f"{_of_others(same[-1])}{note}"))
-    called = {str(number): name for number, name in modes.names.items()}
-    groups = _foretold(fused, (_BAND[0] * tested, _BAND[1] * tested), density, called)
-    return Answered(aircraft, modes, groups, groups[0], fuel, density, tested)
+    groups = _foretold(fused, at)
+    return Answered(at, groups, groups[0], fuel)
 
 
 def _once(parts: Sequence[Flown]) -> list[Flown]:
@@ -250,32 +258,28 @@ def _content(part: Flown) -> tuple[int, frozenset[int]]:
     return part.run.maneuver_id, frozenset(part.found.aircraft.modes.numbers)
 
 
-def _foretold(
-    fused: Sequence[tuple[list[Flown], Identified, str]],
-    band: tuple[float, float],
-    density: float,
-    called: Mapping[str, str],
-) -> list[Group]:
+def _foretold(fused: Sequence[tuple[list[Flown], Identified, str]], at: _At) -> list[Group]:
     """Predictions of all structures, the preferred one first and with the others' spread.
 
     Preferred is who carries most modes, then who estimated most of them, then most runs.
     """
+    called = {str(number): name for number, name in at.modes.names.items()}
+
+    def predict(found: Identified, spread: float = 0.0) -> Prediction:
+        return predict_flutter(found, at.band, at.density, spread, called)
 
     def weight(one: tuple[list[Flown], Identified, str]) -> tuple[int, int, int]:
         same, found, _ = one
         return len(found.aircraft.modes.numbers), found.uncertain.rows.size, len(same)
 
     first, *rest = sorted(fused, key=weight, reverse=True)
-    groups = [
-        Group(same, found, _noted(predict_flutter(found, band, density, 0.0, called), note))
-        for same, found, note in rest
-    ]
+    groups = [Group(same, found, _noted(predict(found), note)) for same, found, note in rest]
     same, found, note = first
-    best = predict_flutter(found, band, density, 0.0, called)
+    best = predict(found)
     others = [g.prediction.crossing.airspeed for g in groups if g.prediction.crossing]
     if best.crossing is not None and others:
         spread = structure_spread(others, best.crossing.airspeed)
-        best = predict_flutter(found, band, density, spread, called)
+        best = predict(found, spread)
     return [Group(same, found, _noted(best, note)), *groups]
 
 
@@ -305,20 +309,19 @@ def _listed(numbers: Sequence[int]) -> str:
 
 
 def _fused(
-    parts: Sequence[Identified],
-    to: Aeroelastic,
-    band: tuple[float, float],
-    density: float,
-    tested: float,
-    *,
-    trend: bool,
+    store: Store, flown_parts: Sequence[Flown], at: _At, fuel: float
 ) -> tuple[Identified, str]:
-    """Derivatives of one structure, and what to say of how they were fused."""
-    if not trend:
+    """Derivatives of one structure at a loading, and what to say of how they were fused."""
+    parts = [at_fuel(store, part, fuel) for part in flown_parts]
+    to = replace(
+        loaded(at.aircraft, at.modes, flown_parts, fuel, at.density),
+        derivatives=parts[-1].aircraft.derivatives,
+    )
+    if not at.trend:
         return fuse_identified(parts, to), ""
     try:
         found = at_own_crossing(
-            lambda pressure: fuse_with_trend(parts, to, pressure), band, density, tested
+            lambda pressure: fuse_with_trend(parts, to, pressure), at.band, at.density, at.tested
         )
     except BadInput as error:
         if error.code != "no-trend":

@@ -38,6 +38,7 @@ export function Figure({ kind, params, title, height, revision, window, ...event
   const figure = useQuery(figureQuery(kind, params));
   const [handle, setHandle] = useState<PlotlyHandle | null>(null);
   const spec = figure.data;
+  const note = (spec?.layout.meta as { note?: unknown } | undefined)?.note;
   const tall = height ?? (spec ? figureHeight(spec.layout) : 380);
   const download = (format: "png" | "svg") => {
     handle?.download(format, ["flexsid", kind, ...idsIn(params)].join("-"));
@@ -99,6 +100,11 @@ export function Figure({ kind, params, title, height, revision, window, ...event
           )}
         </Group>
       </Group>
+      {typeof note === "string" && (
+        <Text size="xs" className="quiet" mb={4}>
+          {note}
+        </Text>
+      )}
       {figure.isError && (
         <ProblemAlert error={figure.error} onRetry={() => void figure.refetch()} />
       )}

@@ -1,8 +1,18 @@
-import { Alert, MultiSelect, NumberInput, Stack, Switch, Table, Text } from "@mantine/core";
+import {
+  Alert,
+  Group,
+  MultiSelect,
+  NumberInput,
+  SegmentedControl,
+  Stack,
+  Switch,
+  Table,
+  Text,
+} from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useState } from "react";
-import { flutterQuery, flutterTaskQuery, runsQuery } from "../api/queries";
+import { flutterQuery, flutterTaskQuery, runsQuery, type FlutterQuestion } from "../api/queries";
 import type { Flutter } from "../api/types";
 import { ButtonLink } from "../components/ButtonLink";
 import { CarrySwitch } from "../components/CarrySwitch";
@@ -22,12 +32,11 @@ const route = getRouteApi("/flutter");
 /** More runs than these take seconds: their answer is found as a task. */
 const FEW = 6;
 
-const FIGURES = [
-  ["v-omega-zeta", "Frequency and damping over airspeed"],
-  ["flutter-forecast", "Flutter speed against the speed flown"],
-  ["root-locus", "Root locus over airspeed"],
-  ["flutter-map", "Flutter speed over fuel and altitude"],
-] as const;
+const ALONG = [
+  { value: "airspeed", label: "Airspeed" },
+  { value: "dynamic_pressure", label: "Dynamic pressure" },
+  { value: "fuel", label: "Fuel" },
+];
 
 /** What the identified models say of the next test point. */
 export function FlutterPage() {
@@ -99,14 +108,68 @@ export function FlutterPage() {
                 {(data) => <Answer answer={data} />}
               </Loaded>
             )}
-            {ready &&
-              FIGURES.map(([kind, title]) => (
-                <div className="panel" style={{ padding: 12 }} key={kind}>
-                  <Figure kind={kind} title={title} params={question} />
-                </div>
-              ))}
+            {ready && (
+              <Figures
+                question={question}
+                along={view.along}
+                onAlong={(along) => {
+                  change({ along });
+                }}
+              />
+            )}
           </Stack>
         )}
+      </div>
+    </>
+  );
+}
+
+interface FiguresProps {
+  question: FlutterQuestion;
+  along: FlutterView["along"];
+  onAlong: (along: FlutterView["along"]) => void;
+}
+
+function Figures({ question, along, onAlong }: FiguresProps) {
+  const shown = { ...question };
+  const roots = { ...question, along };
+  return (
+    <>
+      <div className="panel" style={{ padding: 12 }}>
+        <Group gap="xs" mb="xs">
+          <Text size="sm">Roots along</Text>
+          <SegmentedControl
+            size="xs"
+            aria-label="Roots along"
+            data-testid="flutter-along"
+            data={ALONG}
+            value={along ?? "airspeed"}
+            onChange={(value) => {
+              onAlong(value === "airspeed" ? undefined : (value as FlutterView["along"]));
+            }}
+          />
+        </Group>
+        <Figure kind="v-omega-zeta" title="Frequency and damping" params={roots} />
+      </div>
+      <div className="panel" style={{ padding: 12 }}>
+        <Figure kind="root-locus" title="Root locus" params={roots} />
+      </div>
+      <div className="panel" style={{ padding: 12 }}>
+        <Figure
+          kind="flutter-forecast"
+          title="Flutter speed against the speed flown"
+          params={shown}
+        />
+      </div>
+      <div className="panel" style={{ padding: 12 }}>
+        <Figure kind="flutter-map" title="Flutter speed over fuel and altitude" params={shown} />
+      </div>
+      <div className="panel" style={{ padding: 12 }}>
+        <Figure
+          kind="equivalent-modes"
+          title="Equivalent modes over dynamic pressure, ±2σ"
+          params={shown}
+        />
       </div>
     </>
   );
@@ -192,6 +255,15 @@ function Choices({ view, answer, onChange }: ChoicesProps) {
   );
 }
 
+/** Margin of the fastest point, and the motions that take part in the mechanism. */
+function whatMoves(answer: Flutter): string {
+  if (answer.margin === null) return "";
+  const parts = answer.participation
+    .filter((one) => one.share >= 0.01)
+    .map((one) => `${one.name} ${percent(one.share)} %`);
+  return ` The fastest point flown, ${fixed(answer.tested_m_s, 1)} m/s, has a margin of ${fixed(100 * answer.margin, 1)} %. What moves: ${parts.join(", ")}.`;
+}
+
 function Answer({ answer }: { answer: Flutter }) {
   const safe = answer.low_m_s === null || answer.low_m_s > answer.next_m_s;
   return (
@@ -205,7 +277,7 @@ function Answer({ answer }: { answer: Flutter }) {
         styles={{ title: safe ? { color: "var(--mantine-color-text)" } : {} }}
       >
         {answer.sentence} At {percent(answer.fuel_fraction)} % fuel and an air density of{" "}
-        {fixed(answer.density_kg_m3, 3)} kg/m³.
+        {fixed(answer.density_kg_m3, 3)} kg/m³.{whatMoves(answer)}
       </Alert>
       <Section
         title="Model structures"
@@ -221,6 +293,12 @@ function Answer({ answer }: { answer: Flutter }) {
           <Equivalents answer={answer} />
         </Section>
       )}
+      <Section
+        title="Runs"
+        note="Each alone; elastic over short-period frequency, of which five counts as decoupled"
+      >
+        <Runs answer={answer} />
+      </Section>
       <Section
         title="Classical trackers"
         note="From the same runs, without a model of the structure"
@@ -272,6 +350,43 @@ function Structures({ answer }: { answer: Flutter }) {
   );
 }
 
+function Runs({ answer }: { answer: Flutter }) {
+  return (
+    <Table.ScrollContainer minWidth={420} mah={360} type="native">
+      <Table className="numbers" fz="sm" data-testid="flutter-each-run">
+        <Table.Thead>
+          <Table.Tr>
+            <Table.Th>Run</Table.Th>
+            <Table.Th>Maneuver</Table.Th>
+            <Table.Th ta="right">Flown [m/s]</Table.Th>
+            <Table.Th ta="right">Flutter ±2σ [m/s]</Table.Th>
+            <Table.Th ta="right">Separation</Table.Th>
+          </Table.Tr>
+        </Table.Thead>
+        <Table.Tbody>
+          {answer.runs.map((run) => (
+            <Table.Tr key={run.run_id}>
+              <Table.Td>
+                <Link to="/runs/$id" params={{ id: run.run_id }} className="link">
+                  {run.run_id}
+                </Link>
+              </Table.Td>
+              <Table.Td>{run.label}</Table.Td>
+              <Table.Td ta="right">{fixed(run.tested_m_s, 1)}</Table.Td>
+              <Table.Td ta="right">
+                {run.airspeed_m_s === null
+                  ? "stable"
+                  : plusMinus(run.airspeed_m_s, run.airspeed_std_m_s ?? 0, 2)}
+              </Table.Td>
+              <Table.Td ta="right">{fixed(run.separation, 2)}</Table.Td>
+            </Table.Tr>
+          ))}
+        </Table.Tbody>
+      </Table>
+    </Table.ScrollContainer>
+  );
+}
+
 const plusMinus = (value: number, std: number, decimals: number, scale = 1) =>
   `${fixed(scale * value, decimals)} ± ${fixed(2 * scale * std, decimals)}`;
 
@@ -308,10 +423,6 @@ function Equivalents({ answer }: { answer: Flutter }) {
           ))}
         </Table.Tbody>
       </Table>
-      <Text size="sm" className="quiet" mt="xs">
-        Lowest elastic over short-period frequency at the fastest point:{" "}
-        {fixed(answer.separation, 2)}; five counts as decoupled.
-      </Text>
     </>
   );
 }

@@ -16,6 +16,7 @@ from flexsid.api.routes.designs import Level
 from flexsid.api.routes.flutter import TheQuestion
 from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.wire import split_ids, split_names
+from flexsid.records.flutter import Along
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow import (
     closed_loop,
@@ -286,16 +287,29 @@ def draw_trend(store: TheStore, asked: TheTrend, form: Form = "json") -> Respons
     return sent(figures.trend(asked), form)
 
 
+TheAxis = Annotated[Along, Query(description="What roots are followed along.")]
+
+
 @router.get("/v-omega-zeta", response_model=Figure)
-def draw_v_omega_zeta(store: TheStore, question: TheQuestion, form: Form = "json") -> Response:
-    """Draw frequency and damping of the identified roots over airspeed with ±2 standard errors."""
-    return sent(figures.v_omega_zeta(flutter.flutter_roots(store, question)), form)
+def draw_v_omega_zeta(
+    store: TheStore, question: TheQuestion, along: TheAxis = Along.AIRSPEED, form: Form = "json"
+) -> Response:
+    """Draw frequency and damping of the identified roots with ±2 standard errors."""
+    return sent(figures.v_omega_zeta(flutter.flutter_roots(store, question, along)), form)
 
 
 @router.get("/root-locus", response_model=Figure)
-def draw_root_locus(store: TheStore, question: TheQuestion, form: Form = "json") -> Response:
-    """Draw the identified roots in the s-plane as airspeed rises."""
-    return sent(figures.root_locus(flutter.flutter_roots(store, question)), form)
+def draw_root_locus(
+    store: TheStore, question: TheQuestion, along: TheAxis = Along.AIRSPEED, form: Form = "json"
+) -> Response:
+    """Draw the identified roots in the s-plane."""
+    return sent(figures.root_locus(flutter.flutter_roots(store, question, along)), form)
+
+
+@router.get("/equivalent-modes", response_model=Figure)
+def draw_equivalent_modes(store: TheStore, question: TheQuestion, form: Form = "json") -> Response:
+    """Draw equivalent frequency and damping of every run over dynamic pressure (Eq. 25)."""
+    return sent(figures.equivalent_modes(flutter.flutter(store, question)), form)
 
 
 @router.get("/flutter-forecast", response_model=Figure)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -10,9 +10,17 @@ from scipy.optimize import linear_sum_assignment
 
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.stability.flutter import Crossing, RootLocus
-from flexsid.sysid.stability.speeds import Aeroelastic, Modal, decompose, slopes, state_family
+from flexsid.sysid.stability.speeds import (
+    Aeroelastic,
+    Modal,
+    StateFamily,
+    decompose,
+    slopes,
+    state_family,
+)
 
-_CLOSE = 0.15  # standard errors over the distance of two roots: closer, first order misleads
+_BENT = 0.35  # second order over first: more, and standard errors are off by a tenth
+_EVERY = 5  # speeds apart, where all that bends a root is looked at; it changes slowly
 _DRAWS = 1000
 _STEP = 1e-4  # of the airspeed, for the slope of a root
 
@@ -62,16 +70,17 @@ def root_bands(
 
     Notes
     -----
-    By the derivative of a simple eigenvalue. Near a coalescence of two roots that
-    derivative grows without bound; there a thousand draws are counted instead.
+    By the derivative of a simple eigenvalue. Its second derivative is what the root and the
+    others are coupled by, over their distances; where that is no longer small, near a
+    coalescence or where the first derivative vanishes, a thousand draws are counted instead.
     """
     family = state_family(aircraft, locus.airspeed, density)
     modal = decompose(family)
-    columns = _columns(modal, locus)
-    gradient = slopes(family, modal, uncertain.rows, uncertain.columns)
-    gradient = np.take_along_axis(gradient, columns[:, :, None], axis=1)
+    own = _columns(modal, locus)
+    gradient = slopes(family, modal, uncertain.rows, uncertain.columns, own, own)
     real, imag, damping = _deviations(gradient, locus.roots, uncertain.covariance)
-    crowded = _crowded(modal, columns, np.hypot(real, imag))
+    bend = _bends(family, modal, own, uncertain)
+    crowded = np.any(bend > _BENT * np.hypot(real, imag), axis=1, keepdims=True)[:, 0]
     if crowded.any():
         drawn = bands_by_draws(aircraft, locus, uncertain, density, only=crowded)
         for mine, other in ((real, drawn.real_std), (imag, drawn.imag_std)):
@@ -171,17 +180,55 @@ def _deviations(
     modulus = np.real(np.conj(roots)[:, :, None] * gradient) / size[:, :, None]
     damping = -by_real / size[:, :, None] + (np.real(roots) / size**2)[:, :, None] * modulus
 
-    def deviation(slope: np.ndarray) -> np.ndarray:
-        flat = slope.reshape(-1, slope.shape[2])
-        variance = np.sum((flat @ covariance) * flat, axis=1)
-        return np.sqrt(np.maximum(variance, 0.0)).reshape(slope.shape[:2])
+    return (
+        _deviation(by_real, covariance),
+        _deviation(by_imag, covariance),
+        _deviation(damping, covariance),
+    )
 
-    return deviation(by_real), deviation(by_imag), deviation(damping)
+
+def _deviation(slope: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    flat = slope.reshape(-1, slope.shape[2])
+    variance = np.sum((flat @ covariance) * flat, axis=1)
+    return np.sqrt(np.maximum(variance, 0.0)).reshape(slope.shape[:2])
 
 
-def _crowded(modal: Modal, columns: np.ndarray, deviation: np.ndarray) -> np.ndarray:
-    """Speeds at which a root's error reaches towards its nearest neighbour."""
-    own = np.take_along_axis(modal.values, columns, axis=1)
-    gap = np.abs(own[:, :, None] - modal.values[:, None, :])
-    np.put_along_axis(gap, columns[:, :, None], np.inf, axis=2)
-    return (deviation > _CLOSE * gap.min(axis=2)).any(axis=1)
+def _size(slope: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """Standard deviation of a complex number."""
+    return np.hypot(_deviation(np.real(slope), covariance), _deviation(np.imag(slope), covariance))
+
+
+def _bends(
+    family: StateFamily, modal: Modal, own: np.ndarray, uncertain: Uncertain
+) -> Float[np.ndarray, "n_v n_branches"]:
+    """Standard deviation of every root's second-order change. [rad/s]
+
+    From its nearest neighbour at every speed, from all roots at some speeds.
+    """
+    n_v, n_x = modal.values.shape
+    some = np.unique(np.append(np.arange(0, n_v, _EVERY), n_v - 1))
+    few = replace(family, A=family.A[some], scale=family.scale[some])
+    there = Modal(modal.values[some], modal.left[some], modal.right[some])
+    square = np.zeros((some.size, own.shape[1]))
+    for other in range(n_x):
+        beside = np.full_like(own[some], other)
+        square += _bend_by(few, there, own[some], beside, uncertain) ** 2
+    at = np.arange(n_v)
+    everywhere = np.stack([np.interp(at, some, column) for column in np.sqrt(square).T], axis=1)
+    roots = np.take_along_axis(modal.values, own, axis=1)
+    gap = np.abs(roots[:, :, None] - modal.values[:, None, :])
+    np.put_along_axis(gap, own[:, :, None], np.inf, axis=2)
+    near = np.argmin(gap, axis=2)
+    return np.maximum(everywhere, _bend_by(family, modal, own, near, uncertain))
+
+
+def _bend_by(
+    family: StateFamily, modal: Modal, own: np.ndarray, other: np.ndarray, uncertain: Uncertain
+) -> np.ndarray:
+    """How far coupling with one other root bends each root."""
+    places = (uncertain.rows, uncertain.columns)
+    there = _size(slopes(family, modal, *places, own, other), uncertain.covariance)
+    back = _size(slopes(family, modal, *places, other, own), uncertain.covariance)
+    roots, others = (np.take_along_axis(modal.values, k, axis=1) for k in (own, other))
+    distance = np.where(own == other, np.inf, np.abs(roots - others))
+    return there * back / np.maximum(distance, 1e-12)

@@ -38,6 +38,17 @@ class EquivalentMode:
         """Equivalent damping ratio. [1]"""
         return 0.5 * self.rate / self.omega
 
+    @property
+    def omega_std(self) -> float:
+        """Standard error of the frequency. [rad/s]"""
+        return 0.5 * self.stiffness_std / self.omega
+
+    @property
+    def zeta_std(self) -> float:
+        """Standard error of the damping ratio, stiffness and rate taken as uncorrelated. [1]"""
+        by_rate = 0.5 * self.rate_std / self.omega
+        return float(np.hypot(by_rate, self.zeta * self.omega_std / self.omega))
+
 
 @dataclass(frozen=True, slots=True)
 class InVacuo:

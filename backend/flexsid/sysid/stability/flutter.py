@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -9,7 +10,13 @@ import numpy as np
 from jaxtyping import Complex, Float
 from scipy.optimize import brentq, linear_sum_assignment
 
-from flexsid.sysid.stability.speeds import Aeroelastic, Modal, decompose, state_family
+from flexsid.sysid.stability.speeds import (
+    Aeroelastic,
+    Modal,
+    StateFamily,
+    decompose,
+    state_family,
+)
 
 _STILL = 1e-3  # rad/s: a root slower than this neither oscillates nor diverges in a maneuver
 
@@ -39,7 +46,7 @@ class Crossing:
 
 @dataclass(frozen=True, slots=True)
 class RootLocus:
-    """Roots over airspeed; a column is one root followed by its shape.
+    """Roots over airspeed (or what else they were followed along); a column is one root.
 
     Of complex pairs the root above the real axis is kept; where a pair has become two real
     roots, the less stable of them. ``names`` are the motions that
@@ -62,6 +69,10 @@ class RootLocus:
         return -np.real(self.roots) / np.where(size > 0.0, size, 1.0)
 
 
+Family = Callable[[Float[np.ndarray, " n"]], StateFamily]
+"""State matrices at places on the axis that roots are followed along."""
+
+
 def follow_roots(
     aircraft: Aeroelastic,
     airspeed: Float[np.ndarray, " n_v"],
@@ -77,26 +88,45 @@ def follow_roots(
         Rising, close enough that shapes change little from one to the next. [m/s]
     density
         Of the air; that of the known condition by default. [kg/m3]
+    """
+    return follow_family(
+        lambda speeds: state_family(aircraft, speeds, density), airspeed, aircraft.motions
+    )
+
+
+def follow_family(
+    family: Family, along: Float[np.ndarray, " n_v"], motions: tuple[str, ...]
+) -> RootLocus:
+    """Follow all roots along rising airspeeds, or whatever else the state matrices change with.
+
+    Parameters
+    ----------
+    family
+        State matrices at any places.
+    along
+        Rising places, close enough that shapes change little from one to the next.
+    motions
+        Names of the motions, rigid body first.
 
     Notes
     -----
-    Roots of neighbouring speeds belong together by the modal assurance of left with right
-    vectors; the assignment is optimal over all. A crossing is refined between two speeds
+    Roots of neighbouring places belong together by the modal assurance of left with right
+    vectors; the assignment is optimal over all. A crossing is refined between two places
     by Brent's method on the real parts.
     """
-    V = np.asarray(airspeed, dtype=float)
-    modal = decompose(state_family(aircraft, V, density))
+    x = np.asarray(along, dtype=float)
+    modal = decompose(family(x))
     order = _followed(modal)
     values = np.take_along_axis(modal.values, order, axis=1)
     upper, branch_of = _pairs(values)
-    names = _names(aircraft, modal, order[0, upper])
+    names = _names(modal, order[0, upper], motions)
     crossings: list[Crossing] = []
     for column, branch in enumerate(branch_of):
-        crossings += _crossings(aircraft, V, density, modal, order[:, column], int(branch))
+        crossings += _crossings(family, x, modal, order[:, column], int(branch), motions)
     # Both roots of a pair tell of the same crossing.
-    once = {(c.branch, round(c.airspeed / V[-1], 8)): c for c in crossings}
+    once = {(c.branch, round(c.airspeed / x[-1], 8)): c for c in crossings}
     found = tuple(sorted(once.values(), key=lambda crossing: crossing.airspeed))
-    return RootLocus(V, _weaker(values, upper, branch_of), names, found)
+    return RootLocus(x, _weaker(values, upper, branch_of), names, found)
 
 
 def participation(modal: Modal, at: int, root: int, motions: tuple[str, ...]) -> dict[str, float]:
@@ -148,60 +178,54 @@ def _weaker(
     return roots
 
 
-def _names(aircraft: Aeroelastic, modal: Modal, roots: np.ndarray) -> tuple[str, ...]:
-    shares = [participation(modal, 0, int(root), aircraft.motions) for root in roots]
+def _names(modal: Modal, roots: np.ndarray, motions: tuple[str, ...]) -> tuple[str, ...]:
+    shares = [participation(modal, 0, int(root), motions) for root in roots]
     table = np.array([list(share.values()) for share in shares])
     named = [max(share, key=share.__getitem__) for share in shares]
     rows, columns = linear_sum_assignment(-table)
     for row, column in zip(rows, columns, strict=True):
-        named[row] = aircraft.motions[column]
+        named[row] = motions[column]
     return tuple(named)
 
 
 def _crossings(
-    aircraft: Aeroelastic,
-    V: Float[np.ndarray, " n_v"],
-    density: float | None,
+    family: Family,
+    x: Float[np.ndarray, " n_v"],
     modal: Modal,
     columns: np.ndarray,
     branch: int,
+    motions: tuple[str, ...],
 ) -> list[Crossing]:
-    growth = np.real(modal.values[np.arange(V.size), columns])
+    growth = np.real(modal.values[np.arange(x.size), columns])
     entries = np.flatnonzero((growth[:-1] < 0.0) & (growth[1:] >= 0.0))
     exits = np.flatnonzero((growth[:-1] >= 0.0) & (growth[1:] < 0.0))
     found = []
     for k in entries.tolist():
-        speed = _refined(aircraft, V, density, modal, k)
-        there = decompose(state_family(aircraft, np.array([speed]), density))
+        at = _refined(family, x, modal, k)
+        there = decompose(family(np.array([at])))
         root = _on_the_axis(there)
         frequency = float(np.imag(there.values[0, root]))
         later = exits[exits > k]
-        recovery = _refined(aircraft, V, density, modal, int(later[0])) if later.size else None
+        recovery = _refined(family, x, modal, int(later[0])) if later.size else None
         mechanism = Mechanism.FLUTTER if frequency > _STILL else Mechanism.DIVERGENCE
-        shares = participation(there, 0, root, aircraft.motions)
-        found.append(Crossing(speed, max(frequency, 0.0), mechanism, branch, shares, recovery))
+        shares = participation(there, 0, root, motions)
+        found.append(Crossing(at, max(frequency, 0.0), mechanism, branch, shares, recovery))
     return found
 
 
-def _refined(
-    aircraft: Aeroelastic,
-    V: Float[np.ndarray, " n_v"],
-    density: float | None,
-    modal: Modal,
-    k: int,
-) -> float:
-    """Airspeed between V[k] and V[k + 1] at which the number of unstable roots changes.
+def _refined(family: Family, x: Float[np.ndarray, " n_v"], modal: Modal, k: int) -> float:
+    """Place between x[k] and x[k + 1] at which the number of unstable roots changes.
 
     Real parts in order of size are continuous, whatever the roots do to each other.
     """
     unstable = np.count_nonzero(np.real(modal.values[k : k + 2]) >= 0.0, axis=1)
     place = int(unstable.min())
 
-    def growth(speed: float) -> float:
-        A = state_family(aircraft, np.array([speed]), density).A[0]
+    def growth(at: float) -> float:
+        A = family(np.array([at])).A[0]
         return float(np.sort(np.real(np.linalg.eigvals(A)))[::-1][place])
 
-    low, high = float(V[k]), float(V[k + 1])
+    low, high = float(x[k]), float(x[k + 1])
     if growth(low) * growth(high) > 0.0:  # one root comes as another goes
         return 0.5 * (low + high)
     return float(brentq(growth, low, high, xtol=1e-10 * high, rtol=1e-14))

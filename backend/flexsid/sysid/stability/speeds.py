@@ -110,7 +110,7 @@ class Modal:
 
 def decompose(family: StateFamily) -> Modal:
     """Eigenvalues and vectors at every speed."""
-    values, right = np.linalg.eig(family.A.astype(complex))
+    values, right = (part.astype(complex) for part in np.linalg.eig(family.A))
     left = np.linalg.inv(right).conj().transpose(0, 2, 1)
     return Modal(values, left, right)
 
@@ -120,8 +120,20 @@ def slopes(
     modal: Modal,
     rows: np.ndarray,
     columns: np.ndarray,
-) -> Complex[np.ndarray, "n_v n_x n_theta"]:
+    left_of: np.ndarray | None = None,
+    right_of: np.ndarray | None = None,
+) -> Complex[np.ndarray, "n_v n_roots n_theta"]:
     """Change of every eigenvalue with the derivatives at (rows, columns) of the table.
+
+    Parameters
+    ----------
+    family, modal
+        State matrices, their eigenvalues and vectors.
+    rows, columns
+        Of the derivatives.
+    left_of, right_of
+        Eigenvalues at every speed (n_v, n_roots) whose left and right vectors to take; all
+        by default. Of two different ones it is how much they are coupled.
 
     Notes
     -----
@@ -130,7 +142,15 @@ def slopes(
     n_x = family.A.shape[1]
     acts = columns < n_x
     at = np.where(acts, columns, 0)
-    pull = modal.left[:, family.force_states[rows]].conj()  # (n_v, n_theta, n_x)
-    moved = modal.right[:, family.variable_states[at]]
+    pull = _vectors(modal.left, left_of, family.force_states[rows]).conj()
+    moved = _vectors(modal.right, right_of, family.variable_states[at])
     weight = np.where(acts, family.scale[:, rows, at], 0.0)
-    return (pull * moved * weight[:, :, None]).transpose(0, 2, 1)
+    return pull * moved * weight[:, None, :]
+
+
+def _vectors(
+    vectors: Complex[np.ndarray, "n_v n_x n_x"], chosen: np.ndarray | None, states: np.ndarray
+) -> Complex[np.ndarray, "n_v n_roots n_theta"]:
+    """Entries of eigenvectors, one of every parameter."""
+    beside = vectors if chosen is None else np.take_along_axis(vectors, chosen[:, None, :], axis=2)
+    return beside.transpose(0, 2, 1)[:, :, states]
