@@ -92,6 +92,28 @@ def test_the_next_point_is_answered_with_its_margin(store: Store, runs):
     assert (early.low_m_s or 0.0) < truth < (early.high_m_s or 0.0)
 
 
+def test_a_maneuver_counts_once_however_many_runs_estimate_from_it(store: Store, runs):
+    first = store.runs.get(runs["without"][0])
+    again = store.runs.add(
+        EstimationRun(
+            maneuver_id=first.maneuver_id,
+            method=Method.OE,
+            structure=first.structure,
+            settings=RunSettings(max_iterations=40),
+        )
+    )
+    claimed = queue.claim(store, again.id)
+    assert claimed is not None
+    computed = compute(prepare(store, again), lambda progress: None)
+    keep(store, again.id or 0, claimed.attempt, computed)
+    alone, twice = (
+        flutter(store, Question(run_ids=ids, others=Others.RESIDUALIZED))
+        for ids in ((first.id or 0,), (first.id or 0, again.id or 0))
+    )
+    assert twice.airspeed_m_s == pytest.approx(alone.airspeed_m_s, rel=1e-4)
+    assert twice.airspeed_std_m_s == pytest.approx(alone.airspeed_std_m_s, rel=0.02)
+
+
 def test_modes_that_runs_left_out_are_carried_as_predicted(store: Store, runs):
     truth = load_truth().flutter_speed_at(FUEL)
     carried = flutter(store, Question(run_ids=runs["without"]))

@@ -349,7 +349,7 @@ def test_classical_trackers_extrapolate_what_two_roots_do():
     ]
     assert damping_extrapolation(fading) == pytest.approx(60.0)
     for tracker in (damping_extrapolation, flutter_margin, envelope_function):
-        for few in ([], fading[:2]):
+        for few in ([], fading[:2], fading[:2] * 2):
             with pytest.raises(NotIdentifiable, match="three"):
                 tracker(few)
     with pytest.raises(NotIdentifiable, match="shape parameter"):

@@ -312,7 +312,10 @@ def _fused(
     store: Store, flown_parts: Sequence[Flown], at: _At, fuel: float
 ) -> tuple[Identified, str]:
     """Derivatives of one structure at a loading, and what to say of how they were fused."""
-    parts = [at_fuel(store, part, fuel) for part in flown_parts]
+    parts = [
+        _weighing(at_fuel(store, part, fuel), shares)
+        for part, shares in zip(flown_parts, _shared(flown_parts), strict=True)
+    ]
     to = replace(
         loaded(at.aircraft, at.modes, flown_parts, fuel, at.density),
         derivatives=parts[-1].aircraft.derivatives,
@@ -328,6 +331,18 @@ def _fused(
             raise
         return fuse_identified(parts, to), " Derivatives constant, for a drift needs more points."
     return found, " Derivatives drift with dynamic pressure and stand for where stability is lost."
+
+
+def _shared(parts: Sequence[Flown]) -> list[int]:
+    """How many runs use the data of each, itself included."""
+    used = [{part.run.maneuver_id, *part.run.settings.together_with} for part in parts]
+    return [max(sum(m in other for other in used) for m in own) for own in used]
+
+
+def _weighing(found: Identified, shares: int) -> Identified:
+    """Runs of one maneuver repeat what it tells, so that each weighs its share only."""
+    uncertain = found.uncertain
+    return replace(found, uncertain=replace(uncertain, covariance=shares * uncertain.covariance))
 
 
 def _put_together(store: Store, run_id: int, others: Others) -> tuple[Flown, ...]:

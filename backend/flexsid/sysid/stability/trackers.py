@@ -110,10 +110,17 @@ def _first_zero(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"], what: st
             f"{what} of {x.size} test points cannot be extrapolated; it takes three",
             code="too-few-points",
         )
+    n_distinct = np.unique(np.round(x / np.abs(x).max(), 2)).size
+    if n_distinct < 3:
+        raise NotIdentifiable(
+            f"{what} of {x.size} test points at {n_distinct} airspeeds cannot be extrapolated; it"
+            " takes three",
+            code="too-few-points",
+        )
     order = np.argsort(x)
     centre, width = float(x.mean()), float(np.ptp(x))
     size = float(np.abs(y).max()) or 1.0
-    fit = np.polynomial.Polynomial.fit(x[order], y[order] / size, 2 if x.size > 3 else 1)
+    fit = np.polynomial.Polynomial.fit(x[order], y[order] / size, 2 if n_distinct > 3 else 1)
     roots: Complex[np.ndarray, " n"] = np.asarray(fit.roots(), dtype=complex)
     real = np.real(roots[np.abs(np.imag(roots)) < 1e-9 * (centre + width)])
     beyond = real[real > x.min()]
