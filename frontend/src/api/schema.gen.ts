@@ -2892,7 +2892,7 @@ export interface paths {
         };
         /**
          * Draw V Omega Zeta
-         * @description Draw frequency and damping of the identified roots over airspeed with ±2 standard errors.
+         * @description Draw frequency and damping of the identified roots with ±2 standard errors.
          */
         get: operations["draw_v_omega_zeta"];
         put?: never;
@@ -2912,9 +2912,29 @@ export interface paths {
         };
         /**
          * Draw Root Locus
-         * @description Draw the identified roots in the s-plane as airspeed rises.
+         * @description Draw the identified roots in the s-plane.
          */
         get: operations["draw_root_locus"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/equivalent-modes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Equivalent Modes
+         * @description Draw equivalent frequency and damping of every run over dynamic pressure (Eq. 25).
+         */
+        get: operations["draw_equivalent_modes"];
         put?: never;
         post?: never;
         delete?: never;
@@ -3404,6 +3424,12 @@ export interface components {
             /** Next */
             next?: string | null;
         };
+        /**
+         * Along
+         * @description What roots are followed along.
+         * @enum {string}
+         */
+        Along: "airspeed" | "dynamic_pressure" | "fuel";
         /**
          * AssessRequest
          * @description Maneuvers to look at; all that nobody has looked at where none is named.
@@ -4713,6 +4739,34 @@ export interface components {
             damping_derivative_std: number;
         };
         /**
+         * EquivalentPoint
+         * @description A mode as if it stood alone in the air of one run (Eq. 25), at the loading asked for.
+         *
+         *     Frequency and damping are None where the air has taken all stiffness.
+         */
+        EquivalentPoint: {
+            /** Run Id */
+            run_id: number;
+            /** Label */
+            label: string;
+            /** Airspeed M S */
+            airspeed_m_s: number;
+            /** Dynamic Pressure Pa */
+            dynamic_pressure_pa: number;
+            /** Mode */
+            mode: number;
+            /** Name */
+            name: string;
+            /** Frequency Hz */
+            frequency_hz: number | null;
+            /** Frequency Std Hz */
+            frequency_std_hz: number | null;
+            /** Damping */
+            damping: number | null;
+            /** Damping Std */
+            damping_std: number | null;
+        };
+        /**
          * EstimationRun
          * @description A request and, once done, its result.
          *
@@ -5183,8 +5237,8 @@ export interface components {
          *
          *     ``airspeed_std_m_s`` is statistical, ``spread_m_s`` the standard deviation between model
          *     structures; ``low_m_s`` to ``high_m_s`` holds the flutter speed with 95 % probability.
-         *     ``known_m_s`` is what the aircraft's table predicted before flight. ``separation`` is the
-         *     lowest elastic over the short-period frequency at the fastest point.
+         *     ``margin`` is that of the fastest point flown, ``known_m_s`` what the aircraft's table
+         *     predicted before flight.
          */
         Flutter: {
             /** Sentence */
@@ -5197,6 +5251,8 @@ export interface components {
             density_kg_m3: number;
             /** Tested M S */
             tested_m_s: number;
+            /** Margin */
+            margin: number | null;
             /** Next M S */
             next_m_s: number;
             /** Airspeed M S */
@@ -5221,12 +5277,14 @@ export interface components {
             structures: components["schemas"]["StructureForecast"][];
             /** Runs */
             runs: components["schemas"]["RunForecast"][];
+            /** Progress */
+            progress: components["schemas"]["ProgressForecast"][];
             /** Trackers */
             trackers: components["schemas"]["TrackerForecast"][];
             /** Equivalents */
             equivalents: components["schemas"]["EquivalentLine"][];
-            /** Separation */
-            separation: number | null;
+            /** Equivalent Points */
+            equivalent_points: components["schemas"]["EquivalentPoint"][];
         };
         /**
          * FlutterPoint
@@ -6833,6 +6891,22 @@ export interface components {
             message: string;
         };
         /**
+         * ProgressForecast
+         * @description Flutter speed from all runs up to an airspeed, with its 95 % interval.
+         */
+        ProgressForecast: {
+            /** Tested M S */
+            tested_m_s: number;
+            /** N Runs */
+            n_runs: number;
+            /** Airspeed M S */
+            airspeed_m_s: number | null;
+            /** Low M S */
+            low_m_s: number | null;
+            /** High M S */
+            high_m_s: number | null;
+        };
+        /**
          * Proposal
          * @description A mapping to begin with; ``origin`` says where it comes from.
          */
@@ -7396,6 +7470,9 @@ export interface components {
         /**
          * RunForecast
          * @description Flutter speed of one run, against the speed at which it was flown.
+         *
+         *     ``separation`` is the lowest elastic over the short-period frequency there; None where the
+         *     short period does not oscillate.
          */
         RunForecast: {
             /** Run Id */
@@ -7408,6 +7485,8 @@ export interface components {
             airspeed_m_s: number | null;
             /** Airspeed Std M S */
             airspeed_std_m_s: number | null;
+            /** Separation */
+            separation: number | null;
         };
         /**
          * RunItem
@@ -14835,6 +14914,8 @@ export interface operations {
     draw_v_omega_zeta: {
         parameters: {
             query: {
+                /** @description What roots are followed along. */
+                along?: components["schemas"]["Along"];
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
                 /** @description Runs that succeeded, separated by commas. */
@@ -14879,6 +14960,54 @@ export interface operations {
         };
     };
     draw_root_locus: {
+        parameters: {
+            query: {
+                /** @description What roots are followed along. */
+                along?: components["schemas"]["Along"];
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+                /** @description Runs that succeeded, separated by commas. */
+                run_ids: string;
+                /** @description Fuel fraction; the fastest point's. */
+                fuel?: number | null;
+                /** @description Standard altitude; the fastest point's air. */
+                altitude_m?: number | null;
+                /** @description Airspeed of the next point; 3 % above the fastest. */
+                next_m_s?: number | null;
+                /** @description Modes the runs left out: as predicted, or their static response. */
+                others?: components["schemas"]["Others"];
+                /** @description Derivatives drift linearly with dynamic pressure. */
+                trend?: boolean;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    draw_equivalent_modes: {
         parameters: {
             query: {
                 /** @description Figure, or the numbers it shows. */
