@@ -89,6 +89,23 @@ def test_independent_record_gives_its_truth_back(store: Store, name: str, count:
     judge(found, np.array(list(truth.values())))
 
 
+@pytest.mark.parametrize("seed", [101, 202])
+def test_a_mode_above_the_band_is_not_told_with_small_errors(store: Store, seed: int):
+    """FTA 503 ends at 5.2 Hz; SW1T at 10.8 Hz is reconstructed with more noise than signal."""
+    flown = fly(
+        airspeed_ratio=0.6, fuel=0.05, fta=503, peak_deg=1.0, modes_in_truth=2, seed=seed
+    )  # fmt: skip
+    maneuver = add_maneuver(store, flown, _flight(store))
+    assert maneuver.id is not None
+    truth = flown.truth.named()
+    found = run(store, maneuver.id, Method.EE, MODES[2])
+    values = found.estimate.values - np.array([truth[name] for name in found.estimate.names])
+    assert np.mean(np.abs(values) < 3.0 * found.estimate.std_errors) >= 0.95
+    assert any(
+        "SW1T" in warning and "above the highest line" in warning for warning in found.warnings
+    )
+
+
 def test_output_error_converges_beyond_flutter(store: Store):
     """Eight modes fly, four are fitted: the fit converges and explains the pitch rate."""
     flown = fly(airspeed_ratio=1.09, fuel=0.5, fta=506, peak_deg=1.2, seed=6)

@@ -49,10 +49,16 @@ class Weighing:
 
 @dataclass(frozen=True, slots=True)
 class Certainty:
-    """Inverse of the normal matrix of the motion alone, and how far its noise pulled the values."""
+    """Inverse of the normal matrix of the motion alone, and how far its noise pulled the values.
+
+    ``untold`` is the covariance of what noise may have put along directions in which it is
+    more than the motion: part of its bias stays in there, for the dependent variable holds
+    the same noise, and the fit explains that. It explains no more than there is.
+    """
 
     inverse: Float[np.ndarray, "p p"]
     pulled: Float[np.ndarray, " p"]
+    untold: Float[np.ndarray, "p p"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +126,7 @@ def regress(
         return _with_covariance(X, z, weighing, certainty, disturbance.doubt)
     inverse = np.linalg.inv(r.T @ r) / np.outer(scale, scale)
     plain = Weighing(theta, np.ones(n_lines), 0.0)
-    return _with_covariance(X, z, plain, Certainty(inverse, np.zeros(p)), 0.0)
+    return _with_covariance(X, z, plain, Certainty(inverse, np.zeros(p), np.zeros((p, p))), 0.0)
 
 
 def compensate(
@@ -165,7 +171,9 @@ def compensate(
     doubt = np.hypot(disturbance.doubt, 1.0 / np.sqrt(n_lines))
     motion = np.maximum(1.0 - shares * (1.0 + 2.0 * doubt), _LEAST)
     inverse = (directions / motion) @ directions.T
-    return Weighing(theta, variance, keep), Certainty(inverse, inverse @ pulled)
+    left = directions * (1.0 - 1.0 / np.maximum(_MARGIN * shares, 1.0))
+    untold = np.sum(np.abs(z) ** 2 / variance) * (left @ left.T)
+    return Weighing(theta, variance, keep), Certainty(inverse, inverse @ pulled, untold)
 
 
 def _line_variance(
@@ -219,5 +227,5 @@ def _with_covariance(
     density *= n_lines / freedom
     middle = np.real((X.conj() * (density / variance)[:, None]).T @ X)
     corrected = 0.5 * inverse @ middle @ inverse
-    corrected += doubt**2 * np.outer(certainty.pulled, certainty.pulled)
+    corrected += doubt**2 * np.outer(certainty.pulled, certainty.pulled) + certainty.untold
     return Regression(theta, 0.5 * level * inverse, corrected)
