@@ -27,6 +27,7 @@ export const VIEWS = [
   { to: "/excitation", label: "Excitation", key: "e" },
   { to: "/aircraft", label: "Aircraft", key: "a" },
   { to: "/search", label: "Search for structure", key: "h", rare: true },
+  { to: "/closed-loop", label: "Closed loop", key: "l", rare: true },
   { to: "/import", label: "Import", key: "i", rare: true },
   { to: "/glossary", label: "Glossary", key: "g", rare: true },
 ] as const satisfies readonly { to: string; label: string; key: string; rare?: boolean }[];

@@ -60,3 +60,13 @@ def test_the_keyboard_finds_and_opens(page: Page):
     expect(page.get_by_role("option", name=re.compile("3-09 FTA 506"))).to_be_visible()
     page.keyboard.press("Enter")
     expect(page.get_by_role("heading", name=re.compile("3-09 FTA 506"))).to_be_visible()
+
+
+def test_the_palette_finds_records_of_every_kind(page: Page):
+    page.goto("/runs?method=OE&state=succeeded")
+    page.get_by_test_id("filter-clear").click()
+    expect(page).to_have_url(re.compile(r"/runs$"))
+    page.keyboard.press("Control+k")
+    for typed, kind in (("SP + SW1B", "structure"), ("closed", "view"), ("pitch rate", "symbol")):
+        page.get_by_test_id("palette-text").fill(typed)
+        expect(page.get_by_role("option", name=re.compile(kind)).first).to_be_visible()

@@ -11,8 +11,10 @@ import {
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { address, type QueryValue } from "../api/client";
+import { asProblem } from "../api/problem";
 import { figureQuery } from "../api/queries";
 import { figureHeight } from "../lib/figureLayout";
+import { Empty } from "./Empty";
 import { FigureBoundary } from "./FigureBoundary";
 import type { FigureEvents, PlotlyHandle } from "./figureEvents";
 import { DownloadIcon } from "./icons";
@@ -105,9 +107,7 @@ export function Figure({ kind, params, title, height, revision, window, ...event
           {note}
         </Text>
       )}
-      {figure.isError && (
-        <ProblemAlert error={figure.error} onRetry={() => void figure.refetch()} />
-      )}
+      {figure.isError && <Undrawn error={figure.error} onRetry={() => void figure.refetch()} />}
       {spec === undefined && !figure.isError && (
         <Skeleton height={tall} radius="sm" aria-label="Loading figure" aria-busy="true" />
       )}
@@ -126,6 +126,13 @@ export function Figure({ kind, params, title, height, revision, window, ...event
       )}
     </section>
   );
+}
+
+/** Of what the data do not hold there is nothing to draw, and nothing to try again. */
+function Undrawn({ error, onRetry }: { error: unknown; onRetry: () => void }) {
+  const { status, detail } = asProblem(error);
+  if (status !== 409 && status !== 422) return <ProblemAlert error={error} onRetry={onRetry} />;
+  return <Empty title="Nothing to draw">{detail}</Empty>;
 }
 
 function idsIn(params: Record<string, QueryValue>): (string | number)[] {

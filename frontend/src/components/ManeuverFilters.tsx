@@ -1,11 +1,10 @@
-import { Button, Group, Input, Switch } from "@mantine/core";
+import { Group, Input } from "@mantine/core";
 import type { ReactNode } from "react";
-import { METHODS, STATES, type Facets, type ManeuverFilters as ApiFilters } from "../api/types";
-import { integer, number } from "../lib/urlState";
+import type { Facets, ManeuverFilters as ApiFilters } from "../api/types";
+import { number } from "../lib/urlState";
 import type { CampaignView } from "../views";
-import { FacetSelect } from "./FacetSelect";
 import { FilterInput } from "./FilterInput";
-import { SearchIcon } from "./icons";
+import { ListFilters } from "./ListFilters";
 
 /** The filters of the campaign page as the API takes them. */
 export function apiFilters(view: CampaignView): ApiFilters {
@@ -25,6 +24,20 @@ export function apiFilters(view: CampaignView): ApiFilters {
     deleted: view.deleted,
   };
 }
+
+const FILTERS = [
+  "search",
+  "flight",
+  "fta",
+  "min_ratio",
+  "max_ratio",
+  "min_fuel",
+  "max_fuel",
+  "method",
+  "state",
+  "tag",
+  "deleted",
+] as const satisfies readonly (keyof CampaignView)[];
 
 interface Props {
   view: CampaignView;
@@ -59,41 +72,23 @@ export function ManeuverFilters({ view, choices, onChange }: Props) {
       </Group>
     </Input.Wrapper>
   );
-  const active = Object.values(apiFilters(view)).some((value) => value !== undefined);
-
+  const cleared = Object.fromEntries(FILTERS.map((key) => [key, undefined]));
+  const active = FILTERS.some((key) => view[key] !== undefined);
   return (
-    <Group gap="sm" align="flex-end" role="search" aria-label="Filter maneuvers">
-      <FilterInput
-        label="Search"
-        placeholder="Label"
-        w={150}
-        leftSection={<SearchIcon size={12} />}
-        data-testid="filter-search"
-        value={view.search ?? ""}
-        onCommit={(search) => {
-          onChange({ search: search === "" ? undefined : search });
-        }}
-      />
-      <FacetSelect
-        label="Flight"
-        width={88}
-        testId="filter-flight"
-        choices={choices?.flight_id}
-        value={view.flight?.toString()}
-        onChange={(value) => {
-          onChange({ flight: integer(value) });
-        }}
-      />
-      <FacetSelect
-        label="FTA"
-        width={104}
-        testId="filter-fta"
-        choices={choices?.fta}
-        value={view.fta?.toString()}
-        onChange={(value) => {
-          onChange({ fta: integer(value) });
-        }}
-      />
+    <ListFilters
+      what="maneuvers"
+      hint="Label"
+      view={view}
+      choices={choices}
+      onChange={onChange}
+      onClear={
+        active
+          ? () => {
+              onChange(cleared);
+            }
+          : undefined
+      }
+    >
       {range(
         "V/V_f",
         <>
@@ -103,68 +98,6 @@ export function ManeuverFilters({ view, choices, onChange }: Props) {
         "max_ratio",
       )}
       {range("Fuel in percent", "Fuel [%]", "min_fuel", "max_fuel")}
-      <FacetSelect
-        label="Method"
-        width={96}
-        testId="filter-method"
-        choices={choices?.method}
-        value={view.method}
-        onChange={(value) => {
-          onChange({ method: METHODS.find((one) => one === value) });
-        }}
-      />
-      <FacetSelect
-        label="Run state"
-        width={136}
-        testId="filter-state"
-        choices={choices?.state}
-        value={view.state}
-        onChange={(value) => {
-          onChange({ state: STATES.find((one) => one === value) });
-        }}
-      />
-      <FacetSelect
-        label="Tag"
-        width={110}
-        testId="filter-tag"
-        choices={choices?.tag}
-        value={view.tag}
-        onChange={(tag) => {
-          onChange({ tag });
-        }}
-      />
-      <Switch
-        label="Deleted"
-        mb={6}
-        checked={view.deleted === true}
-        data-testid="filter-deleted"
-        onChange={(event) => {
-          onChange({ deleted: event.currentTarget.checked || undefined, selected: undefined });
-        }}
-      />
-      {active && (
-        <Button
-          variant="subtle"
-          data-testid="filter-clear"
-          onClick={() => {
-            onChange({
-              search: undefined,
-              flight: undefined,
-              fta: undefined,
-              min_ratio: undefined,
-              max_ratio: undefined,
-              min_fuel: undefined,
-              max_fuel: undefined,
-              method: undefined,
-              state: undefined,
-              tag: undefined,
-              deleted: undefined,
-            });
-          }}
-        >
-          Clear
-        </Button>
-      )}
-    </Group>
+    </ListFilters>
   );
 }

@@ -3,7 +3,16 @@ import { useDebouncedValue } from "@mantine/hooks";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { useNavigate } from "@tanstack/react-router";
 import { useState, type KeyboardEvent } from "react";
-import { glossaryQuery, maneuversQuery, runListQuery } from "../api/queries";
+import {
+  batchesQuery,
+  designsQuery,
+  glossaryQuery,
+  maneuversQuery,
+  runListQuery,
+  searchesQuery,
+  structuresQuery,
+} from "../api/queries";
+import { decisionsQuery } from "../api/reviewQueries";
 import { VIEWS } from "../views";
 import { SearchIcon } from "./icons";
 
@@ -16,7 +25,7 @@ interface Found {
 
 const MOST = 8;
 
-/** Find a view, a maneuver, a run or a symbol by a part of its name, and go there. */
+/** Find a view, a record or a symbol by a part of its name, and go there. */
 export default function Palette({ onClose }: { onClose: () => void }) {
   const [typed, setTyped] = useState("");
   const [place, setPlace] = useState(0);
@@ -53,8 +62,8 @@ export default function Palette({ onClose }: { onClose: () => void }) {
         size="md"
         variant="unstyled"
         px="md"
-        aria-label="Find a view, maneuver, run or symbol"
-        placeholder="View, maneuver, run number, symbol"
+        aria-label="Find a view, record or symbol"
+        placeholder="View, maneuver, run number, structure, decision, design, symbol"
         leftSection={<SearchIcon />}
         data-autofocus
         data-testid="palette-text"
@@ -110,6 +119,11 @@ function useFound(typed: string): Found[] {
   });
   const runs = useInfiniteQuery({ ...runListQuery({ search: asked }, "-id", MOST), enabled });
   const glossary = useQuery({ ...glossaryQuery, enabled });
+  const structures = useQuery({ ...structuresQuery(), enabled });
+  const decisions = useQuery({ ...decisionsQuery({}), enabled });
+  const designs = useQuery({ ...designsQuery, enabled });
+  const batches = useQuery({ ...batchesQuery, enabled });
+  const searches = useQuery({ ...searchesQuery, enabled });
   const has = (text: string) => text.toLowerCase().includes(typed.toLowerCase());
 
   const views = VIEWS.filter((view) => has(view.label)).map((view) => ({
@@ -119,6 +133,23 @@ function useFound(typed: string): Found[] {
     open: () => void navigate({ to: view.to }),
   }));
   if (!enabled) return views;
+  const named = <Item extends { id: number }>(
+    items: Item[] | undefined,
+    name: (item: Item) => string,
+    kind: string,
+    open: (id: number) => void,
+  ) =>
+    (items ?? [])
+      .filter((item) => has(name(item)))
+      .slice(0, MOST)
+      .map((item) => ({
+        key: `${kind.replaceAll(" ", "-")}-${item.id}`,
+        label: name(item),
+        kind,
+        open: () => {
+          open(item.id);
+        },
+      }));
   const lines = <Item,>(data: { pages: { items: Item[] }[] } | undefined) =>
     data?.pages[0]?.items ?? [];
   return [
@@ -135,6 +166,46 @@ function useFound(typed: string): Found[] {
       kind: `${one.maneuver_label}, ${one.state}`,
       open: () => void navigate({ to: "/runs/$id", params: { id: one.id } }),
     })),
+    ...named(
+      structures.data,
+      (one) => one.name,
+      "structure",
+      (id) => {
+        void navigate({ to: "/model-structures/$id", params: { id } });
+      },
+    ),
+    ...named(
+      decisions.data,
+      (one) => one.proposal.title,
+      "decision",
+      (id) => {
+        void navigate({ to: "/decisions/$id", params: { id } });
+      },
+    ),
+    ...named(
+      designs.data,
+      (one) => one.name,
+      "excitation",
+      (id) => {
+        void navigate({ to: "/excitation/$id", params: { id } });
+      },
+    ),
+    ...named(
+      batches.data?.map(({ batch }) => batch),
+      (one) => one.name,
+      "batch",
+      (id) => {
+        void navigate({ to: "/batches/$id", params: { id } });
+      },
+    ),
+    ...named(
+      searches.data,
+      (one) => one.sentence ?? `${one.method} search ${one.id}`,
+      "search for structure",
+      (id) => {
+        void navigate({ to: "/search", search: { id } });
+      },
+    ),
     ...(glossary.data ?? [])
       .filter((entry) => has(entry.symbol) || has(entry.meaning))
       .slice(0, MOST)

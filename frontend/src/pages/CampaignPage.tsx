@@ -1,4 +1,4 @@
-import { Button, Group, Stack, Text } from "@mantine/core";
+import { Stack } from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
 import { useCallback } from "react";
@@ -8,13 +8,13 @@ import { ButtonLink } from "../components/ButtonLink";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
 import { GroundTestAlarm } from "../components/GroundTestAlarm";
+import { ListFoot } from "../components/ListFoot";
 import { Loaded } from "../components/Loaded";
 import { apiFilters, ManeuverFilters } from "../components/ManeuverFilters";
 import { ManeuverList } from "../components/ManeuverList";
 import { PageHead } from "../components/PageHead";
 import { ReportMenu } from "../components/ReportMenu";
 import { SavedViews } from "../components/SavedViews";
-import { count } from "../lib/format";
 import type { CampaignView } from "../views";
 
 const route = getRouteApi("/campaign");
@@ -88,26 +88,12 @@ export function CampaignPage() {
               }
             </Loaded>
           </div>
-          <Group justify="space-between">
-            <Text
-              size="xs"
-              className="quiet numbers"
-              aria-live="polite"
-              data-testid="maneuver-count"
-            >
-              {list.data !== undefined &&
-                `${shown.length} of ${count(facets.data?.total ?? shown.length, "maneuver")}`}
-            </Text>
-            {list.hasNextPage && (
-              <Button
-                variant="default"
-                loading={list.isFetchingNextPage}
-                onClick={() => void list.fetchNextPage()}
-              >
-                Load more
-              </Button>
-            )}
-          </Group>
+          <ListFoot
+            noun="maneuver"
+            shown={shown.length}
+            total={list.data === undefined ? undefined : (facets.data?.total ?? shown.length)}
+            list={list}
+          />
         </Stack>
         <aside className="panel" style={{ padding: 12 }}>
           <Figure

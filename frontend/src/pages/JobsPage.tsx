@@ -1,14 +1,16 @@
-import { Select, Stack } from "@mantine/core";
+import { Button, Select, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { batchesQuery, jobsQuery, queueQuery } from "../api/queries";
-import { STATES, type Batch } from "../api/types";
+import { useCancelSearch } from "../api/commands";
+import { batchesQuery, jobsQuery, queueQuery, searchesQuery } from "../api/queries";
+import { isOver, STATES, type Batch, type SearchItem } from "../api/types";
 import { BatchBar, left, total } from "../components/BatchBar";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { JobTable } from "../components/JobTable";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
+import { StateBadge } from "../components/RunBadge";
 import { QueueStatus } from "../components/QueueStatus";
 import { Section } from "../components/Section";
 import { dateTime, elapsed } from "../lib/format";
@@ -52,12 +54,53 @@ const BATCHES: Column<Batch>[] = [
   },
 ];
 
+const SEARCHES: Column<SearchItem>[] = [
+  {
+    key: "search",
+    header: "Search",
+    wraps: true,
+    render: (one) => (
+      <Link to="/search" search={{ id: one.id }} className="link">
+        {one.sentence ?? `${one.method} search ${one.id}, modes ${one.modes.join(" ")}`}
+      </Link>
+    ),
+  },
+  {
+    key: "maneuvers",
+    header: "Maneuvers",
+    numeric: true,
+    render: (one) => one.maneuver_ids.length,
+  },
+  { key: "state", header: "State", render: (one) => <StateBadge state={one.state} /> },
+  { key: "author", header: "By", render: (one) => one.author },
+  { key: "at", header: "Requested", numeric: true, render: (one) => dateTime(one.created_at) },
+  { key: "stop", header: "", render: (one) => !isOver(one.state) && <Stop id={one.id} /> },
+];
+
+function Stop({ id }: { id: number }) {
+  const cancel = useCancelSearch();
+  return (
+    <Button
+      variant="default"
+      size="compact-xs"
+      aria-label={`Cancel search ${id}`}
+      loading={cancel.isPending}
+      onClick={() => {
+        cancel.mutate(id);
+      }}
+    >
+      Cancel
+    </Button>
+  );
+}
+
 /** What runs, what waits, what is over. */
 export function JobsPage() {
   const { state } = route.useSearch();
   const navigate = route.useNavigate();
   const queue = useQuery(queueQuery);
   const batches = useQuery(batchesQuery);
+  const searches = useQuery(searchesQuery);
   const jobs = useQuery(jobsQuery({ state }));
   return (
     <>
@@ -76,6 +119,18 @@ export function JobsPage() {
               columns={BATCHES}
               rows={batches.data}
               rowKey={({ batch }) => batch.id}
+              maxHeight={320}
+            />
+          </Section>
+        )}
+        {searches.data !== undefined && searches.data.length > 0 && (
+          <Section title="Searches for structure">
+            <DataTable
+              label="Searches"
+              testId="searches-table"
+              columns={SEARCHES}
+              rows={searches.data}
+              rowKey={(one) => one.id}
               maxHeight={320}
             />
           </Section>

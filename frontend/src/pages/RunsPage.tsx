@@ -1,21 +1,18 @@
-import { Button, Group, Stack, Switch, Text } from "@mantine/core";
+import { Stack } from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
 import { useCallback } from "react";
 import { runFacetsQuery, runListQuery } from "../api/queries";
-import { METHODS, STATES, type RunFilters, type RunItem } from "../api/types";
+import type { RunFilters, RunItem } from "../api/types";
 import { BulkActions } from "../components/BulkActions";
 import { CompareLink } from "../components/CompareLink";
 import { Empty } from "../components/Empty";
-import { FacetSelect } from "../components/FacetSelect";
-import { FilterInput } from "../components/FilterInput";
-import { SearchIcon } from "../components/icons";
+import { ListFilters } from "../components/ListFilters";
+import { ListFoot } from "../components/ListFoot";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { RunList } from "../components/RunList";
 import { SavedViews } from "../components/SavedViews";
-import { count } from "../lib/format";
-import { integer } from "../lib/urlState";
 import type { RunsView } from "../views";
 
 const route = getRouteApi("/runs");
@@ -35,6 +32,7 @@ export function RunsPage() {
     [navigate],
   );
   const shown = list.data?.pages.flatMap((page) => page.items) ?? [];
+  const filtered = FILTERS.some((key) => view[key] !== undefined);
   const chosen = shown.filter((run) => selected.includes(run.id));
 
   return (
@@ -61,12 +59,25 @@ export function RunsPage() {
         }
       />
       <Stack gap="sm">
-        <Filters view={view} choices={facets.data?.choices} onChange={change} />
+        <ListFilters
+          what="runs"
+          hint="Maneuver, author, number"
+          view={view}
+          choices={facets.data?.choices}
+          onChange={change}
+          onClear={
+            filtered
+              ? () => {
+                  change(Object.fromEntries(FILTERS.map((key) => [key, undefined])));
+                }
+              : undefined
+          }
+        />
         <div className="panel">
           <Loaded query={list} rows={12}>
             {() =>
               shown.length === 0 ? (
-                <Nothing filtered={Object.values(filters).some((value) => value !== undefined)} />
+                <Nothing filtered={filtered} />
               ) : (
                 <RunList
                   runs={shown}
@@ -83,21 +94,12 @@ export function RunsPage() {
             }
           </Loaded>
         </div>
-        <Group justify="space-between">
-          <Text size="xs" className="quiet numbers" aria-live="polite" data-testid="run-count">
-            {list.data !== undefined &&
-              `${shown.length} of ${count(facets.data?.total ?? shown.length, "run")}`}
-          </Text>
-          {list.hasNextPage && (
-            <Button
-              variant="default"
-              loading={list.isFetchingNextPage}
-              onClick={() => void list.fetchNextPage()}
-            >
-              Load more
-            </Button>
-          )}
-        </Group>
+        <ListFoot
+          noun="run"
+          shown={shown.length}
+          total={list.data === undefined ? undefined : (facets.data?.total ?? shown.length)}
+          list={list}
+        />
       </Stack>
     </>
   );
@@ -129,112 +131,17 @@ function apiFilters(view: RunsView): RunFilters {
   };
 }
 
-interface FilterProps {
-  view: RunsView;
-  choices: Record<string, { value: string; label: string; count: number }[]> | undefined;
-  onChange: (change: Partial<RunsView>) => void;
-}
-
-const NONE: Partial<RunsView> = {
-  search: undefined,
-  aircraft: undefined,
-  flight: undefined,
-  maneuver: undefined,
-  fta: undefined,
-  method: undefined,
-  state: undefined,
-  tag: undefined,
-  deleted: undefined,
-};
-
-function Filters({ view, choices, onChange }: FilterProps) {
-  const active = Object.values(apiFilters(view)).some((value) => value !== undefined);
-  return (
-    <Group gap="sm" align="flex-end" role="search" aria-label="Filter runs">
-      <FilterInput
-        label="Search"
-        placeholder="Maneuver, author, number"
-        w={200}
-        leftSection={<SearchIcon size={12} />}
-        data-testid="filter-search"
-        value={view.search ?? ""}
-        onCommit={(search) => {
-          onChange({ search: search === "" ? undefined : search });
-        }}
-      />
-      <FacetSelect
-        label="Flight"
-        width={96}
-        testId="filter-flight"
-        choices={choices?.flight_id}
-        value={view.flight?.toString()}
-        onChange={(value) => {
-          onChange({ flight: integer(value) });
-        }}
-      />
-      <FacetSelect
-        label="FTA"
-        width={104}
-        testId="filter-fta"
-        choices={choices?.fta}
-        value={view.fta?.toString()}
-        onChange={(value) => {
-          onChange({ fta: integer(value) });
-        }}
-      />
-      <FacetSelect
-        label="Method"
-        width={104}
-        testId="filter-method"
-        choices={choices?.method}
-        value={view.method}
-        onChange={(value) => {
-          onChange({ method: METHODS.find((one) => one === value) });
-        }}
-      />
-      <FacetSelect
-        label="State"
-        width={140}
-        testId="filter-state"
-        choices={choices?.state}
-        value={view.state}
-        onChange={(value) => {
-          onChange({ state: STATES.find((one) => one === value) });
-        }}
-      />
-      <FacetSelect
-        label="Tag"
-        width={130}
-        testId="filter-tag"
-        choices={choices?.tag}
-        value={view.tag}
-        onChange={(tag) => {
-          onChange({ tag });
-        }}
-      />
-      <Switch
-        label="Deleted"
-        mb={6}
-        checked={view.deleted === true}
-        data-testid="filter-deleted"
-        onChange={(event) => {
-          onChange({ deleted: event.currentTarget.checked || undefined, selected: undefined });
-        }}
-      />
-      {active && (
-        <Button
-          variant="subtle"
-          data-testid="filter-clear"
-          onClick={() => {
-            onChange(NONE);
-          }}
-        >
-          Clear
-        </Button>
-      )}
-    </Group>
-  );
-}
+const FILTERS = [
+  "search",
+  "aircraft",
+  "flight",
+  "maneuver",
+  "fta",
+  "method",
+  "state",
+  "tag",
+  "deleted",
+] as const satisfies readonly (keyof RunsView)[];
 
 function Nothing({ filtered }: { filtered: boolean }) {
   return filtered ? (
