@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from flexsid.sysid.estimation.delays import find_delays
 from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.parameters import select_parameters
+from flexsid.sysid.estimation.record_edges import without_edges
 from flexsid.sysid.model.reduction import residualize
 from flexsid.sysid.signals import FrequencyData
 
@@ -28,6 +30,31 @@ def test_two_modes_are_found_from_a_quarter_off(make_case, ratio, seed):
     assert len(estimate.steps) - 1 <= 15
     error = (estimate.values - case.truth.values.ravel()) / estimate.std_errors
     assert np.sqrt(np.mean(error**2)) < 1.5
+
+
+@pytest.mark.parametrize(("ratio", "seed"), [(1.0, 20), (1.02, 21), (1.02, 56)])
+def test_a_resonance_between_two_lines_does_not_stop_a_fit(make_case, ratio, seed):
+    case = make_case(2, airspeed_ratio=ratio)
+    u, y = case.spectra(seed)
+    z = add_noise(y, 0.02, np.random.default_rng(seed))
+    estimate = maximize([case.experiment(u, z)], case.free(off=0.25, seed=seed))
+    assert estimate.outcome is Outcome.CONVERGED
+    assert len(estimate.steps) - 1 <= 15
+    error = (estimate.values - case.truth.values.ravel()) / estimate.std_errors
+    assert np.sqrt(np.mean(error**2)) < 1.7
+
+
+def test_a_model_gone_astray_has_no_states_at_the_edges_of_a_record(make_case):
+    case = make_case(1)
+    u, y = case.spectra(1)
+    delays = np.linspace(0.0, 0.02, y.shape[1])
+    lines = replace(
+        case.experiment(u, y), instruments=np.exp(-1j * np.outer(OMEGA, delays)), edges_s=(20.0,)
+    )
+    parameters = case.free()
+    astray = parameters.start.copy()
+    astray[parameters.names.index("Cm_q")] = 1e7
+    assert without_edges(lines, parameters, astray) is lines
 
 
 def test_cost_never_rises_and_noise_free_lines_give_the_truth(make_case):

@@ -51,8 +51,27 @@ class NormalForm:
         weights
             Inverse noise covariance of each line.
         """
+        return self.matrix(sensitivity, weights), self._gradient(sensitivity, residuals, weights)
+
+    def gradient(
+        self,
+        sensitivity: Sensitivity,
+        residuals: Complex[np.ndarray, "n_omega n_y"],
+        weights: LineMatrix,
+    ) -> Float[np.ndarray, " n_theta"]:
+        """Re sum J^H W nu alone."""
+        weights.times(sensitivity.forces, out=self._weighted)
+        np.conjugate(self._weighted, out=self._weighted)
+        return self._gradient(sensitivity, residuals, weights)
+
+    def _gradient(
+        self,
+        sensitivity: Sensitivity,
+        residuals: Complex[np.ndarray, "n_omega n_y"],
+        weights: LineMatrix,
+    ) -> Float[np.ndarray, " n_theta"]:
+        """The same where the forces are weighted already."""
         model, own = self.model, self.model.own_outputs
-        N = self.matrix(sensitivity, weights)
         b = np.matmul(self._weighted.transpose(0, 2, 1), residuals[:, :, None])[:, :, 0]
         pull = _real_products(np.ascontiguousarray(b.T), sensitivity.variables)
         g = pull[model.pair_rows, model.pair_columns] * model.scale
@@ -60,7 +79,7 @@ class NormalForm:
             weighted_residuals = weights.times(residuals[:, :, None])[:, :, 0]
             E = sensitivity.own.conj()
             g = np.append(g, np.real(np.einsum("ek,ke->e", E, weighted_residuals[:, own])))
-        return N, g if self._in_order else g[np.argsort(model.order)]
+        return g if self._in_order else g[np.argsort(model.order)]
 
     def matrix(
         self, sensitivity: Sensitivity, weights: LineMatrix

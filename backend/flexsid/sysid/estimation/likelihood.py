@@ -33,6 +33,7 @@ Report = Callable[[int, float], None]
 _AS_EXPECTED = 0.75  # of what the curvature promises: good enough to look no further
 _CONVERGING = 0.3  # share of the step before: smaller ones shrink for good
 _QUICK = 4  # iterations that may pass before a fit counts as slow
+_ALONG = 0.1  # of a step: where its bend is felt
 _NEAR = 20  # standard errors: steps below count as near the optimum
 
 
@@ -230,10 +231,39 @@ class _Problem:
                     expected = float(around.g @ delta)
                     if near or state.cost - trial.cost > _AS_EXPECTED * expected:
                         break
+            if best is state:
+                best = self._bent(state, around, damping)
             if best is not state:
                 return best, max(0.1 * damping, 1e-12)
             damping *= 10.0
         return None
+
+    def _bent(self, state: _State, around: _Expansion, damping: float) -> _State:
+        """Follow the bend of a valley where no straight step leads down; the same if none does.
+
+        Notes
+        -----
+        Source: Transtrum and Sethna, geodesic acceleration of Levenberg-Marquardt steps.
+        Near flutter a resonance between two lines makes valleys so narrow that a correction
+        of a hundredth of the step halves the cost.
+        """
+        diagonal = np.diag(around.N)
+        delta = damped_step(around.N, diagonal, around.g, damping)
+        if delta is None:
+            return state
+        pull = np.zeros_like(delta)
+        for form, sensitivity, response, W in zip(
+            self.forms, around.sensitivities, state.responses, around.weights, strict=True
+        ):
+            after = form.model.respond(state.theta + _ALONG * delta).outputs
+            before = form.model.respond(state.theta - _ALONG * delta).outputs
+            curving = (after - 2.0 * response.outputs + before) / _ALONG**2
+            pull -= 0.5 * form.gradient(sensitivity, curving, W)
+        bend = damped_step(around.N, diagonal, pull, damping)
+        if bend is None or not diagonal @ bend**2 < diagonal @ delta**2:
+            return state
+        trial = self.at(state.theta + delta + bend)
+        return trial if trial.cost < state.cost else state
 
     def _estimate(self, state: _State, steps: list[Step], outcome: Outcome) -> Estimate:
         n_theta = state.theta.size

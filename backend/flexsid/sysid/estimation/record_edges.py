@@ -25,6 +25,7 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 
 _ROUNDS = 6
 _RIDGE = 1e-12
+_BEYOND_USE = 30.0  # e-folds between the ends of two outputs: no aircraft, a fit gone astray
 _WORTH = 6.0  # what each state at an edge must take off the squared residuals, on average
 
 
@@ -52,9 +53,13 @@ def edge_responses(
     Notes
     -----
     Attitude is left out: it need not return to trim, and its record is continued where
-    it ended before it is transformed.
+    it ended before it is transformed. Where motion would grow or decay beyond use between
+    the ends of two outputs, a fit has gone astray and there are no states.
     """
     system = model.state_space(derivatives)
+    growth = np.abs(np.linalg.eigvals(system.A)).max() * np.ptp(delays_s)
+    if not growth < _BEYOND_USE:
+        return np.empty((omega.size, delays_s.size, 0), dtype=complex)
     n = system.A.shape[0]
     kept = [k for k, name in enumerate(system.states) if name != "theta"]
     s = 1j * omega

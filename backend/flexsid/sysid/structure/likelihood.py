@@ -163,6 +163,8 @@ def _freed(
 ) -> Complex[np.ndarray, "n_omega n_y n_theta"]:
     """Sensitivities without what unknown states at the edges of the record could do instead."""
     k = E.shape[2]
+    if k == 0:
+        return J
     weighted = weights.times(E).reshape(-1, k).conj().T
     normal = np.real(weighted @ E.reshape(-1, k))
     size = np.sqrt(np.maximum(np.diag(normal), np.finfo(float).tiny))
