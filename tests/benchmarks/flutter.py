@@ -2,7 +2,8 @@
 
 Campaigns on FLEX-28 (eight-mode truth) are simulated line by line with the campaign's
 sensor noise; the predictions that stand in for modes nobody identified are wrong by 15 %.
-Prints one JSON line per figure.
+``flown`` maneuvers are simulated in time and in closed loop, kept, estimated and asked about as
+a user does it. Prints one JSON line per figure.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_name] = "1"
 
 import json
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,11 +22,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexsid.demo.aircraft import describe_aircraft
+from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import INPUTS, Truth, load_truth
+from flexsid.demo.flights import fly
 from flexsid.errors import FlexsidError
+from flexsid.jobs.direct import carry_out
+from flexsid.jobs.steps import estimation_steps
+from flexsid.records.flight import Flight as FlightRecord
 from flexsid.records.maneuver import Condition
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage.migrate import upgrade
+from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Estimate
-from flexsid.sysid.estimation.likelihood import maximize
+from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.model.derivatives import DerivativeTable, derivative_names
@@ -45,6 +56,8 @@ from flexsid.sysid.stability.trackers import (
     envelope_function,
     flutter_margin,
 )
+from flexsid.workflow.flutter import Others, Question
+from flexsid.workflow.flutter import flutter as ask
 from flexsid.workflow.models import build_model, default_outputs, define_outputs
 
 FUEL = 0.5
@@ -108,14 +121,20 @@ class Range:
         )
 
     def fit(
-        self, flight: Flight, count: int, start: DerivativeTable, free: list[str] | None
+        self,
+        flight: Flight,
+        count: int,
+        start: DerivativeTable,
+        free: list[str] | None,
+        noise: str = "diagonal",
     ) -> tuple[Identified, Parameters, Estimate]:
         """Output error with ``count`` modes."""
         modes = self.truth.modes_at(FUEL, count)
         model = build_model(self.aircraft, flight.condition, modes, INPUTS, self.outputs)
         parameters = select_parameters(start, free, model.outputs)
         through = np.ones_like(flight.outputs.values)
-        found = maximize([output_error(model, flight.inputs, flight.outputs, through)], parameters)
+        lines = output_error(model, flight.inputs, flight.outputs, through)
+        found = maximize([lines], parameters, FitSettings(noise=noise))
         table = parameters.table(found.values)
         uncertain = Uncertain(parameters.rows, parameters.columns, found.corrected_covariance)
         return (
@@ -128,11 +147,17 @@ class Range:
         return self.fit(flight, ALL, predicted, list(kept))[0]
 
     def alone(self, flight: Flight, predicted: DerivativeTable) -> Identified:
+        """Four modes, nothing else; a full noise density bears with those left out."""
+        return self.bare(flight, predicted, "full")
+
+    def bare(
+        self, flight: Flight, predicted: DerivativeTable, noise: str = "diagonal"
+    ) -> Identified:
         """Four modes, nothing else."""
         condition = self.truth.condition_at(flight.condition.airspeed_m_s, FUEL)
         modes = self.truth.modes_at(FUEL, ALL)
         start = residualize(predicted, modes, condition, predicted.modes[:KEPT])
-        return self.fit(flight, KEPT, start, None)[0]
+        return self.fit(flight, KEPT, start, None, noise)[0]
 
     def predicted(self, rng: np.random.Generator) -> DerivativeTable:
         """A prediction that is wrong by its usual error."""
@@ -158,6 +183,7 @@ def main() -> None:
     """Measure and print everything."""
     flex = Range(load_truth())
     print_single_maneuvers(flex, 20)
+    print_flown(flex, 20)
     print_campaigns(flex, 100)
     print_bands(flex)
 
@@ -166,6 +192,7 @@ def print_single_maneuvers(flex: Range, seeds: int) -> None:
     for ratio in (0.65, 0.80, 0.95):
         kinds: dict[str, Callable[[Flight, DerivativeTable], Identified]] = {
             "four_modes": flex.alone,
+            "four_modes_diagonal_noise": flex.bare,
             "four_modes_others_predicted": flex.with_predicted,
         }
         errors: dict[str, list[float]] = {kind: [] for kind in kinds}
@@ -176,6 +203,35 @@ def print_single_maneuvers(flex: Range, seeds: int) -> None:
                 errors[kind].append(abs(flex.speed(identify(flight, predicted))[0] - 1.0))
         for kind, values in errors.items():
             say(f"single_{ratio:.2f}_{kind}", median_error=float(np.median(values)), seeds=seeds)
+
+
+def print_flown(flex: Range, seeds: int) -> None:
+    """One maneuver flown, estimated with four modes and asked about, others carried or not."""
+    with tempfile.TemporaryDirectory() as folder:
+        address = f"sqlite:///{folder}/flexsid.db"
+        upgrade(address)
+        store = Store.open(address)
+        aircraft = add_aircraft(store)
+        flight = store.flights.add(FlightRecord(aircraft_id=aircraft.id or 0, number=1)).id or 0
+        for ratio in (0.65, 0.80, 0.95):
+            errors: dict[Others, list[float]] = {others: [] for others in Others}
+            for seed in range(seeds):
+                peak = 2.0 if ratio < 0.9 else 1.6
+                flown = fly(airspeed_ratio=ratio, fuel=FUEL, peak_deg=peak, seed=(900, seed))
+                wanted = EstimationRun(
+                    maneuver_id=add_maneuver(store, flown, flight).id or 0,
+                    method=Method.OE,
+                    structure=Structure(modes=flex.derivatives.modes[:KEPT], fixed={}),
+                    settings=RunSettings(),
+                )
+                run = carry_out(store, wanted, estimation_steps(), lambda progress: None)
+                for others in Others:
+                    answer = ask(store, Question(run_ids=(run.id or 0,), others=others))
+                    errors[others].append(abs((answer.airspeed_m_s or np.inf) / flex.flutter - 1.0))
+            for others, values in errors.items():
+                middle = float(np.median(values))
+                say(f"flown_{ratio:.2f}_{others.value}", median_error=middle, seeds=seeds)
+        store.close()
 
 
 def print_campaigns(flex: Range, campaigns: int) -> None:
@@ -229,7 +285,7 @@ def test_point(found: Identified) -> TestPoint:
 
 def print_bands(flex: Range) -> None:
     rng = np.random.default_rng(5)
-    found = flex.alone(flex.fly(0.80, rng), flex.predicted(rng))
+    found = flex.bare(flex.fly(0.80, rng), flex.predicted(rng))
     locus = follow_roots(found.aircraft, np.linspace(25.0, 80.0, 200))
     began = time.process_time()
     bands = root_bands(found.aircraft, locus, found.uncertain)

@@ -221,6 +221,8 @@ def _mark_places(layout: Spec, value: FlutterRoots, factor: float) -> None:
     ]
     for place, name in marks:
         shape, note = vertical_mark(factor * place, name)
+        if place == value.tested_to:  # flutter stands to its right as a rule
+            note["xanchor"] = "right"
         layout["shapes"].append(shape)
         layout["annotations"].append(note)
     if value.interval is not None:

@@ -94,7 +94,7 @@ export function ClosedLoopPage() {
           </Link>,
         ]}
       />
-      <div className="split split-early">
+      <div className="split">
         <Stack gap="md">
           <MultiSelect
             label="Runs"

@@ -13,6 +13,7 @@ import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useState } from "react";
 import { flutterQuery, flutterTaskQuery, runsQuery, type FlutterQuestion } from "../api/queries";
+import type { QueryValue } from "../api/client";
 import type { Flutter } from "../api/types";
 import { ButtonLink } from "../components/ButtonLink";
 import { CarrySwitch } from "../components/CarrySwitch";
@@ -82,7 +83,7 @@ export function FlutterPage() {
           </ButtonLink>
         }
       />
-      <div className="split split-early">
+      <div className="split">
         <Choices view={view} answer={answer.data} onChange={change} />
         {runs.length === 0 ? (
           <div className="panel">
@@ -116,6 +117,9 @@ export function FlutterPage() {
                   change({ along });
                 }}
               />
+            )}
+            {ready && answer.data !== undefined && (
+              <Details answer={answer.data} shown={question} />
             )}
           </Stack>
         )}
@@ -163,13 +167,6 @@ function Figures({ question, along, onAlong }: FiguresProps) {
       </div>
       <div className="panel" style={{ padding: 12 }}>
         <Figure kind="flutter-map" title="Flutter speed over fuel and altitude" params={shown} />
-      </div>
-      <div className="panel" style={{ padding: 12 }}>
-        <Figure
-          kind="equivalent-modes"
-          title="Equivalent modes over dynamic pressure, ±2σ"
-          params={shown}
-        />
       </div>
     </>
   );
@@ -285,14 +282,19 @@ function Answer({ answer }: { answer: Flutter }) {
       >
         <Structures answer={answer} />
       </Section>
-      {answer.equivalents.length > 0 && (
-        <Section
-          title="Modes without air"
-          note="Straight lines through equivalent modes over dynamic pressure, ±2σ"
-        >
-          <Equivalents answer={answer} />
-        </Section>
-      )}
+    </>
+  );
+}
+
+interface DetailsProps {
+  answer: Flutter;
+  shown: Record<string, QueryValue>;
+}
+
+/** What else the runs say: trackers, each run alone, modes in air and without. */
+function Details({ answer, shown }: DetailsProps) {
+  return (
+    <>
       <Section
         title="Runs"
         note="Each alone; elastic over short-period frequency, of which five counts as decoupled"
@@ -305,6 +307,21 @@ function Answer({ answer }: { answer: Flutter }) {
       >
         <Trackers answer={answer} />
       </Section>
+      {answer.equivalents.length > 0 && (
+        <Section
+          title="Modes without air"
+          note="Straight lines through equivalent modes over dynamic pressure, ±2σ"
+        >
+          <Equivalents answer={answer} />
+        </Section>
+      )}
+      <div className="panel" style={{ padding: 12 }}>
+        <Figure
+          kind="equivalent-modes"
+          title="Equivalent modes over dynamic pressure, ±2σ"
+          params={shown}
+        />
+      </div>
     </>
   );
 }
