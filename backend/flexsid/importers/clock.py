@@ -13,6 +13,7 @@ from flexsid.importers.quantity import Quantity, refuse, scalar
 from flexsid.importers.source import Source, Sources
 from flexsid.importers.table import Table
 
+POSSIBLE_RATES_HZ = (1e-4, 1e8)
 STEP_TOLERANCE = 0.1
 """Part of a sample by which one time step may differ (a recorder's clock is quantised)."""
 
@@ -150,7 +151,9 @@ def _extract(rule: TimeRule, source: Source | None, sources: Sources, n_samples:
         rate = 0.0 if rule.rate is None else scalar(rule.rate, sources)
         if rate <= 0:
             raise BadInput("Mapping: 'time.rate' must be positive.", code="bad-mapping")
-        return Clock(start_s=rule.start_s + rule.offset_s, rate_hz=rate, n_samples=n_samples)
+        return Clock(
+            start_s=rule.start_s + rule.offset_s, rate_hz=_possible(rate), n_samples=n_samples
+        )
     column = np.atleast_1d(Sources((source,)).numbers(rule.column))
     stamps = units.to_si(column, rule.unit) + rule.offset_s
     if stamps.ndim != 1 or stamps.size < 2:
@@ -186,7 +189,14 @@ def _extract(rule: TimeRule, source: Source | None, sources: Sources, n_samples:
             row=row,
             column=rule.column,
         )
-    rate = 1.0 / step
+    try:
+        rate = _possible(1.0 / step)
+    except BadInput as error:
+        raise UnreadableFile(
+            f"{source.name}: column '{rule.column}': {error.message}",
+            code=error.code,
+            column=rule.column,
+        ) from error
     # Time stamps are rounded in the file: 199.99999998 Hz is 200 Hz.
     whole = round(rate)
     return Clock(
@@ -194,3 +204,15 @@ def _extract(rule: TimeRule, source: Source | None, sources: Sources, n_samples:
         rate_hz=float(whole) if whole and abs(rate / whole - 1.0) < 1e-7 else float(rate),
         n_samples=stamps.size,
     )
+
+
+def _possible(rate_hz: float) -> float:
+    """The rate, if a recorder may have it; a time in the wrong unit has not."""
+    low, high = POSSIBLE_RATES_HZ
+    if not low <= rate_hz <= high:
+        raise BadInput(
+            f"{rate_hz:.3g} samples per second are no recording ({low:g} to {high:g} Hz are "
+            "expected); is the unit of time right?",
+            code="bad-rate",
+        )
+    return rate_hz

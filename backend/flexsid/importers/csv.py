@@ -185,7 +185,7 @@ def _split(line: str, delimiter: str | None, width: int | None) -> list[str]:
 
 
 def _is_number(cell: str) -> bool:
-    if "_" in cell:  # Python reads 1_000, a recorder never writes it
+    if "_" in cell or not cell.isascii():  # Python reads 1_000, a recorder never writes it
         return False
     try:
         float(cell)
@@ -260,6 +260,8 @@ def _numbers(lines: Sequence[tuple[int, str]], layout: _Layout) -> np.ndarray:
 def _raise_at_first_bad_cell(lines: Sequence[tuple[int, str]], layout: _Layout) -> None:
     names = layout.names
     for row, line in lines:
+        if line.count('"') % 2:
+            raise UnreadableFile(f"row {row} has a quotation mark that is never closed.", row=row)
         cells = layout.cells(line.replace(",", ".") if layout.decimal_comma else line)
         if len(cells) != len(names):
             at = names[len(cells)] if len(cells) < len(names) else str(len(names) + 1)

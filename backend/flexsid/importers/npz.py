@@ -13,6 +13,8 @@ import numpy as np
 from flexsid.errors import UnreadableFile
 from flexsid.importers.source import LARGEST_CONTENT, Content, Field
 
+MOST_ARRAYS = 10_000
+
 
 def recognises(head: bytes) -> bool:
     """Tell a zip archive by its magic."""
@@ -36,6 +38,10 @@ def _fields(path: Path) -> Iterator[Field]:
     try:
         with zipfile.ZipFile(path) as archive:
             members = archive.infolist()
+            if len(members) > MOST_ARRAYS:
+                raise UnreadableFile(
+                    f"the archive holds {len(members)} arrays; at most {MOST_ARRAYS} are read."
+                )
             total = sum(member.file_size for member in members)
             if total > LARGEST_CONTENT:
                 raise UnreadableFile(

@@ -54,6 +54,8 @@ def _fields(path: Path) -> Iterator[Field]:
                 elif pa.types.is_boolean(kind):
                     column = file.read([name], use_threads=False).column(0).cast(pa.uint8())
                     yield Field(name, _plain(column, name))
+    except MemoryError:
+        raise
     except (pa.ArrowException, OSError, ValueError, KeyError, TypeError) as error:
         raise UnreadableFile(f"the Parquet file is damaged ({error}).") from error
 

@@ -78,7 +78,7 @@ def spectrum(
         alike = tuple(name for name, (rate, _) in rates.items() if rate == rate_hz)
         columns = [place for place, name in enumerate(rates) if name in alike]
         found = spectra_of(store, maneuver, aircraft, alike, below).values
-        values[np.ix_(seen, columns)] = found
+        values[np.ix_(seen, np.array(columns))] = found
     background_hz, background = _background(store, maneuver, tuple(rates)) if full else (None, None)
     frequency_hz = lines.omega / (2.0 * np.pi)
     return Spectra(
