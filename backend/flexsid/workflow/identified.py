@@ -82,8 +82,3 @@ def identified_model(store: Store, run: EstimationRun) -> StateSpace:
     """A, B, C, D of the estimate, without instruments and delays."""
     found = identified(store, run)
     return found.model.state_space(found.derivatives)
-
-
-def identified_responses(store: Store, run: EstimationRun, omega: np.ndarray) -> FrequencyResponse:
-    """Frequency responses of the identified model, its estimated delays included."""
-    return identified(store, run).response(omega)

@@ -130,8 +130,10 @@ def brought_to(
     Raises
     ------
     BadInput
-        If a source does not know a derivative, or a channel or instrument is unknown.
+        If a source does not know a derivative, or a channel or instrument is unknown or
+        named twice.
     """
+    _refuse_twice(structure)
     fixed = {
         name: _value_of(store, name, source, maneuver)
         for name, source in structure.fixed_to.items()
@@ -149,6 +151,7 @@ def check_structure(store: Store, aircraft: Aircraft, structure: Structure) -> N
         Naming the mode, channel, derivative or source that does not fit.
     """
     _check_modes(store, aircraft, structure.modes)
+    _refuse_twice(structure)
     surfaces = tuple(surface.name for surface in aircraft.surfaces)
     for name in structure.inputs:
         if name not in surfaces:
@@ -164,6 +167,15 @@ def check_structure(store: Store, aircraft: Aircraft, structure: Structure) -> N
     _check_states(structure, derivative_names(structure.modes, structure.inputs or surfaces))
     for name, source in structure.fixed_to.items():
         _check_source(store, aircraft, name, source)
+
+
+def _refuse_twice(structure: Structure) -> None:
+    """An output that counts twice would seem known better than it is."""
+    named = (("mode", structure.modes), ("input", structure.inputs), ("output", structure.outputs))
+    for what, names in named:
+        for place, name in enumerate(names):
+            if name in names[:place]:
+                raise BadInput(f"{what} {name} is named twice; name it once", code="named-twice")
 
 
 def _check_modes(store: Store, aircraft: Aircraft, modes: tuple[int, ...]) -> None:
