@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexsid.sysid.estimation.elimination import Elimination
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.parameters import Parameters
 
@@ -88,6 +89,7 @@ class LineModel:
         self._own = own
         # Kept, because asking the system for that much memory anew takes as long as filling it.
         self._forces = np.empty(self.sensors.shape, dtype=complex)
+        self._elimination = Elimination(*self.dynamics.shape[:2])
 
     def respond(self, theta: Float[np.ndarray, " n_theta"]) -> Response:
         """Outputs at theta: one small solve per line."""
@@ -103,7 +105,7 @@ class LineModel:
             self._retune(theta, K)
         load = self.experiment.inputs @ forces[:, n_r + n :].T
         # The inverse itself is wanted: its columns are the motion under unit forces.
-        unit_motion = np.linalg.inv(K)
+        unit_motion = self._elimination.inverse(K)
         motion = np.matmul(unit_motion, load[:, :, None])[:, :, 0]
         sensors = self._reshaped(theta) if self._shapes else self.sensors
         outputs = np.matmul(sensors, motion[:, :, None])[:, :, 0]
