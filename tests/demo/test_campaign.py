@@ -14,6 +14,7 @@ from flexsid.errors import FlexsidError
 from flexsid.records.flight import Flight
 from flexsid.records.ground_test import Verdict
 from flexsid.records.maneuver import Maneuver, Role
+from flexsid.storage import bulk
 from flexsid.storage.store import Store
 from flexsid.workflow.ground_tests import ground_tests
 
@@ -71,6 +72,14 @@ def test_fill_flies_the_plan_once_and_keeps_what_the_user_added(store: Store, da
         "SP + four modes",
     ]
     assert store.maneuvers.find(flight_id=own.id)[0].label == "mine"
+
+    # What the user deletes stays away, also when the demonstration is started again.
+    assert again.id is not None
+    bulk.change_maneuvers(store, [again.id], bulk.Action.DELETE)
+    assert fill(store) == 0
+    labels = {item.label for item in store.maneuver_page(limit=None).items}
+    assert "mine" in labels
+    assert "3-01 FTA 506" not in labels
 
 
 def _first_samples(store: Store, maneuver: Maneuver) -> np.ndarray:

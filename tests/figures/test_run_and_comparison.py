@@ -140,7 +140,8 @@ def test_iterations_draw_the_cost(drawable):
     )
     spec = iterations(Convergence(run_id=5, iterations=steps))
     drawable(spec)
-    assert spec["data"][0]["y"] == [10.0, 4.0]
+    assert spec["data"][0]["y"] == [6.0, 0.0]
+    assert "above 4" in spec["layout"]["yaxis"]["title"]["text"]
 
 
 SOURCES = (

@@ -17,6 +17,7 @@ from flexsid.records.run import (
     FitBlock,
     Iteration,
     Method,
+    OutputQuality,
     ParameterEstimate,
     Pole,
     RunResult,
@@ -38,6 +39,7 @@ def add_result(store: Store, add_run: Callable[..., EstimationRun]) -> Callable[
         method: Method = Method.OE,
         block: str = "OE",
         residualized: dict[str, float] | None = None,
+        quality: tuple[OutputQuality, ...] = (),
         **changes: Any,
     ) -> EstimationRun:
         variances = [0.0 if sigma is None else sigma**2 for _, sigma in estimates.values()]
@@ -57,6 +59,7 @@ def add_result(store: Store, add_run: Callable[..., EstimationRun]) -> Callable[
                 n_parameters=len(estimates),
                 seconds=0.1,
                 start="equation-error",
+                quality=quality,
             ),
             poles=(Pole(real=-1.0, imag=5.0), Pole(real=-1.0, imag=-5.0)),
             blocks=(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput, Conflict
-from flexsid.records.run import Method
+from flexsid.records.run import Method, OutputQuality
 from flexsid.workflow import views
 
 
@@ -27,6 +27,12 @@ def test_fit_is_in_order_of_frequency_with_phases_on_one_sheet(store, add_result
 def test_fit_of_frequency_responses_names_the_input(store, add_result):
     run = add_result({"Cm_alpha": (-1.0, 0.1)}, method=Method.FRE, block="wf4s")
     assert views.fit(store, run.id, ("q",), "wf4s").traces[0].input == "wf4s"
+
+
+def test_the_fit_of_one_input_is_judged_by_its_own_lines(store, add_result):
+    judged = OutputQuality(block="wf4s", output="q", r_squared=0.7, theil=0.2, whiteness=0.5)
+    run = add_result({"Cm_alpha": (-1.0, 0.1)}, Method.FRE, "wf4s", quality=(judged,))
+    assert views.fit(store, run.id, ("q",), "wf4s").traces[0].r_squared == 0.7
 
 
 def test_fit_says_what_there_is(store, add_result, add_run):

@@ -14,7 +14,7 @@ Spec = dict[str, Any]
 
 _LONG = 64
 _GAP = 0.035
-_LETTER = 0.008  # width of a letter in a figure, as a share of it
+_LETTER = 0.011  # width of a letter in a figure, as a share of it
 _LINE_PX = 14
 
 

@@ -92,8 +92,14 @@ def _trace(
         fitted_magnitude=np.abs(y),
         # on the sheet of the measured phase, so that 179 and -179 degrees are neighbours
         fitted_phase_rad=phase + np.angle(y * z.conj()),
-        r_squared=result.fit.r_squared.get(output),
+        r_squared=_r_squared_of(result, block.name, output),
     )
+
+
+def _r_squared_of(result: RunResult, block: str, output: str) -> float | None:
+    """Share of what is drawn that the model explains; older runs know only that of all blocks."""
+    own = [one for one in result.fit.quality if (one.block, one.output) == (block, output)]
+    return own[0].r_squared if own else result.fit.r_squared.get(output)
 
 
 def residual(store: Store, run_id: int, block: str | None = None) -> Residuals:
