@@ -44,6 +44,8 @@ def test_the_controller_of_flex28_loses_it_where_the_truth_does(store: Store):
     assert answer.lost_m_s == pytest.approx(1.262 * true, rel=0.02)
     assert answer.low_m_s is not None
     assert answer.lost_m_s is not None
+    assert answer.spread_m_s > 0.0, "the run alone puts it elsewhere"
+    assert answer.low_m_s < 1.262 * true < (answer.high_m_s or 0.0)
     assert answer.low_m_s <= answer.lost_m_s <= (answer.high_m_s or 0.0)
     assert f"{answer.lost_m_s:.1f} m/s" in answer.sentence
     outer = next(margin for margin in answer.margins if margin.surface == "wf4s")

@@ -91,7 +91,7 @@ def closed_loop_roots(value: ClosedLoop) -> Spec:
     return {
         "data": data,
         "layout": {
-            "xaxis": title("Real part [rad/s]"),
+            "xaxis": {**title("Real part [rad/s]"), "range": _near_axis(value)},
             "yaxis": title("Imaginary part [rad/s]"),
             "shapes": [mark],
             "showlegend": True,
@@ -99,6 +99,13 @@ def closed_loop_roots(value: ClosedLoop) -> Spec:
             "meta": {"rows": 3},
         },
     }
+
+
+def _near_axis(value: ClosedLoop) -> list[float]:
+    """Real parts of the aircraft's own roots; actuators and filters lie farther left."""
+    reals = np.concatenate([np.real(roots) for roots in (*value.open_roots, *value.closed_roots)])
+    least = min(float(np.real(roots).min()) for roots in value.open_roots)
+    return [1.3 * least - 1.0, 1.1 * max(float(reals.max()), 0.0) + 1.0]
 
 
 def _over_airspeed(value: ClosedLoop, count: int) -> Spec:

@@ -29,7 +29,8 @@ class ClosedLoop:
     """Roots [rad/s] and margins over airspeed [m/s], open loop beside closed loop.
 
     ``closed_roots`` and ``open_roots`` hold one array per airspeed; ``growth`` is the largest
-    real part of the closed loop's.
+    real part of the closed loop's. ``low_m_s`` to ``high_m_s`` holds where stability is lost
+    with 95 % probability, the standard deviation ``spread_m_s`` between structures included.
     """
 
     sentence: str
@@ -44,5 +45,6 @@ class ClosedLoop:
     open_roots: tuple[np.ndarray, ...]
     margins: tuple[LoopMargin, ...]
     lost_m_s: float | None
+    spread_m_s: float
     low_m_s: float | None
     high_m_s: float | None

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
+from scipy.optimize import brentq
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, Surface
@@ -13,6 +17,7 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.instruments import Instrument
 from flexsid.sysid.stability.loop_sweep import Loop, LoopPoint, largest_growth, loop_point, lost_at
+from flexsid.sysid.stability.prediction import Identified, structure_spread
 from flexsid.workflow.condition import complete_condition
 from flexsid.workflow.controllers import controller_at
 from flexsid.workflow.flutter import FusedModel, Question, fused_model
@@ -51,17 +56,17 @@ def _closed_loop(store: Store, question: Question, controller: Controller) -> Cl
     _check_drives(controller, table.inputs)
     airspeeds = np.linspace(_BAND[0] * fused.tested_m_s, _BAND[1] * fused.tested_m_s, _SPEEDS)
 
-    def around(airspeed: float) -> tuple[AeroelasticModel, Loop]:
+    def around(airspeed: float, found: Identified = fused.found) -> tuple[AeroelasticModel, Loop]:
         loop = Loop(
             law=controller_at(controller, airspeed),
             actuators=tuple(_servo(fused.aircraft, name) for name in controller.drives),
             delay_s=controller.delay_s,
         )
-        return _model_at(fused, controller, airspeed), loop
+        return _model_at(fused, found, controller, airspeed), loop
 
-    def growth_at(airspeed: float) -> float:
-        model, loop = around(airspeed)
-        return largest_growth(model, table, loop)
+    def growth_at(airspeed: float, found: Identified = fused.found) -> float:
+        model, loop = around(airspeed, found)
+        return largest_growth(model, found.aircraft.derivatives, loop)
 
     def growths_at(airspeed: float) -> np.ndarray:
         model, loop = around(airspeed)
@@ -73,6 +78,16 @@ def _closed_loop(store: Store, question: Question, controller: Controller) -> Cl
         points.append(loop_point(model, table, draws, loop, _FREQUENCIES))
         still.append(np.linalg.eigvals(model.state_space(table).A))
     lost, interval = lost_at(points, growth_at, growths_at)
+    spread = 0.0
+    if lost is not None and interval is not None:
+        elsewhere = [
+            speed
+            for other in fused.others
+            if (speed := _lost(airspeeds, partial(growth_at, found=other))) is not None
+        ]
+        spread = structure_spread(elsewhere, lost)
+        low, high = (float(np.hypot(edge - lost, 1.96 * spread)) for edge in interval)
+        interval = lost - low, lost + high
     return ClosedLoop(
         sentence=_sentence(points, lost, interval, fused.tested_m_s),
         controller=controller.name,
@@ -86,19 +101,32 @@ def _closed_loop(store: Store, question: Question, controller: Controller) -> Cl
         open_roots=tuple(still),
         margins=tuple(_margin(points, k, name) for k, name in enumerate(controller.drives)),
         lost_m_s=lost,
+        spread_m_s=spread,
         low_m_s=None if interval is None else interval[0],
         high_m_s=None if interval is None else interval[1],
     )
 
 
-def _model_at(fused: FusedModel, controller: Controller, airspeed: float) -> AeroelasticModel:
+def _lost(airspeeds: np.ndarray, growth_at: Callable[[float], float]) -> float | None:
+    """Where a root first begins to grow; None where none does between these airspeeds."""
+    grows = [growth_at(float(airspeed)) > 0.0 for airspeed in airspeeds]
+    first = next((k for k in range(1, len(grows)) if grows[k] and not grows[k - 1]), None)
+    if first is None:
+        return None
+    low, high = float(airspeeds[first - 1]), float(airspeeds[first])
+    return float(brentq(growth_at, low, high, xtol=1e-3))
+
+
+def _model_at(
+    fused: FusedModel, found: Identified, controller: Controller, airspeed: float
+) -> AeroelasticModel:
     condition = complete_condition(
         fused.aircraft,
         {"airspeed": airspeed, "density": fused.density, "fuel_fraction": fused.fuel},
     )
-    table = fused.found.aircraft.derivatives
+    table = found.aircraft.derivatives
     outputs = define_outputs(fused.aircraft, controller.reads)
-    return build_model(fused.aircraft, condition, fused.found.aircraft.modes, table.inputs, outputs)
+    return build_model(fused.aircraft, condition, found.aircraft.modes, table.inputs, outputs)
 
 
 def _check_drives(controller: Controller, inputs: tuple[str, ...]) -> None:

@@ -141,10 +141,14 @@ def _map(store: Store, question: Question) -> FlutterMap:
 
 @dataclass(frozen=True, slots=True)
 class FusedModel:
-    """The preferred model of several runs at one loading, to be flown at any speed."""
+    """The preferred model of several runs at one loading, to be flown at any speed.
+
+    ``others`` are what the same runs say in other structures.
+    """
 
     aircraft: Aircraft
     found: Identified
+    others: tuple[Identified, ...]
     fuel: float
     density: float
     tested_m_s: float
@@ -176,8 +180,15 @@ def foretell(store: Store, question: Question, report: Callable[[float, str], No
 def fused_model(store: Store, question: Question) -> FusedModel:
     """Fuse the runs of a question as their flutter forecast does."""
     answer = models_of(store, question)
-    found = answer.best.found
-    return FusedModel(answer.at.aircraft, found, answer.fuel, answer.at.density, answer.at.tested)
+    others = tuple(group.found for group in answer.groups if group is not answer.best)
+    return FusedModel(
+        answer.at.aircraft,
+        answer.best.found,
+        others,
+        answer.fuel,
+        answer.at.density,
+        answer.at.tested,
+    )
 
 
 def _structure(group: Group, *, preferred: bool) -> StructureForecast:

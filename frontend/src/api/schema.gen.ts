@@ -4036,6 +4036,8 @@ export interface components {
             tested_m_s: number;
             /** Lost M S */
             lost_m_s: number | null;
+            /** Spread M S */
+            spread_m_s: number;
             /** Low M S */
             low_m_s: number | null;
             /** High M S */

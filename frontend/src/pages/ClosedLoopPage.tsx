@@ -216,8 +216,8 @@ function Answer({ answer }: { answer: ClosedLoopAnswer }) {
       data-testid="closed-loop-answer"
     >
       {answer.controller}, fuel {fixed(100 * answer.fuel_fraction, 0)} %, fastest point flown{" "}
-      {fixed(answer.tested_m_s, 1)} m/s. The interval is what the runs' covariance makes of it; the
-      spread between model structures is not in it.
+      {fixed(answer.tested_m_s, 1)} m/s. The interval holds what the runs&apos; covariance makes of
+      it and the spread between model structures; the margins&apos; errors hold the covariance only.
     </Alert>
   );
 }

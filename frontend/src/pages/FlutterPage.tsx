@@ -222,7 +222,7 @@ function Choices({ view, answer, onChange }: ChoicesProps) {
       />
       <Switch
         label="Derivatives drift with dynamic pressure"
-        description="A straight line through each, where a structure has three points or more"
+        description="For structures that leave modes out; takes three dynamic pressures"
         checked={view.trend === true}
         onChange={(event) => {
           onChange({ trend: event.currentTarget.checked ? true : undefined });

@@ -41,6 +41,7 @@ class ClosedLoopAnswer:
     density_kg_m3: float
     tested_m_s: float
     lost_m_s: float | None
+    spread_m_s: float
     low_m_s: float | None
     high_m_s: float | None
     margins: list[MarginRow]
@@ -58,6 +59,7 @@ def get_closed_loop(store: TheStore, question: TheQuestion, controller_id: Contr
             density_kg_m3=found.density_kg_m3,
             tested_m_s=found.tested_m_s,
             lost_m_s=found.lost_m_s,
+            spread_m_s=found.spread_m_s,
             low_m_s=found.low_m_s,
             high_m_s=found.high_m_s,
             margins=[
