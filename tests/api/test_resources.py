@@ -9,7 +9,7 @@ import pytest
 from fastapi.testclient import TestClient
 from pydantic import TypeAdapter
 
-from flexsid.api import answers
+from flexsid.api import answers, run_answers
 from flexsid.api.routes.batches import BatchList
 from flexsid.api.routes.figures import Figure
 from flexsid.api.routes.jobs import JobList, JobLog, QueueStatus
@@ -61,8 +61,8 @@ def follow(client: TestClient, job: str) -> dict[str, Any]:
         ("predictions?aircraft_id=1", answers.PredictionList),
         ("predictions/1?fuel=0.3", answers.PredictionDetail),
         ("model-structures?aircraft_id=1", answers.ModelStructureList),
-        ("runs?maneuver_id=1&method=EE&state=succeeded", answers.RunList),
-        ("runs/1", answers.Run),
+        ("runs?maneuver_id=1&method=EE&state=succeeded", run_answers.RunList),
+        ("runs/1", run_answers.Run),
         ("runs/1/export", RunExport),
         ("jobs", JobList),
         ("jobs/1", Job),

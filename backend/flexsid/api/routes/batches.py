@@ -8,7 +8,7 @@ from fastapi import APIRouter, status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.requests import BatchRequest
+from flexsid.api.run_requests import BatchRequest
 from flexsid.api.wire import After, Identity, Json, Limit
 from flexsid.records.batch import Batch
 from flexsid.records.model_structure import Structure

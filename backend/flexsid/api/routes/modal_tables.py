@@ -11,13 +11,7 @@ from fastapi.responses import StreamingResponse
 from pydantic import ConfigDict, Field
 
 from flexsid.api.analyst import TheAnalyst
-from flexsid.api.answers import (
-    ModalTableDetail,
-    ModalTableList,
-    ModeList,
-    ShapeAnswer,
-    extend,
-)
+from flexsid.api.answers import ModalTableDetail, ModalTableList, ModeList, ShapeAnswer, extend
 from flexsid.api.context import TheStore
 from flexsid.api.requests import Text, Title
 from flexsid.api.wire import Identity, Json, Reference

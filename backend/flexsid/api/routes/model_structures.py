@@ -8,14 +8,10 @@ from typing import Annotated
 from fastapi import APIRouter, Header, Path, status
 
 from flexsid.api.analyst import TheAnalyst
-from flexsid.api.answers import (
-    ModelStructureList,
-    StaleStructure,
-    StructureVersionList,
-)
+from flexsid.api.answers import ModelStructureList, StaleStructure, StructureVersionList
 from flexsid.api.context import TheStore
 from flexsid.api.errors import Problem
-from flexsid.api.requests import ModelStructureRequest, StructureEditRequest
+from flexsid.api.run_requests import ModelStructureRequest, StructureEditRequest
 from flexsid.api.wire import Identity, Json, Reference
 from flexsid.errors import BadInput
 from flexsid.records.model_structure import ModelStructure, StructureVersion

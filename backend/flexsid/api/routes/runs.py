@@ -8,9 +8,11 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Depends, Query, Response, status
 
 from flexsid.api.analyst import TheAnalyst
-from flexsid.api.answers import Changed, Run, RunList, run_answer
+from flexsid.api.answers import Changed
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.requests import ChangeRequest, RunRequest
+from flexsid.api.requests import ChangeRequest
+from flexsid.api.run_answers import Run, RunList, run_answer
+from flexsid.api.run_requests import RunRequest
 from flexsid.api.wire import After, Identity, Json, Limit, Reference
 from flexsid.records.run import Method, RunState
 from flexsid.storage import batches, bulk

@@ -10,9 +10,10 @@ from fastapi import APIRouter, Path, status
 from pydantic import ConfigDict, Field
 
 from flexsid.api.analyst import TheAnalyst
-from flexsid.api.answers import Run, run_answer
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.requests import Frequency, Id, StructureRequest
+from flexsid.api.requests import Id
+from flexsid.api.run_answers import Run, run_answer
+from flexsid.api.run_requests import Frequency, StructureRequest
 from flexsid.api.wire import Identity, Json, Reference
 from flexsid.records.run import Method, RunState
 from flexsid.records.search import (

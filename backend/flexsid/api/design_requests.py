@@ -1,0 +1,156 @@
+"""Requests for excitation designs, by a row of Table 1, harmonics or bands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import ConfigDict, Field
+
+from flexsid.api.requests import Name, Number, Text, Title
+from flexsid.errors import BadInput
+from flexsid.storage.repository import LARGEST_ID
+from flexsid.sysid.excitation.allotment import Band
+from flexsid.sysid.excitation.designer import InputWish, Wish
+from flexsid.workflow import excitation
+
+_STRICT: Any = ConfigDict(extra="forbid")
+
+Effort = Literal["quick", "thorough", "patient"]
+Positive = Annotated[float, Field(strict=True, gt=0.0, le=1e5, allow_inf_nan=False)]
+Harmonic = Annotated[int, Field(strict=True, ge=1, le=20_000)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InputRequest:
+    """One input; ``power`` of its lines is flat when left out."""
+
+    name: Name
+    harmonics: Annotated[tuple[Harmonic, ...], Field(max_length=500)]
+    relative_peak: Positive = 1.0
+    power: Annotated[tuple[Number, ...], Field(max_length=500)] | None = None
+
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BandRequest:
+    """One input by its band: ``count`` lines, half of them about ``targets_hz`` if any.
+
+    ``spectrum`` gives relative power at frequencies [Hz], log-log between; flat if left out.
+    """
+
+    name: Name
+    low_hz: Positive
+    high_hz: Positive
+    count: Annotated[int, Field(strict=True, ge=1, le=500)]
+    relative_peak: Positive = 1.0
+    targets_hz: Annotated[tuple[Positive, ...], Field(max_length=20)] = ()
+    spectrum: Annotated[tuple[tuple[Positive, Positive], ...], Field(max_length=50)] = ()
+
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DesignRequest:
+    """A row of Table 1 by ``fta``, or ``inputs`` by their harmonics, or ``bands``."""
+
+    name: Title
+    duration_s: Positive
+    rate_hz: Positive
+    peaks: tuple[Positive, Positive, Positive]
+    fta: Annotated[int, Field(strict=True, ge=1, le=9999)] | None = None
+    first_harmonic: Harmonic = 1
+    inputs: Annotated[tuple[InputRequest, ...], Field(max_length=40)] = ()
+    bands: Annotated[tuple[BandRequest, ...], Field(max_length=40)] = ()
+    effort: Effort = "thorough"
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = 0
+    note: Text = ""
+
+    __pydantic_config__ = _STRICT
+
+    def wish(self) -> Wish:
+        """Return what the designer is asked."""
+        if (self.fta is not None) + bool(self.inputs) + bool(self.bands) != 1:
+            raise BadInput("give either the number of a row of Table 1, or inputs, or bands")
+        if self.fta is not None:
+            return excitation.wish_for(
+                self.fta,
+                self.duration_s,
+                self.rate_hz,
+                self.first_harmonic,
+                self.peaks,
+                self.effort,
+                self.seed,
+            )
+        if self.bands:
+            return excitation.wish_for_bands(
+                tuple(
+                    excitation.BandWish(
+                        name=own.name,
+                        band=Band(
+                            low_hz=own.low_hz,
+                            high_hz=own.high_hz,
+                            count=own.count,
+                            targets_hz=own.targets_hz,
+                        ),
+                        relative_peak=own.relative_peak,
+                        spectrum=own.spectrum,
+                    )
+                    for own in self.bands
+                ),
+                self.duration_s,
+                self.rate_hz,
+                self.peaks,
+                self.effort,
+                self.seed,
+            )
+        inputs = tuple(
+            InputWish(
+                name=own.name,
+                harmonics=own.harmonics,
+                relative_peak=own.relative_peak,
+                power=own.power,
+            )
+            for own in self.inputs
+        )
+        return Wish(
+            duration_s=self.duration_s,
+            rate_hz=self.rate_hz,
+            inputs=inputs,
+            peaks=self.peaks,
+            effort=self.effort,
+            seed=self.seed,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RescaleRequest:
+    """Factors on the amplitudes of inputs; those left out stay."""
+
+    name: Title
+    gains: Annotated[dict[Name, Positive], Field(min_length=1, max_length=40)]
+    note: Text = ""
+
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RedesignRequest:
+    """The same lines with other phases."""
+
+    name: Title
+    effort: Effort = "thorough"
+
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RehearsalRequest:
+    """Whose model flies, at which amplitude, and which controller holds it; none for open loop."""
+
+    run_id: Annotated[int, Field(strict=True, ge=1, le=LARGEST_ID)]
+    level: Annotated[int, Field(strict=True, ge=0, le=2)] = 1
+    controller_id: Annotated[int, Field(strict=True, ge=1, le=LARGEST_ID)] | None = None
+
+    __pydantic_config__ = _STRICT
