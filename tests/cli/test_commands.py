@@ -331,3 +331,24 @@ def test_every_command_answers_programs(flown_url: str, capsys, tmp_path: Path) 
     told = json.loads(capsys.readouterr().err.splitlines()[-1])
     assert told["code"] == "unknown-record"
     assert "no run 99" in told["detail"]
+
+
+def test_a_database_that_is_not_there_is_not_begun_by_asking_it(tmp_path: Path, capsys) -> None:
+    file = tmp_path / "folder" / "typo.db"
+    for command in (ESTIMATE, ["flutter", "1"], ["report", "run", "1", "--output", "run.html"]):
+        error = refused(capsys, 2, *command, "--database", f"sqlite:///{file}")
+        assert "there is no database" in error
+    assert not file.parent.exists()
+
+
+def test_serving_what_is_no_database_is_refused_in_a_sentence(
+    tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with closing(socket.socket()) as probe:
+        probe.bind(("127.0.0.1", 0))
+        monkeypatch.setenv("FLEXSID_PORT", str(probe.getsockname()[1]))
+    file = tmp_path / "notes.txt"
+    file.write_text("these are my notes\n" * 100)
+    error = refused(capsys, 1, "serve", "--database", f"sqlite:///{file}")
+    assert "the database does not answer" in error
+    assert file.read_text().startswith("these are my notes")

@@ -33,7 +33,7 @@ def bring_in(
 ) -> int:
     """Import files that belong together and say what came in."""
     upload = read_upload([Path(file) for file in files], None if mapping is None else Path(mapping))
-    with opened(settings) as store:
+    with opened(settings, new=True) as store:
         imported = keep_upload(store, upload, aircraft_id, bring_along=bring_along)
     say(_report(imported, len(upload.channels)), _ids(imported), as_json=as_json)
     return 0
@@ -51,7 +51,7 @@ def bring_in_each(
     paths = [Path(file) for file in files]
     text = None if mapping is None else Path(mapping)
     refused: list[str] = []
-    with opened(settings) as store:
+    with opened(settings, new=True) as store:
         each = import_each(store, paths, text, aircraft_id, bring_along)
         for done, (file, result) in enumerate(each, start=1):
             show_share(done, len(paths), file.name)

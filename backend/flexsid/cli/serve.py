@@ -17,6 +17,7 @@ from flexsid.demo import campaign
 from flexsid.demo.aircraft import NAME as DEMO_AIRCRAFT
 from flexsid.errors import FlexsidError
 from flexsid.settings import Settings
+from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 
 _LOOPBACK = "127.0.0.1"  # there is no log-in, so nobody else is answered
@@ -52,6 +53,7 @@ def serve(settings: Settings, *, as_json: bool = False) -> int:
     """Serve until told to stop."""
     sys.setswitchinterval(_SWITCH_S)
     with _taken(settings.port) as port:
+        upgrade(settings.database)  # what is no database is said so, before the server starts
         return _serve_on(port, settings, as_json)
 
 
@@ -80,7 +82,7 @@ def _serve_on(port: socket.socket, settings: Settings, as_json: bool) -> int:
 
 def fill(settings: Settings, *, as_json: bool = False) -> None:
     """Fly what is missing of the demonstration campaign, with a progress bar."""
-    with opened(settings) as store:
+    with opened(settings, new=True) as store:
         campaign.fill(store, _show_progress)
         maneuvers = store.maneuver_page(limit=None).items
     if sys.stderr.isatty():

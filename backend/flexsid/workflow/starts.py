@@ -17,6 +17,7 @@ from flexsid.workflow.modes import AircraftModes
 from flexsid.workflow.predictions import predicted_modes, prediction_at
 
 RESIDUALIZED = "residualized"  # of a starting table that other modes were folded into
+_SPREADS = (1e-100, 1e100)  # of priors: their squares are numbers, too
 
 
 def is_residualized(name: str) -> bool:
@@ -92,7 +93,28 @@ def predicted_tables(
 def priors_of(
     predicted: dict[str, DerivativeTable], free: tuple[str, ...], settings: RunSettings
 ) -> dict[str, tuple[float, float]]:
-    """Priors given by name, and by the prediction where a spread was asked for."""
+    """Priors given by name, and by the prediction where a spread was asked for.
+
+    Raises
+    ------
+    BadInput
+        If one has no usable standard deviation.
+    """
+    priors = _priors_of(predicted, free, settings)
+    for name, (_, spread) in priors.items():
+        if not _SPREADS[0] < spread < _SPREADS[1]:
+            raise BadInput(
+                f"the prior of '{name}' has a standard deviation of {spread:g}; give one that "
+                "says how far the parameter may be off",
+                code="bad-prior",
+                name=name,
+            )
+    return priors
+
+
+def _priors_of(
+    predicted: dict[str, DerivativeTable], free: tuple[str, ...], settings: RunSettings
+) -> dict[str, tuple[float, float]]:
     spread = settings.prior_spread
     if spread is None:
         return dict(settings.priors)
