@@ -19,8 +19,11 @@ from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import derivative_names
+from flexsid.sysid.stability.prediction import Prediction
 from flexsid.workflow.estimation import compute, keep, prepare
 from flexsid.workflow.flutter import Others, Question, flutter, flutter_map, flutter_roots
+from flexsid.workflow.flutter_models import Group, models_of
+from flexsid.workflow.next_point import is_safe, margin_of
 
 ESTIMATED = (7, 9, 11, 12)
 PREDICTED = (15, 17, 18, 22)
@@ -190,6 +193,39 @@ def test_a_drift_with_dynamic_pressure_helps_a_model_of_few_modes(store: Store):
     assert (drifting.low_m_s or np.nan) < truth < (drifting.high_m_s or np.nan)
     two = flutter(store, Question(run_ids=ids[:2], trend=True))
     assert "a drift needs more points" in two.sentence
+
+
+def test_what_stands_against_the_next_point_is_said(store: Store, runs):
+    answer = models_of(store, Question(run_ids=runs["without"]))
+    assert is_safe(answer, 48.0)
+    best = answer.best
+    locus = best.prediction.locus
+    calm = replace(locus, roots=np.where(np.real(locus.roots) > 0.0, -1.0, locus.roots))
+    wild = replace(locus, roots=locus.roots + 50.0)
+
+    def told(prediction: Prediction, *others: Group) -> tuple[str, bool]:
+        changed = replace(best, prediction=prediction)
+        changed_answer = replace(answer, best=changed, groups=[changed, *others])
+        return margin_of(changed_answer, 48.0), is_safe(changed_answer, 48.0)
+
+    never = replace(best.prediction, crossing=None, locus=calm)
+    assert told(never)[1]
+    assert "no instability is in sight up to" in told(never)[0]
+    for prediction, others, words in (
+        (replace(best.prediction, crossing=None, locus=wild), [], "unstable already"),
+        (never, answer.groups[1:], "another structure"),
+        (replace(best.prediction, airspeed_std=np.nan), [], "how sure is not known"),
+        (replace(best.prediction, locus=wild), [], "unstable there"),
+    ):
+        sentence, safe = told(prediction, *others)
+        assert words in sentence
+        assert not safe
+    assert "up to" in margin_of(
+        replace(
+            answer, best=replace(best, prediction=never), groups=[replace(best, prediction=never)]
+        ),
+        500.0,
+    )
 
 
 def test_no_run_and_a_run_without_result_are_refused(store: Store, runs):

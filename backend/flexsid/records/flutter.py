@@ -123,7 +123,7 @@ class EquivalentLine:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flutter:
-    """The answer to "next point at V: margin, and how sure".
+    """The answer to "next point at V: margin, and how sure"; ``safe`` if nothing is against it.
 
     ``airspeed_std_m_s`` is statistical, ``spread_m_s`` the standard deviation between model
     structures; ``low_m_s`` to ``high_m_s`` holds the flutter speed with 95 % probability.
@@ -133,6 +133,7 @@ class Flutter:
 
     sentence: str
     next_point: str
+    safe: bool
     fuel_fraction: float
     density_kg_m3: float
     tested_m_s: float

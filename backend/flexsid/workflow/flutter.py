@@ -47,6 +47,7 @@ from flexsid.workflow.flutter_models import (
     remembered_of,
 )
 from flexsid.workflow.flutter_roots import equivalent_lines, equivalent_points, flutter_roots
+from flexsid.workflow.next_point import is_safe, margin_of
 
 __all__ = [
     "FusedModel",
@@ -87,7 +88,8 @@ def _tell(store: Store, question: Question) -> Flutter:
     known = answer.at.aircraft.flutter
     return Flutter(
         sentence=best.sentence,
-        next_point=_next_point(best, following),
+        next_point=margin_of(answer, following),
+        safe=is_safe(answer, following),
         fuel_fraction=answer.fuel,
         density_kg_m3=answer.at.density,
         tested_m_s=tested,
@@ -292,21 +294,3 @@ def _trackers(answer: Answered) -> tuple[TrackerForecast, ...]:
 
 def _known(std: float) -> float | None:
     return std if np.isfinite(std) else None
-
-
-def _next_point(best: Prediction, following: float) -> str:
-    if best.crossing is None or best.interval is None:
-        return f"Next point at {following:.1f} m/s: no instability is in sight."
-    margin = best.crossing.airspeed / following - 1.0
-    low, high = (edge / following - 1.0 for edge in best.interval)
-    sure = f"between {low:+.1%} and {high:+.1%} with 95 % probability"
-    if low > 0.0:
-        return f"Next point at {following:.1f} m/s: margin {margin:+.1%}, {sure}."
-    if high < 0.0:
-        return (
-            f"Next point at {following:.1f} m/s lies beyond flutter: margin {margin:+.1%}, {sure}."
-        )
-    return (
-        f"Next point at {following:.1f} m/s may be beyond flutter: margin {margin:+.1%}, {sure}. "
-        "Fly a slower one first."
-    )

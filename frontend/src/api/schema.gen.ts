@@ -5235,7 +5235,7 @@ export interface components {
         };
         /**
          * Flutter
-         * @description The answer to "next point at V: margin, and how sure".
+         * @description The answer to "next point at V: margin, and how sure"; ``safe`` if nothing is against it.
          *
          *     ``airspeed_std_m_s`` is statistical, ``spread_m_s`` the standard deviation between model
          *     structures; ``low_m_s`` to ``high_m_s`` holds the flutter speed with 95 % probability.
@@ -5247,6 +5247,8 @@ export interface components {
             sentence: string;
             /** Next Point */
             next_point: string;
+            /** Safe */
+            safe: boolean;
             /** Fuel Fraction */
             fuel_fraction: number;
             /** Density Kg M3 */

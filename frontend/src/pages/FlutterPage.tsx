@@ -262,7 +262,7 @@ function whatMoves(answer: Flutter): string {
 }
 
 function Answer({ answer }: { answer: Flutter }) {
-  const safe = answer.low_m_s === null || answer.low_m_s > answer.next_m_s;
+  const safe = answer.safe;
   return (
     <>
       <Alert
