@@ -91,6 +91,8 @@ def test_a_bad_query(empty: TestClient, path: str, code: str) -> None:
         ({"structure": {"modes": [7], "outputs": ["q", "az_egi", "q"]}}, "named-twice"),
         ({"settings": {"priors": {"Cm_q": [0.0, 1e-300]}}}, "bad-prior"),
         ({"settings": {"priors": {"Cm_q": [0.0, 1e300]}}}, "bad-prior"),
+        ({"structure": {"modes": [7], "free": []}}, "no-free-parameter"),
+        ({"structure": {"modes": [7], "also_free": ["omega_9"]}, "method": "OE"}, "unknown-mode"),
         ({"prediction_id": 99}, None),
         ({"modal_table_id": 99}, None),
     ],

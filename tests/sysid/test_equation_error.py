@@ -80,6 +80,18 @@ def test_sensors_that_nothing_checks_are_named(make_case):
     assert reconstruct_motion(few, z, np.ones_like(seen)).taken_as_exact == ("az_ofs",)
 
 
+@pytest.mark.parametrize("n_lines", [5, 6, 7])
+def test_a_handful_of_lines_is_enough_where_it_holds_the_parameters(make_case, n_lines):
+    case = make_case(1)
+    omega = OMEGA[10 : 10 + n_lines]
+    u, y = case.spectra(4, omega)
+    z = FrequencyData(omega, add_noise(y, 0.01, np.random.default_rng(4)), case.model.outputs)
+    motion = reconstruct_motion(case.model, z, np.ones_like(y))
+    inputs = FrequencyData(omega, u, case.model.inputs)
+    estimate = equation_error(case.model, motion, inputs, case.free())
+    assert np.isfinite(estimate.std_errors).all()
+
+
 def test_delays_are_not_for_equation_error(make_case):
     case = make_case(1)
     u, y = case.spectra(4)

@@ -226,7 +226,7 @@ class _Sensors:
         together = np.sqrt(power @ (self.sigma / level) ** 2 / (n_y - n_r))
         one_group = np.zeros(n_omega, dtype=int)
         smooth = smoothed_density(together[:, None].astype(complex), one_group, 1)
-        colour = np.real(smooth.of_lines()[:, 0, 0])
+        colour = np.real(smooth.blocks[smooth.block, 0, 0])
         return level, colour / colour.mean()
 
     def freedom(self, sigma: Float[np.ndarray, " n_y"]) -> Float[np.ndarray, " n_y"]:
