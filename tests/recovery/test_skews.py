@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexsid.demo.campaign import add_aircraft
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flights import fly
+from flexsid.records.flight import Flight
 from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.ingest import import_maneuver
@@ -19,11 +21,12 @@ PROJECT = Path(__file__).parents[2]
 RECORDS = PROJECT.parent / "shared" / "data" / "flex28" / "records"
 UNSEEN = {"ay_egi", "ay_cf"}  # on the centre line, and lateral
 
-pytestmark = pytest.mark.skipif(
+others = pytest.mark.skipif(
     not RECORDS.is_dir(), reason="independent FLEX-28 records are not beside the project"
 )
 
 
+@others
 @pytest.mark.parametrize(
     "name", ["065Vf_n2_fta506", "065Vf_n4_fta506", "080Vf_n8_fta503", "109Vf_n8_fta506"]
 )
@@ -56,3 +59,29 @@ def test_skews_on_every_channel_come_back(store: Store, name: str):
     assert found.inputs is not None
     error = np.abs(found.inputs.delay_s - (late - origin))
     assert np.all(error < np.maximum(1e-3, 3.0 * found.inputs.delay_std))
+
+
+def test_standard_errors_of_sound_channels_are_honest(store: Store):
+    """No skew is where none was put, and estimates scatter as much as they say."""
+    aircraft = add_aircraft(store)
+    assert aircraft.id is not None
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=61))
+    assert flight.id is not None
+    sensors, surfaces = [], []
+    cards = ((0.56, 0.9, 503, 2.0), (0.65, 0.1, 506, 2.0), (0.72, 0.57, 503, 2.0))
+    for seed, (ratio, fuel, fta, peak) in enumerate((*cards, (1.05, 0.5, 506, 1.2))):
+        flown = fly(airspeed_ratio=ratio, fuel=fuel, fta=fta, peak_deg=peak, seed=(61, seed))
+        maneuver = add_maneuver(store, replace(flown, label=f"{seed}"), flight.id)
+        found = sensor_faults(sense(store, maneuver))
+        faults = found.faults
+        told = [
+            k
+            for k, name in enumerate(faults.names)
+            if found.told(name) and name != faults.reference
+        ]
+        sensors.append(faults.delay_s[told] / faults.delay_std[told])
+        assert found.inputs is not None
+        surfaces.append(found.inputs.delay_s / found.inputs.delay_std)
+    for scores in (np.concatenate(sensors), np.concatenate(surfaces)):
+        assert 0.3 < np.sqrt(np.mean(scores**2)) < 1.3
+        assert np.max(np.abs(scores)) < 4.0

@@ -35,7 +35,7 @@ from flexsid.workflow.recording import Conditioning
 from flexsid.workflow.sensing import sense
 from flexsid.workflow.skews import SensorFaults, biases, sensor_faults
 
-_VERSION = 6  # of what is looked at: a higher one looks again at every maneuver
+_VERSION = 7  # of what is looked at: a higher one looks again at every maneuver
 _MOST_LISTED = 50
 
 

@@ -67,7 +67,7 @@ function ThrustRows({ table }: { table: ThrustTable }) {
           },
           ...table.total_temperature_k.map((kelvin, column) => ({
             key: `t${column}`,
-            header: table.total_temperature_k.length > 1 ? `At ${fixed(kelvin, 1)} K` : "Thrust",
+            header: table.total_temperature_k.length > 1 ? `At ${fixed(kelvin, 2)} K` : "Thrust",
             unit: "N",
             numeric: true,
             render: (row: number) => fixed(table.thrust_n[row]?.[column], 1),

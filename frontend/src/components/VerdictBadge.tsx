@@ -16,6 +16,7 @@ export function VerdictBadge({ verdict }: { verdict: Verdict | null }) {
       bg={tint(VERDICT_COLORS[verdict])}
       c="var(--mantine-color-text)"
       tt="none"
+      miw="max-content"
       data-testid={`verdict-${verdict}`}
     >
       {verdict}

@@ -6,13 +6,13 @@ of averages, which the dynamics do not enter.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
-_BATCHES = 8
-_QUARTERS = 4
+_PARTS = 8
 _EDGE_S = 0.5  # at either end of a record: averaged, for one sample is noisy
 
 
@@ -62,12 +62,10 @@ def gyro_bias(
     value = float(_between(rate, edge)) - scale * turn / time_s
     parts = [
         float(_between(r, edge)) - scale * _turn(a, edge, rate_hz)[0] / _turn(a, edge, rate_hz)[1]
-        for r, a in zip(
-            np.array_split(rate, _QUARTERS), np.array_split(attitude, _QUARTERS), strict=True
-        )
+        for r, a in zip(np.array_split(rate, _PARTS), np.array_split(attitude, _PARTS), strict=True)
         if r.size > 2 * edge
     ]
-    spread = np.std(parts, ddof=1) / np.sqrt(len(parts)) if len(parts) > 1 else np.nan
+    spread = _of_mean(parts)
     std = float(np.hypot(spread, scale_std * turn / time_s))
     return Bias(value=value, std=std, basis="the mean rate is the change of attitude")
 
@@ -114,18 +112,18 @@ def climb_angle(altitude: Float[np.ndarray, " n_samples"], rate_hz: float, airsp
     airspeed
         True airspeed. [m/s]
     """
-    slopes = [_slope(part) * rate_hz for part in np.array_split(altitude, _QUARTERS)]
+    slopes = [_slope(part) * rate_hz for part in np.array_split(altitude, _PARTS)]
     value = _slope(altitude) * rate_hz / airspeed
-    std = float(np.std(slopes, ddof=1) / np.sqrt(_QUARTERS) / airspeed)
+    std = _of_mean(slopes) / airspeed
     return Bias(value=value, std=std, basis="gamma from altitude")
 
 
 def mean_of(values: Float[np.ndarray, " n_samples"]) -> tuple[float, float]:
     """Mean, and its standard error from batch means, which neighbours' correlation spares."""
-    if values.size < 2 * _BATCHES:
+    if values.size < 2 * _PARTS:
         return float(np.mean(values)), float(np.std(values, ddof=min(1, values.size - 1)))
-    means = [part.mean() for part in np.array_split(values, _BATCHES)]
-    return float(np.mean(values)), float(np.std(means, ddof=1) / np.sqrt(_BATCHES))
+    means = [part.mean() for part in np.array_split(values, _PARTS)]
+    return float(np.mean(values)), _of_mean(means)
 
 
 def _turn(attitude: np.ndarray, edge: int, rate_hz: float) -> tuple[float, float]:
@@ -138,6 +136,15 @@ def _between(rate: np.ndarray, edge: int) -> np.floating:
     """Mean of a rate as the difference of averaged ends weights it: a trapezoid."""
     weight = np.convolve(np.ones(rate.size - edge), np.ones(edge))
     return np.sum(weight * 0.5 * (rate[:-1] + rate[1:])) / np.sum(weight)
+
+
+def _of_mean(parts: Sequence[float]) -> float:
+    """Standard error of the mean of a few parts, as wide as Student's t makes it."""
+    count = len(parts)
+    if count < 4:
+        return float("nan")
+    widened = np.sqrt((count - 1) / (count - 3))
+    return float(widened * np.std(parts, ddof=1) / np.sqrt(count))
 
 
 def _slope(values: np.ndarray) -> float:
