@@ -13,7 +13,11 @@ import { theme } from "./theme";
 
 const queries: QueryClient = new QueryClient({
   defaultOptions: {
+    // What the browser thinks of the network says nothing of a server on this computer, and a
+    // question that only waits would never tell that nobody answers.
+    mutations: { networkMode: "always" },
     queries: {
+      networkMode: "always",
       staleTime: 10_000,
       // What the server refused once it refuses again; a lost connection comes back.
       retry: (failures, error) => {

@@ -41,3 +41,18 @@ def test_the_page_outlives_its_server(browser: Browser, campaign: Path, tmp_path
         expect(figure).to_have_attribute("data-drawn", "true", timeout=30_000)
     assert page.evaluate("window.openedOnce") is True
     context.close()
+
+
+def test_the_page_outlives_its_network(browser: Browser, server: str):
+    context = browser.new_context(base_url=server)
+    page = context.new_page()
+    lost = page.get_by_test_id("lost-connection")
+    page.goto("/campaign")
+    expect(page.get_by_test_id("campaign-table")).to_be_visible()
+    context.set_offline(True)
+    page.get_by_role("link", name="Runs", exact=True).first.click()
+    expect(lost).to_contain_text("does not answer")
+    context.set_offline(False)
+    expect(lost).to_have_count(0)
+    expect(page.get_by_role("heading", name="Runs")).to_be_visible()
+    context.close()

@@ -1,9 +1,9 @@
 import { Button, Group, Stack, Text, Textarea } from "@mantine/core";
-import { useState } from "react";
 import { sameName, useAnalyst } from "../api/analyst";
 import { useCommentDecision, useVote, useWithdrawDecision } from "../api/reviewCommands";
 import { asProblem } from "../api/problem";
 import { isOpen, type Decision, type Vote } from "../api/types";
+import { useDraft } from "../lib/useDraft";
 import { NameForm } from "./AnalystMenu";
 import { DerivativeName } from "./DerivativeName";
 import { ProblemAlert } from "./ProblemAlert";
@@ -24,7 +24,11 @@ interface Props {
 /** Comment, vote or withdraw, always with words. */
 export function DecisionComposer({ decision, revision, derivative }: Props) {
   const name = useAnalyst();
-  const [text, setText] = useState("");
+  const { draft, setDraft } = useDraft(`flexsid.words.${decision.id}`, { text: "" });
+  const { text } = draft;
+  const setText = (words: string) => {
+    setDraft({ text: words });
+  };
   const comment = useCommentDecision(decision.id);
   const vote = useVote(decision.id);
   const withdraw = useWithdrawDecision(decision.id);
