@@ -67,6 +67,10 @@ def test_figures_are_kept_as_json_and_sent_nowhere(page: Page):
     with page.expect_download() as kept:
         page.get_by_role("menuitem", name="JSON").click()
     assert kept.value.suggested_filename == "flexsid-spectrum-2.json"
+    figure.get_by_role("button", name=re.compile("Download")).click()
+    with page.expect_download() as kept:
+        page.get_by_role("menuitem", name="CSV").click()
+    assert kept.value.suggested_filename == "flexsid-spectrum-2.csv"
 
 
 def test_a_symbol_tells_its_meaning(page: Page):

@@ -32,14 +32,15 @@ def sent(spec: dict[str, Any], form: Form) -> Response:
     """Answer with a figure, or with its numbers as a file."""
     if form == "csv":
         content = comma_separated(spec).encode()
-        return _file(content, "text/csv; charset=utf-8", "csv")
+        return _file(content, "text/csv; charset=utf-8")
     if form == "mat":
-        return _file(_matlab(spec), "application/octet-stream", "mat")
+        return _file(_matlab(spec), "application/octet-stream")
     return Json(spec)
 
 
-def _file(content: bytes, media_type: str, ending: str) -> Response:
-    disposition = {"Content-Disposition": f'attachment; filename="flexsid-figure.{ending}"'}
+def _file(content: bytes, media_type: str) -> Response:
+    # Without a name of its own: the page knows of what the figure is.
+    disposition = {"Content-Disposition": "attachment"}
     return Response(content, media_type=media_type, headers=disposition)
 
 

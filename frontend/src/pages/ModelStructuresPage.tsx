@@ -15,6 +15,7 @@ import { Section } from "../components/Section";
 import { derivativeNames } from "../lib/derivatives";
 import { dateTime } from "../lib/format";
 import { counts } from "../lib/structure";
+import { useDraft } from "../lib/useDraft";
 import { integer } from "../lib/urlState";
 
 const route = getRouteApi("/model-structures");
@@ -117,7 +118,8 @@ function Listed({ structures, aircraft }: Props) {
 function NewStructure({ structures, aircraft }: Props) {
   const navigate = route.useNavigate();
   const add = useAddStructure();
-  const [name, setName] = useState("");
+  const { draft, setDraft, forget } = useDraft("flexsid.new-structure", { name: "" });
+  const { name } = draft;
   const [craft, setCraft] = useState(aircraft[0]?.id);
   const [copied, setCopied] = useState<number>();
   const origin = structures.find((one) => one.id === copied && one.aircraft_id === craft);
@@ -148,8 +150,10 @@ function NewStructure({ structures, aircraft }: Props) {
               },
             },
             {
-              onSuccess: (kept) =>
-                void navigate({ to: "/model-structures/$id", params: { id: kept.id }, search: {} }),
+              onSuccess: (kept) => {
+                forget();
+                void navigate({ to: "/model-structures/$id", params: { id: kept.id }, search: {} });
+              },
             },
           );
         }}
@@ -160,7 +164,7 @@ function NewStructure({ structures, aircraft }: Props) {
             w={260}
             value={name}
             onChange={(event) => {
-              setName(event.currentTarget.value);
+              setDraft({ name: event.currentTarget.value });
             }}
           />
           <Select
