@@ -213,6 +213,26 @@ def test_files_are_brought_in(workbench: Workbench, tmp_path: Path) -> None:
         workbench.bring_in(record, mapping=mapping)
 
 
+def test_a_record_on_the_runway_is_brought_in(workbench: Workbench, tmp_path: Path) -> None:
+    record, mapping = tmp_path / "runway.csv", tmp_path / "mapping.toml"
+    samples = np.random.default_rng(1).normal(size=(400, 2))
+    table = np.column_stack([np.arange(400) / 50.0, samples])
+    np.savetxt(record, table, delimiter=",", header="t,wf4,q", comments="")
+    parked = MAPPING.replace('label = "sent"', 'label = "before"\naxis = "ground"')
+    mapping.write_text(parked)
+    with pytest.raises(Refused, match="airspeed 0, not 40"):
+        workbench.bring_in(record, mapping=mapping)
+    mapping.write_text(parked.replace("value = 40", "value = 0"))
+    maneuver = workbench.bring_in(record, mapping=mapping)
+    kept = workbench.get(f"maneuvers/{maneuver}")
+    assert (kept["axis"], kept["condition"]["airspeed_m_s"], kept["airspeed_ratio"]) == (
+        *("ground", 0.0),
+        None,
+    )
+    assert maneuver not in workbench.maneuvers().index
+    assert maneuver in workbench.maneuvers(ground=True).index
+
+
 def test_reports_are_written(workbench: Workbench, tmp_path: Path) -> None:
     workbench.save_report(tmp_path / "run.html", "run", 1)
     assert "Equation error, run 1" in (tmp_path / "run.html").read_text(encoding="utf-8")

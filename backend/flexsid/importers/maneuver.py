@@ -137,7 +137,7 @@ def read_maneuver(table: Table, excitation: Table | None) -> ManeuverPart:
         fta=fta,
         fta_field=fta_field,
         fta_by_value=by_value,
-        axis=table.choice("axis", ("longitudinal", "lateral"), "longitudinal"),
+        axis=table.choice("axis", ("longitudinal", "lateral", "ground"), "longitudinal"),
         start_s=table.si_scalar("start", "time") if "start" in table else None,
         stop_s=table.si_scalar("stop", "time") if "stop" in table else None,
         note=table.text("note", " ").strip(),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -115,6 +116,29 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
         thrust_n=thrust,
         flutter_speed_m_s=None if flutter is None else _at(flutter.fuel, flutter.speed_m_s, fuel),
     )
+
+
+def parked_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Condition:
+    """Fill in the mass properties of an aircraft that stands on the ground.
+
+    Parameters
+    ----------
+    aircraft, measured
+        As for ``complete_condition``; the airspeed is zero.
+
+    Raises
+    ------
+    BadInput
+        If it moves, or a value is impossible.
+    """
+    if measured["airspeed"] != 0.0:
+        raise BadInput(
+            f"A record on the ground has airspeed 0, not {measured['airspeed']:g} m/s.",
+            code="bad-condition",
+        )
+    still = {"alpha": 0.0, "thrust": 0.0}  # at any airspeed: no trim is asked for
+    standing = complete_condition(aircraft, {**measured, **still, "airspeed": 1.0})
+    return replace(standing, airspeed_m_s=0.0)
 
 
 def airspeed_ratio(condition: Condition) -> float | None:

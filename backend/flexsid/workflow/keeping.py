@@ -17,14 +17,14 @@ from flexsid.importers.modal_table import RawModalTable
 from flexsid.importers.predictions import RawPrediction
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight, FlightChannel
-from flexsid.records.maneuver import Channel, Maneuver, Role
+from flexsid.records.maneuver import GROUND, Channel, Maneuver, Role
 from flexsid.records.modal_table import ModalTable
 from flexsid.records.prediction import Prediction
 from flexsid.storage.arrays import ArrayRow
 from flexsid.storage.repository import Repository
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import Derivative
-from flexsid.workflow.condition import airspeed_ratio, complete_condition
+from flexsid.workflow.condition import airspeed_ratio, complete_condition, parked_condition
 from flexsid.workflow.excited import recorded_excitation
 from flexsid.workflow.thrust import keep_thrust
 
@@ -121,7 +121,8 @@ def keep_maneuver(
                 code="already-imported",
                 maneuver_id=known.id,
             )
-    condition = complete_condition(aircraft, raw.condition)
+    complete = parked_condition if raw.axis == GROUND else complete_condition
+    condition = complete(aircraft, raw.condition)
     inputs = [channel.samples for channel in raw.channels if channel.role is Role.INPUT]
     maneuver = store.maneuvers.add(
         Maneuver(
@@ -134,7 +135,7 @@ def keep_maneuver(
             fta=raw.fta,
             axis=raw.axis,
             excitation=raw.excitation or recorded_excitation(raw.channels),
-            airspeed_ratio=airspeed_ratio(condition),
+            airspeed_ratio=None if raw.axis == GROUND else airspeed_ratio(condition),
             max_input_correlation=largest_correlation(inputs),
             source_file=raw.source_file,
             source_hash=raw.source_hash,
