@@ -6,13 +6,15 @@ import { duration } from "../lib/format";
 export function QueueStatus({ status }: { status: Status }) {
   const { crew, states } = status;
   const perMinute = (60 * status.ended) / status.window_s;
+  // The crew tells which runs it has every few seconds; the states are of this moment.
+  const busy = Math.min(states.running ?? 0, crew?.workers ?? 0);
   return (
     <Group gap="xl" className="numbers" data-testid="queue-status">
       <Fact label="Waiting" value={String(states.queued ?? 0)} />
       <Fact label="Running" value={String(states.running ?? 0)} />
       <Fact
         label="Workers"
-        value={crew === null ? "none" : `${crew.running.length} of ${crew.workers} busy`}
+        value={crew === null ? "none" : `${busy} of ${crew.workers} busy`}
         note={crew === null ? "no server leads the queue" : `${crew.place}, led by ${crew.server}`}
       />
       <Fact
