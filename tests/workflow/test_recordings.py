@@ -179,7 +179,7 @@ def test_an_angle_in_degrees_taken_for_radians_is_asked_about(
         ("deg", Role.INPUT, 0.03, ("rad",)),
         ("deg", Role.INPUT, 2.0, None),
         ("rad", Role.OUTPUT, 360.0, ("deg", "mrad")),
-        ("rad/s", Role.OUTPUT, 40.0, ("deg/s", "mrad/s")),
+        ("rad/s", Role.OUTPUT, 40.0, ("deg/s", "mrad/s", "rpm")),
         ("g", Role.OUTPUT, 32.2, ("m/s2", "ft/s2", "in/s2")),
         ("g", Role.OUTPUT, 9.8, None),
         ("strain", Role.OUTPUT, 800.0, ("ustrain",)),

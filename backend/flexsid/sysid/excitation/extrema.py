@@ -90,7 +90,7 @@ def refine_peaks(
             gradient, hessian = _soft_derivatives(unit, now, temperature)
             spread = np.trace(hessian) / phases.size
             hessian[np.diag_indices(phases.size)] += damping * spread
-            step = linalg.solve(hessian, gradient, assume_a="pos", check_signal=False)
+            step = linalg.solve(hessian, gradient, assume_a="pos", check_finite=False)
             step /= max(1.0, float(np.abs(step).max()) / 0.3)
             tried = phases - step
             then = _find_extrema(unit, tried)
