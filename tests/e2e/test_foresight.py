@@ -48,8 +48,9 @@ def test_the_next_test_point_is_answered(page: Page, server: str):
     page.goto(f"/flutter?runs={run['id']}&next=45")
     answer = page.get_by_test_id("next-point")
     expect(answer).to_contain_text("Next point at 45.0 m/s", timeout=FIGURE_MS)
-    expect(page.get_by_test_id("structures").locator("tbody tr")).to_have_count(1)
-    for kind in ("v-omega-zeta", "flutter-forecast", "root-locus", "flutter-map"):
+    expect(page.get_by_test_id("structures").locator("tbody tr")).to_have_count(2)
+    drawn = ("v-omega-zeta", "flutter-forecast", "root-locus", "flutter-map", "equivalent-modes")
+    for kind in drawn:
         _drawn(page, kind)
 
 
