@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from flexsid.errors import BadInput
 from flexsid.sysid.excitation.catalogue import CATALOGUE, design_flight_test_aid
 from flexsid.sysid.excitation.multisine import Multisine, allot_harmonics, design_multisine
 from flexsid.sysid.excitation.peak_factor import lower_peak, relative_peak_factor, schroeder_phases
@@ -36,6 +37,12 @@ def test_harmonics_are_dealt_in_turn():
         [10, 15],
     ]
     assert sorted(np.concatenate(list(dealt.values()))) == list(range(6, 331))
+
+
+@pytest.mark.parametrize(("order", "first"), [(["a", "b", "a"], 1), (["a"], 0), (["a"], -4)])
+def test_harmonics_that_nobody_could_fly_are_not_dealt(order: list[str], first: int):
+    with pytest.raises(BadInput, match="cannot be dealt"):
+        allot_harmonics(order, 3, first)
 
 
 @pytest.mark.parametrize(("number", "count"), [(503, 25), (506, 65)])

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
+from flexsid.errors import BadInput
 from flexsid.sysid.excitation.peak_factor import lower_peak, schroeder_phases, start_at_zero
 
 
@@ -79,7 +80,18 @@ def allot_harmonics(
         Harmonics for each input.
     first
         Lowest harmonic of 1/T used.
+
+    Raises
+    ------
+    BadInput
+        If an input is served twice, or the lowest harmonic is below one.
     """
+    if len(set(order)) < len(order) or first < 1:
+        raise BadInput(
+            f"harmonics from {first} on cannot be dealt to {', '.join(order)}; name every input "
+            "once, and begin at one or above",
+            code="bad-allotment",
+        )
     return {
         name: first + place + len(order) * np.arange(per_input) for place, name in enumerate(order)
     }

@@ -58,6 +58,8 @@ def finite_fourier_transform(
     trigonometric matrix.
     """
     omega = np.asarray(omega, dtype=float)
+    if samples.shape[0] == 0:
+        raise ValueError("a record without samples has no transform")
     if omega.size and (omega.min() < 0 or omega.max() > np.pi * rate_hz * (1 + 1e-12)):
         raise ValueError(
             f"frequencies must lie between 0 and the Nyquist frequency "
