@@ -143,6 +143,11 @@ _BODIES: dict[str, Any] = {
     "take_conditioning": {"items": [{"channel": "q", "kind": "delay", "delay_s": 0.004}]},
     "cut_maneuver": {"label": "4-01 FTA 506", "start_s": 500.0, "stop_s": 530.0, "fta": 506},
     "assess_maneuvers": {"maneuver_ids": [1]},
+    "set_thrust": {
+        "engines": ["engine_speed_l", "engine_speed_r"],
+        "text": "rpm,280,300\n40000,60,55\n80000,210,190\n",
+        "source": "ground run of 2026-05-12",
+    },
     "search_design": {
         "name": "about the short period",
         "duration_s": 24.0,
