@@ -16,12 +16,15 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-try:
+if TYPE_CHECKING:
     from hatchling.builders.hooks.plugin.interface import BuildHookInterface
-except ImportError:  # the page alone is built without any package
-    BuildHookInterface = object
+else:
+    try:
+        from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+    except ImportError:  # the page alone is built without any package
+        BuildHookInterface = object
 
 ROOT = Path(__file__).resolve().parent
 FRONTEND = ROOT / "frontend"
