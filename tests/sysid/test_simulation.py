@@ -81,7 +81,8 @@ def test_truth_flutters_where_the_table_says(fuel: float, airspeed: float):
         return float(poles[np.abs(poles.imag) > 1.0].real.max())
 
     assert growth(0.999) < 0.0 < growth(1.001)
-    assert _TRUTH.flutter_speed_at(fuel) == pytest.approx(airspeed * FOOT)
+    rounding = 0.005 * FOOT  # of the table
+    assert _TRUTH.flutter_speed_at(fuel) == pytest.approx(airspeed * FOOT, abs=rounding)
 
 
 def test_small_open_loop_motion_is_that_of_python_control():

@@ -49,8 +49,8 @@ def allot_band(
         )
     # Whole spacing keeps every input's lines equally far apart, so none beats slowly.
     spacing = held // asked if asked else 1
-    dealt = allot_harmonics(order, per_input, 0)
-    return {name: first + spacing * own for name, own in dealt.items()}
+    dealt = allot_harmonics(order, per_input, 1)
+    return {name: first + spacing * (own - 1) for name, own in dealt.items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
