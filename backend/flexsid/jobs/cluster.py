@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 import pickle
 import queue
+import threading
 import time
 import uuid
 from dataclasses import asdict, replace
@@ -26,6 +27,7 @@ _log = logging.getLogger(__name__)
 _CONNECT_S = 10.0
 _LOOK_S = 1.0  # between looks at who is there
 _FETCH_S = 30.0
+_CLOSE_S = 2.0
 _WATCH_S = 0.05  # between looks whether a task is still wanted
 
 
@@ -53,7 +55,8 @@ class ClusterWorkers:
         self._compute = compute
         self._address = address
         self._said: queue.SimpleQueue[tuple[Key, News] | None] = queue.SimpleQueue()
-        self._futures: dict[Key, Any] = {}
+        self._futures: dict[Key, Any] = {}  # None: given up, which is still to be told
+        self._fetching = threading.Lock()
         self._topic = f"flexsid-{uuid.uuid4().hex}"
         self._looked = -_LOOK_S
         self._client: Any = None
@@ -84,7 +87,7 @@ class ClusterWorkers:
             pure=False,
         )
         self._futures[key] = future
-        future.add_done_callback(lambda done: self._said.put((key, _outcome(done))))
+        future.add_done_callback(lambda done: self._take(key, done))
 
     def cancel(self, key: Key) -> None:
         """Stop a task; the Dask worker notices that it is no longer wanted."""
@@ -113,8 +116,7 @@ class ClusterWorkers:
     def close(self) -> None:
         """Let go of all tasks."""
         self._futures.clear()
-        if self._client is not None:
-            self._client.close(timeout=2.0)
+        self._take_leave(_CLOSE_S)
 
     def _connect(self) -> Any:
         try:
@@ -157,10 +159,28 @@ class ClusterWorkers:
     def _give_up_tasks(self) -> None:
         """Say of every task that it was lost, and take leave of the old connection."""
         for key in self._futures:
+            self._futures[key] = None
             self._said.put((key, Lost("the scheduler of the cluster went away")))
-        if self._client is not None:
-            self._client.close(timeout=0.0)
-            self._client = None
+        self._take_leave(0.0)
+
+    def _take_leave(self, timeout: float) -> None:
+        """Close the connection, but not below a result that is being fetched over it."""
+        if self._client is None:
+            return
+        if self._fetching.acquire(timeout=timeout):
+            self._fetching.release()
+        self._client.close(timeout=timeout)
+        self._client = None
+
+    def _take(self, key: Key, future: Any) -> None:
+        """Fetch what a task came to, on Dask's thread for that, if it is still wanted.
+
+        Closing a connection ends all futures of it, and nothing may be asked of
+        these any more.
+        """
+        with self._fetching:
+            if self._futures.get(key) is future:
+                self._said.put((key, _outcome(future)))
 
     def _hear(self, event: Any) -> None:
         """Take what a worker said of its progress, on Dask's own thread."""
