@@ -49,7 +49,7 @@ def steps(monkeypatch: pytest.MonkeyPatch) -> Steps:
     monkeypatch.syspath_prepend(str(HERE))
     import stub_steps
 
-    return Steps(stub_steps.prepare, stub_steps.compute, stub_steps.keep)
+    return stub_steps.load()
 
 
 @pytest.fixture

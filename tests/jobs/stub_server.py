@@ -9,14 +9,13 @@ import stub_steps
 
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.executors import make_workers
-from flexsid.jobs.steps import Steps
 from flexsid.storage.store import Store
 
 if __name__ == "__main__":
     database, dask, patience = sys.argv[1:]
     dispatcher = Dispatcher(
         Store.open(database),
-        Steps(stub_steps.prepare, stub_steps.compute, stub_steps.keep),
+        stub_steps.load(),
         make_workers(stub_steps.compute, dask or None, 1),
         patience_s=float(patience),
     )

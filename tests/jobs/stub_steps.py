@@ -14,7 +14,14 @@ from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.run import EstimationRun, Fit, ParameterEstimate, Progress, RunResult
 
 if TYPE_CHECKING:
+    from flexsid.jobs.steps import Steps
     from flexsid.storage.store import Store
+
+
+def load() -> Steps:
+    from flexsid.jobs.steps import Steps
+
+    return Steps(prepare, compute, keep)
 
 
 def prepare(store: Store, run: EstimationRun) -> dict[str, Any]:

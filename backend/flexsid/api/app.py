@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import getpass
 import tempfile
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
@@ -56,10 +56,9 @@ from flexsid.api.routes import (
 from flexsid.api.routes import searches as search_routes
 from flexsid.api.routes import tasks as task_routes
 from flexsid.api.together import Together
-from flexsid.jobs.dispatcher import Dispatcher
-from flexsid.jobs.executors import make_workers
+from flexsid.jobs.apart import DispatcherApart, Duty
 from flexsid.jobs.searches import Searches
-from flexsid.jobs.steps import Steps, estimation_steps
+from flexsid.jobs.steps import estimation_steps
 from flexsid.reports import read_template
 from flexsid.settings import Settings
 from flexsid.storage.database import parse_url, sqlite_file
@@ -78,7 +77,6 @@ _THREADS = 4
 def create_app(
     settings: Settings,
     *,
-    load_steps: Callable[[], Steps] = estimation_steps,
     bring_along: BringAlong | None = None,
 ) -> FastAPI:
     """Make the service: database brought up to date, dispatcher, routes and page.
@@ -87,8 +85,6 @@ def create_app(
     ----------
     settings
         Which database; read when the service starts, from ``app.state.settings``.
-    load_steps
-        Returns how runs are carried out.
     bring_along
         Adds an aircraft that comes with the software when an upload needs it.
     """
@@ -102,10 +98,9 @@ def create_app(
         template = None if own is None else read_template(own)
         migration = upgrade(settings.database)
         store = Store.open(settings.database)
-        steps = load_steps()
-        workers = make_workers(steps.compute, settings.dask, settings.workers)
         live = Live(store)
-        dispatcher = Dispatcher(store, steps, workers, on_change=live.ring)
+        duty = Duty(settings.database, estimation_steps, settings.dask, settings.workers)
+        dispatcher = DispatcherApart(duty, on_change=live.ring)
         dispatcher.start()
         received = Uploads(store, _upload_folder(settings.database), bring_along)
         received.start()

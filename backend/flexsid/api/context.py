@@ -8,7 +8,7 @@ from typing import Annotated
 from fastapi import Depends, Request
 
 from flexsid.api.live import Live
-from flexsid.jobs.dispatcher import Dispatcher
+from flexsid.jobs.apart import DispatcherApart
 from flexsid.jobs.searches import Searches
 from flexsid.storage.store import Store
 from flexsid.workflow.assessing import Assessments
@@ -22,7 +22,7 @@ class Context:
     """What lives as long as the server."""
 
     store: Store
-    dispatcher: Dispatcher
+    dispatcher: DispatcherApart
     migration: str
     bring_along: BringAlong | None
     uploads: Uploads

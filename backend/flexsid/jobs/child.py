@@ -1,4 +1,4 @@
-"""Child: one worker process, and the two pipes that lead to it."""
+"""Child: a program of ours in a process of its own, and the two pipes that lead to it."""
 
 from __future__ import annotations
 
@@ -15,19 +15,26 @@ from flexsid.jobs.worker import Compute
 _BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 
 
-class Child:
-    """Carries out one task at a time in a process of its own.
+class Program:
+    """A module of ours that runs as a program of its own, and dies with whoever started it.
 
     A plain program rather than a ``multiprocessing`` process: it may be started
-    from any process, a daemon's too, and does not load that one's main module.
+    from any process, a daemon's too, and does not load that one's main module. It is
+    given the file numbers of a connection, and of a lifeline that ends when this end does.
+
+    Parameters
+    ----------
+    module
+        Its name, e.g. ``flexsid.jobs.worker``.
     """
 
-    def __init__(self, compute: Compute) -> None:
+    def __init__(self, module: str) -> None:
         self.connection, theirs = multiprocessing.Pipe()
-        end, self._lifeline = os.pipe()
+        end, lifeline = os.pipe()
+        self._lifeline: int | None = lifeline
         try:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "flexsid.jobs.worker", str(theirs.fileno()), str(end)],
+                [sys.executable, "-m", module, str(theirs.fileno()), str(end)],
                 stdin=subprocess.DEVNULL,
                 pass_fds=(theirs.fileno(), end),
                 env={
@@ -38,9 +45,41 @@ class Child:
                 },
             )
         finally:
-            # Theirs must be the only copies, or a dead worker's pipe would not end.
+            # Theirs must be the only copies, or a dead program's pipe would not end.
             theirs.close()
             os.close(end)
+
+    def let_go(self) -> None:
+        """End the lifeline; once is enough."""
+        lifeline, self._lifeline = self._lifeline, None
+        if lifeline is not None:
+            os.close(lifeline)
+
+    def kill(self) -> None:
+        """End it at once."""
+        self._process.kill()
+        self._process.wait()
+
+    def close(self) -> None:
+        """Close both pipes."""
+        self.connection.close()
+        self.let_go()
+
+    def how_it_ended(self) -> str:
+        """Say in words how it ended."""
+        try:
+            code = self._process.wait(timeout=1.0)
+        except subprocess.TimeoutExpired:
+            return "it no longer answers"
+        return f"signal {-code}" if code < 0 else f"exit code {code}"
+
+
+class Child:
+    """A worker: carries out one task at a time."""
+
+    def __init__(self, compute: Compute) -> None:
+        self._program = Program("flexsid.jobs.worker")
+        self.connection = self._program.connection
         self.connection.send(compute)
 
     def submit(self, task: Any, memory_mb: int | None) -> None:
@@ -52,21 +91,12 @@ class Child:
         try:
             said: News = self.connection.recv()
         except (EOFError, OSError):
-            return Died(self._how_it_ended())
+            return Died(self._program.how_it_ended())
         except Exception as error:  # whatever unpickling a foreign outcome raises
             return unexpected(error)
         return said
 
     def kill(self) -> None:
         """End it at once."""
-        self._process.kill()
-        self._process.wait()
-        self.connection.close()
-        os.close(self._lifeline)
-
-    def _how_it_ended(self) -> str:
-        try:
-            code = self._process.wait(timeout=1.0)
-        except subprocess.TimeoutExpired:
-            return "it no longer answers"
-        return f"signal {-code}" if code < 0 else f"exit code {code}"
+        self._program.kill()
+        self._program.close()

@@ -34,7 +34,6 @@ _CHECK_S = 0.2  # between looks at what was cancelled
 _LOG_S = 2.0  # between lines of what a worker says, in the log of one run
 _LONGEST_S = 3600.0  # unless a run says otherwise
 _EXPECTED_S = 2.0  # then what a prepared task rests on may have changed
-_SETTLE_S = 2.0  # pages come first when a server has just started
 _START_S = 60.0  # more than a worker process takes to start
 
 
@@ -123,12 +122,10 @@ class Dispatcher:
         self._deadlines: dict[Key, float] = {}
         self._last_logged: dict[Key, float] = {}
         self._checked = 0.0
-        self._began = 0.0
         self._interrupted = False
 
     def start(self) -> None:
         """Begin, as soon as no other server leads."""
-        self._began = time.monotonic()
         self._thread.start()
 
     def wake(self) -> None:
@@ -198,8 +195,7 @@ class Dispatcher:
         # While they compute, the next tasks are made ready: no worker waits for them.
         if self._workers.room <= 0 and len(self._ready) < self._workers.count:
             busy = self._prepare_next() or busy
-        if busy or time.monotonic() - self._began >= _SETTLE_S:
-            self._workers.warm_up()
+        self._workers.warm_up()
         self._news.extend(self._workers.wait(0.0 if busy else self._idle_s))
         changed = busy or bool(self._news)
         while self._news:
