@@ -129,6 +129,13 @@ def test_stiffness_and_its_aerodynamic_twin_are_named_as_confounded(make_case):
     assert estimate.outcome is Outcome.SINGULAR_INFORMATION
     assert "omega_7" in estimate.message
     assert "CQ7_eta7" in estimate.message
+    alone = maximize([experiment], case.free())
+    errors = dict(zip(estimate.names, estimate.std_errors, strict=True))
+    values = dict(zip(estimate.names, estimate.values, strict=True))
+    for name, error in zip(alone.names, alone.std_errors, strict=True):
+        if name not in ("CQ7_eta7", "CQ7_etadot7"):  # 2 zeta omega etadot has its twin there
+            assert errors[name] == pytest.approx(error, rel=1e-2)
+    assert all(errors[name] > 10.0 * abs(values[name]) for name in ("omega_7", "CQ7_eta7"))
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -101,8 +101,9 @@ class Task:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """Names of what is free beyond the derivatives."""
-        delays = self.model.outputs if self.structure.free_delays else ()
+        """Names of what is free beyond the derivatives; equation error holds the delays."""
+        delayed = self.structure.free_delays and self.method is not Method.EE
+        delays = self.model.outputs if delayed else ()
         named = (*(f"delay_{name}" for name in delays), *self.structure.also_free)
         return tuple(dict.fromkeys(named))
 

@@ -33,6 +33,7 @@ from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.workflow.computation import Computed, Flown, Task, compute
+from flexsid.workflow.doubts import check_extras, doubts
 from flexsid.workflow.measured import read_measurement
 from flexsid.workflow.models import (
     OutputDefinition,
@@ -100,6 +101,7 @@ def _prepared(store: Store, run: EstimationRun) -> Task:
     )
     predicted = predicted_tables(store, prediction, run, first, aircraft, modes, inputs)
     starts = starting_tables(store, run, predicted, inputs)
+    check_extras(run.method, structure.also_free)
     free = _check_names(data[0].model, starts, structure, settings)
     assumed = modes.warnings if structure.modes else ()
     return Task(
@@ -113,7 +115,7 @@ def _prepared(store: Store, run: EstimationRun) -> Task:
         try_equation_error=settings.start in (Start.BEST, Start.EQUATION_ERROR),
         residualized=next((t.named() for n, t in predicted.items() if is_residualized(n)), None),
         prediction_id=None if prediction is None else prediction.id,
-        warnings=(*assumed, *_out_of_band(data[0], modes)),
+        warnings=(*assumed, *doubts(run, first, data[0], modes)),
     )
 
 
@@ -202,16 +204,6 @@ def _check_names(
                 name=name,
             )
     return parameters.names
-
-
-def _out_of_band(data: Flown, modes: AircraftModes) -> tuple[str, ...]:
-    highest = data.measurement.highest
-    return tuple(
-        f"{modes.names[number]} ({omega / 2 / np.pi:.3g} Hz in vacuo) lies above the highest line "
-        f"({highest / 2 / np.pi:.3g} Hz): the data hold little of its dynamics."
-        for number, omega in zip(data.model.modes.numbers, data.model.modes.omega, strict=True)
-        if omega > highest
-    )
 
 
 def _parameter_rows(estimate: Estimate) -> tuple[ParameterEstimate, ...]:

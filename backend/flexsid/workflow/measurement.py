@@ -52,6 +52,13 @@ class MeasuredLines:
         BadInput
             If it is not known which input owns which line.
         """
+        if (self.owner >= 0).any() and (self.owner < 0).any():
+            raise BadInput(
+                f"some lines belong to none of {', '.join(self.inputs.names)}: frequency "
+                "responses need every input that was excited; add the others, or leave out "
+                "their band",
+                code="inputs-left-out",
+            )
         if (self.owner < 0).any():
             raise BadInput(
                 "frequency responses need to know which harmonics each input was given; import "

@@ -15,6 +15,7 @@ from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.line_model import LineModel, Sensitivity
 
 _WEAKEST = 1e-13  # of the strongest direction of the scaled information
+_PART = 1e-3  # least share of a parameter in a direction; rounding leaves less
 _SAFE = 1e11  # condition number up to which no direction is weak
 
 
@@ -74,33 +75,46 @@ def covariance(
     For circular residuals Cov = 1/2 N^-1. The corrected form is the sandwich
     1/2 N^-1 [Re sum J^H W S W J] N^-1 with S from neighbouring residuals: it stays right
     for coloured residuals and for those that noise on the inputs makes alike on all
-    outputs, where the plain form is too small by half.
+    outputs, where the plain form is too small by half. Where the information is singular
+    residuals tell nothing either: there the floor of the information is the only bound.
     """
     scale = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
     outer = np.outer(scale, scale)
-    scaled_inverse, lacking = _invert(information / outer)
-    inverse = scaled_inverse / outer
+    known, unknown, lacking = _invert(information / outer)
+    known, unknown = known / outer, unknown / outer
     middle = np.diag(prior_information)
     for final in lines:
         middle = middle + inflation * score_covariance(final)
-    corrected = 0.5 * inverse @ middle @ inverse
-    return Covariance(0.5 * _symmetric(inverse), _symmetric(corrected), lacking)
+    plain = 0.5 * (known + unknown)
+    corrected = 0.5 * (known @ middle @ known + unknown)
+    return Covariance(_symmetric(plain), _symmetric(corrected), lacking)
 
 
 def _invert(
     scaled: Float[np.ndarray, "n_theta n_theta"],
-) -> tuple[Float[np.ndarray, "n_theta n_theta"], Float[np.ndarray, "n_theta n_lacking"]]:
-    """Inverse of an information matrix of unit diagonal, and the directions it lacks."""
+) -> tuple[
+    Float[np.ndarray, "n_theta n_theta"],
+    Float[np.ndarray, "n_theta n_theta"],
+    Float[np.ndarray, "n_theta n_lacking"],
+]:
+    """Inverse of an information matrix of unit diagonal: what is told, and what it lacks.
+
+    The second part is the inverse in the directions, given third, where the information is
+    below its floor.
+    """
     factor, info = lapack.dpotrf(scaled, lower=False)
     if info == 0:
         upper = lapack.dpotri(factor, lower=False, overwrite_c=True)[0]
         inverse = upper + upper.T  # below the diagonal LAPACK leaves the zeros that it found
         np.fill_diagonal(inverse, np.diag(upper))
         if np.abs(scaled).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max() < _SAFE:
-            return inverse, np.empty((scaled.shape[0], 0))
+            return inverse, np.zeros_like(inverse), np.empty((scaled.shape[0], 0))
     values, vectors = np.linalg.eigh(scaled)
-    floored = np.maximum(values, _WEAKEST * values[-1])
-    return (vectors / floored) @ vectors.T, vectors[:, values < _WEAKEST * values[-1]]
+    floor = _WEAKEST * values[-1]
+    lacks = values < floor
+    told, lacking = vectors[:, ~lacks], vectors[:, lacks]
+    lost = np.where(np.abs(lacking) < _PART, 0.0, lacking)
+    return (told / values[~lacks]) @ told.T, lost @ lost.T / floor, lacking
 
 
 def score_covariance(final: FinalLines) -> Float[np.ndarray, "n_theta n_theta"]:

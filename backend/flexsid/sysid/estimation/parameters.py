@@ -142,6 +142,13 @@ def _parse_extra(name: str, outputs: tuple[str, ...], modes: tuple[int, ...]) ->
         output, mode = None, rest
     elif kind == "shape":
         output, _, mode = rest.rpartition("_")
+        if not (output and mode.isdigit()):
+            raise BadInput(
+                f"'{name}' should be shape_<output>_<mode>, such as shape_{outputs[0]}_"
+                f"{modes[0] if modes else 7}",
+                code="unknown-parameter",
+                name=name,
+            )
     if output is not None and output not in outputs:
         raise BadInput(
             f"'{name}' belongs to output '{output}', which is not fitted; outputs are "

@@ -1,0 +1,71 @@
+"""What a run is refused for at once, and what its result says of the model that was chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from flexsid.errors import BadInput
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage.store import Store
+from flexsid.workflow.computation import Task, compute
+from flexsid.workflow.estimation import prepare
+
+Ask = Callable[..., Task]
+
+
+@pytest.fixture
+def ask(flown_url: str) -> Iterator[Ask]:
+    store = Store.open(flown_url)
+
+    def prepared(method: Method, modes: tuple[int, ...] = (7, 9), **structure: Any) -> Task:
+        return prepare(
+            store,
+            EstimationRun(
+                maneuver_id=1,
+                method=method,
+                structure=Structure(modes=modes, **{"fixed": {}, **structure}),
+                settings=RunSettings(),
+            ),
+        )
+
+    yield prepared
+    store.close()
+
+
+def test_an_antisymmetric_mode_is_told(ask: Ask) -> None:
+    (warning,) = ask(Method.OE, modes=(7, 8)).warnings
+    assert warning.startswith("AW1B is antisymmetric")
+    assert ask(Method.OE).warnings == ()
+
+
+def test_excited_inputs_that_the_model_leaves_out_are_told(ask: Ask) -> None:
+    (warning,) = ask(Method.OE, inputs=("bfs", "wf1s", "wf3s", "wf4s")).warnings
+    assert warning.startswith("wf2s is excited too")
+
+
+def test_frequency_responses_name_the_inputs_that_they_lack(ask: Ask) -> None:
+    task = ask(Method.FRE, inputs=("bfs", "wf1s"))
+    with pytest.raises(BadInput, match="belong to none of bfs, wf1s"):
+        compute(task, lambda progress: None)
+
+
+def test_equation_error_holds_delays_that_the_other_methods_estimate(ask: Ask) -> None:
+    task = ask(Method.EE, free_delays=True)
+    assert task.warnings == ("Equation error holds the delays; OE and FRE estimate them.",)
+    found = compute(task, lambda progress: None)
+    assert not any(name.startswith("delay_") for name in found.estimate.names)
+    assert "delay_q" in ask(Method.OE, free_delays=True).extras
+
+
+def test_equation_error_refuses_what_it_does_not_hold_before_it_is_queued(ask: Ask) -> None:
+    with pytest.raises(BadInput, match="'omega_7' needs OE or FRE"):
+        ask(Method.EE, also_free=("omega_7",))
+
+
+def test_a_shape_without_mode_says_how_it_is_written(ask: Ask) -> None:
+    with pytest.raises(BadInput, match="shape_<output>_<mode>, such as shape_alpha_7"):
+        ask(Method.OE, also_free=("shape_xyz",))
