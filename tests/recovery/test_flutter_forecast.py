@@ -133,7 +133,45 @@ def test_modes_that_runs_left_out_are_carried_as_predicted(store: Store, runs):
     assert alone.airspeed_m_s == bare.airspeed_m_s
     assert "15, 17, 18, 22 left out" in alone.sentence
     assert abs(best.airspeed_m_s - truth) < abs(bare.airspeed_m_s - truth)
-    assert [one.source for one in alone.structures] == [None]
+    fewer = alone.structures[1]
+    assert fewer.modes == ESTIMATED[:-1], "a single structure is compared with one mode fewer"
+    assert "One mode fewer" in fewer.sentence
+    assert fewer.airspeed_m_s is not None
+    assert alone.spread_m_s == pytest.approx(0.5 * abs(fewer.airspeed_m_s - bare.airspeed_m_s))
+    assert (alone.low_m_s or np.nan) < truth < (alone.high_m_s or np.nan)
+
+
+def test_modes_are_not_carried_where_the_data_speak_against_them(store: Store):
+    aircraft = add_aircraft(store)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
+    flown = fly(airspeed_ratio=0.80, fuel=FUEL, seed=1, modes_in_truth=4)
+    maneuver = add_maneuver(store, flown, flight.id or 0)
+    told = {
+        method: flutter(store, Question(run_ids=(_estimated(store, maneuver.id or 0, method),)))
+        for method in (Method.OE, Method.EE)
+    }
+    truth = load_truth().flutter_speed_at(FUEL)
+    for answer in told.values():
+        assert answer.structures[0].held_modes == ()
+        assert answer.airspeed_m_s == pytest.approx(truth, rel=0.015)
+        assert (answer.low_m_s or np.nan) < truth < (answer.high_m_s or np.nan)
+    assert "further modes fit the data worse" in told[Method.OE].sentence
+    assert "fit the data worse" not in told[Method.EE].sentence, "its sensors see them anyway"
+
+
+def _estimated(store: Store, maneuver_id: int, method: Method) -> int:
+    run = store.runs.add(
+        EstimationRun(
+            maneuver_id=maneuver_id,
+            method=method,
+            structure=Structure(modes=ESTIMATED, fixed={}),
+            settings=RunSettings(),
+        )
+    )
+    claimed = queue.claim(store, run.id)
+    assert claimed is not None
+    keep(store, run.id or 0, claimed.attempt, compute(prepare(store, run), lambda progress: None))
+    return run.id or 0
 
 
 def test_everything_is_drawn(store: Store, runs):

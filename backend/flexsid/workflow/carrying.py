@@ -1,4 +1,4 @@
-"""Modes that a run left out, carried as predicted: the run fitted again around them."""
+"""A run fitted again: around modes it left out, carried as predicted, or with one mode fewer."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from flexsid.errors import FlexsidError
 from flexsid.records.prediction import Prediction
-from flexsid.records.run import EstimationRun, Start
+from flexsid.records.run import EstimationRun, Method, Start
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import derivative_names
@@ -15,6 +15,8 @@ from flexsid.workflow.estimation import prepare
 from flexsid.workflow.identified import Identified, result_of
 from flexsid.workflow.modes import AircraftModes
 from flexsid.workflow.predictions import best_prediction, predicted_modes, prediction_at
+
+_OF_MODES = ("omega_", "zeta_", "shape_")  # what may be free beyond derivatives, of one mode
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +34,11 @@ def carrying(
     """The run with the further symmetric modes that a prediction covers, held as predicted.
 
     What the run estimated stays free and starts where the run ended; None where no
-    prediction knows further modes of these inputs.
+    prediction knows further modes of these inputs, and of equation error, whose
+    reconstruction sees further modes already.
     """
+    if run.method is Method.EE:
+        return None
     own, inputs = model.model.modes.numbers, model.model.inputs
     maneuver = store.maneuvers.get(run.maneuver_id)
     known = derivative_names(own, inputs)
@@ -61,10 +66,39 @@ def carrying(
     return Wider(wider, others, prediction.source)
 
 
-def fit_again(store: Store, wider: Wider) -> tuple[AeroelasticModel, Computed] | None:
-    """Fit around the carried modes, with the model fitted; None where that cannot be done."""
+def with_one_mode_fewer(run: EstimationRun) -> EstimationRun | None:
+    """The run without its highest mode; None where that leaves no mode."""
+    *kept, dropped = sorted(run.structure.modes) or [0]
+    if not kept:
+        return None
+    gone = (f"CQ{dropped}_", f"_eta{dropped}", f"_etadot{dropped}")
+
+    def stays(name: str) -> bool:
+        return not (name.startswith(gone[0]) or name.endswith(gone[1:]))
+
+    old = run.structure
+    structure = replace(
+        old,
+        modes=tuple(number for number in old.modes if number != dropped),
+        free=None if old.free is None else tuple(filter(stays, old.free)),
+        fixed={name: value for name, value in old.fixed.items() if stays(name)},
+        fixed_to={name: source for name, source in old.fixed_to.items() if stays(name)},
+        absent=tuple(filter(stays, old.absent)),
+        also_free=tuple(
+            name
+            for name in old.also_free
+            if not (name.startswith(_OF_MODES) and name.endswith(f"_{dropped}"))
+        ),
+    )
+    priors = {name: prior for name, prior in run.settings.priors.items() if stays(name)}
+    settings = replace(run.settings, start=Start.BEST, start_run_id=None, priors=priors)
+    return replace(run, structure=structure, settings=settings)
+
+
+def fit_again(store: Store, run: EstimationRun) -> tuple[AeroelasticModel, Computed] | None:
+    """Fit what was asked for, with the model fitted; None where that cannot be done."""
     try:
-        task = prepare(store, wider.run)
+        task = prepare(store, run)
         return task.model, compute(task, lambda progress: None)
     except FlexsidError:
         return None

@@ -25,7 +25,6 @@ from flexsid.sysid.stability.prediction import (
     Identified,
     Prediction,
     predict_flutter,
-    structure_spread,
 )
 from flexsid.sysid.stability.trackers import (
     TestPoint,
@@ -37,15 +36,14 @@ from flexsid.workflow.condition import standard_density
 from flexsid.workflow.flutter_models import (
     NEXT,
     Answered,
-    Flown,
     Group,
-    Others,
     Question,
-    flown,
     models_of,
     named,
     remembered_of,
+    spread_about,
 )
+from flexsid.workflow.flutter_parts import Flown, Others, flown
 from flexsid.workflow.flutter_roots import equivalent_lines, equivalent_points, flutter_roots
 from flexsid.workflow.next_point import is_safe, margin_of
 
@@ -240,19 +238,23 @@ def _progress(store: Store, answer: Answered) -> tuple[ProgressForecast, ...]:
 
 
 def _until(store: Store, answer: Answered, speed: float) -> ProgressForecast:
-    def predict(group: Group, spread: float = 0.0) -> Prediction | None:
+    def predict(group: Group) -> Prediction | None:
         parts = [p for p in group.parts if p.maneuver.condition.airspeed_m_s <= speed]
         if not parts:
             return None
         found = answer.fused_at(store, parts, answer.fuel)
-        return predict_flutter(found, answer.at.band, answer.at.density, spread)
+        return predict_flutter(found, answer.at.band, answer.at.density)
 
-    best, *others = (predict(group) for group in (answer.best, *answer.groups[1:]))
+    best = predict(answer.best)
     assert best is not None  # its parts gave the speed
+    others = [
+        replace(group, prediction=told)
+        for group in answer.groups[1:]
+        if (told := predict(group)) is not None
+    ]
     interval, crossing = best.interval, best.crossing
     if crossing is not None:
-        speeds = [other.crossing.airspeed for other in others if other and other.crossing]
-        interval = replace(best, spread=structure_spread(speeds, crossing.airspeed)).interval
+        interval = replace(best, spread=spread_about(crossing.airspeed, others)).interval
     return ProgressForecast(
         tested_m_s=speed,
         n_runs=sum(p.maneuver.condition.airspeed_m_s <= speed for p in answer.best.parts),

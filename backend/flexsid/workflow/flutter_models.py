@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from typing import TypeVar
 
 import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.maneuver import Maneuver
-from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
-from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
-from flexsid.sysid.stability.bands import Uncertain
 from flexsid.sysid.stability.prediction import (
     Identified,
     Prediction,
@@ -27,13 +21,18 @@ from flexsid.sysid.stability.prediction import (
     structure_spread,
 )
 from flexsid.sysid.stability.speeds import Aeroelastic
-from flexsid.workflow.carrying import carrying, fit_again, left_out
 from flexsid.workflow.condition import complete_condition, standard_density
-from flexsid.workflow.identified import identified, result_of
+from flexsid.workflow.flutter_parts import (
+    Flown,
+    Others,
+    at_fuel,
+    flown,
+    modes_of,
+    with_fewer,
+)
 from flexsid.workflow.memory import contents_of_runs, remembered
 from flexsid.workflow.models import flight_condition
-from flexsid.workflow.modes import AircraftModes, find_modal_tables, load_modes
-from flexsid.workflow.predictions import best_prediction, prediction_at
+from flexsid.workflow.modes import AircraftModes
 
 _T = TypeVar("_T")
 
@@ -41,13 +40,6 @@ NEXT = 1.03
 """Of the fastest point flown: the next one if nobody says another."""
 
 _BAND = (0.35, 2.0)  # of the fastest point flown: where flutter is looked for
-
-
-class Others(StrEnum):
-    """What becomes of the modes that a run left out."""
-
-    PREDICTED = "predicted"
-    RESIDUALIZED = "residualized"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,41 +61,24 @@ class Question:
 
 
 @dataclass(frozen=True, slots=True)
-class Root:
-    """A root above the real axis that a run identified. [rad/s]"""
-
-    value: complex
-    damping_std: float | None
-
-
-@dataclass(frozen=True, slots=True)
-class Flown:
-    """One run put together again.
-
-    ``source`` names the prediction that modes were carried from in a second fit, None of
-    the run as it is; ``left_out`` are the modes that a prediction knows beyond it.
-    """
-
-    run: EstimationRun
-    maneuver: Maneuver
-    found: Identified
-    roots: Mapping[str, Root]
-    source: str | None
-    left_out: tuple[int, ...]
-
-    @property
-    def poles(self) -> dict[str, complex]:
-        """Roots by name. [rad/s]"""
-        return {name: root.value for name, root in self.roots.items()}
-
-
-@dataclass(frozen=True, slots=True)
 class Group:
     """Runs of one structure, their derivatives fused, and where these lose stability."""
 
     parts: list[Flown]
     found: Identified
     prediction: Prediction
+
+    def told_apart(self, speed: float) -> float:
+        """A flutter speed of these runs as it counts in the spread about ``speed``. [m/s]
+
+        What the last mode changed bounds what further modes would change, two standard
+        deviations away; another structure is as likely as the preferred one.
+        """
+        crossing = self.prediction.crossing
+        if crossing is None:
+            return np.nan
+        share = 0.5 if self.parts[0].check else 1.0
+        return speed + share * (crossing.airspeed - speed)
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,44 +128,6 @@ def remembered_of(store: Store, what: str, question: Question, find: Callable[[]
     return remembered((what, question, contents_of_runs(store, question.run_ids)), find)
 
 
-def flown(store: Store, run_id: int, others: Others) -> tuple[Flown, ...]:
-    """A run as it is, and with the modes it left out as predicted where that is asked for."""
-    contents = contents_of_runs(store, (run_id,))
-    return remembered(("flown", others, contents), lambda: _put_together(store, run_id, others))
-
-
-def at_fuel(store: Store, part: Flown, fuel: float) -> Identified:
-    """A run's derivatives carried to another fuel weight by how the prediction changes.
-
-    Mode shapes change with fuel, and with them every generalised force; what a prediction
-    gets wrong in level it still gets right in proportion. A derivative that passes through
-    zero grows by a large factor, and its error with it, so that it weighs little.
-    """
-    before = part.maneuver.condition.fuel_fraction
-    table = part.found.aircraft.derivatives
-    wanted = part.run.prediction_id or result_of(part.run).prediction_id
-    prediction = best_prediction(
-        store, part.maneuver.aircraft_id, wanted, table.modes, table.inputs
-    )
-    if prediction is None or fuel == before:
-        return part.found
-    there, here = (prediction_at(store, prediction, f) for f in (fuel, before))
-    rows, columns = coefficients(table.modes), variables(table.modes, table.inputs)
-    factor = np.ones(table.values.shape)
-    for i, row in enumerate(rows):
-        for j, column in enumerate(columns):
-            name = f"{row}_{column}"
-            if name in there and name in here and here[name][0] != 0.0:
-                factor[i, j] = there[name][0] / here[name][0] or 1.0
-    moved = DerivativeTable(table.modes, table.inputs, table.values * factor)
-    known = part.found.uncertain
-    own = factor[known.rows, known.columns]
-    return Identified(
-        replace(part.found.aircraft, derivatives=moved),
-        replace(known, covariance=known.covariance * np.outer(own, own)),
-    )
-
-
 def loaded(
     aircraft: Aircraft, modes: AircraftModes, parts: Sequence[Flown], fuel: float, density: float
 ) -> Aeroelastic:
@@ -224,28 +161,48 @@ def _models(store: Store, question: Question) -> Answered:
         for number in dict.fromkeys(question.run_ids)
         for part in flown(store, number, question.others)
     ]
-    parts = _once(parts)
+    parts, refused = _likelier(_once(parts))
     owners = {part.maneuver.aircraft_id for part in parts}
     if len(owners) > 1:
         raise BadInput("the runs are of different aircraft", code="different-aircraft")
     aircraft = store.aircraft.get(owners.pop())
-    modes = _modes_of(store, parts[0].run, parts[0].maneuver)
+    modes = modes_of(store, parts[0].run, parts[0].maneuver)
     fastest = max(parts, key=lambda part: part.maneuver.condition.airspeed_m_s).maneuver.condition
     fuel = fastest.fuel_fraction if question.fuel is None else question.fuel
     density = fastest.density_kg_m3
     if question.altitude_m is not None:
         density = standard_density(question.altitude_m)
-    structures: dict[tuple[object, ...], list[Flown]] = {}
-    for part in parts:
-        key = (part.found.aircraft.modes.numbers, part.source is None, *_free_places(part))
-        structures.setdefault(key, []).append(part)
     at = _At(aircraft, modes, density, fastest.airspeed_m_s, question.trend)
+    structures = _by_structure(parts)
+    if len(structures) == 1:
+        fewer = [check for part in parts if (check := with_fewer(store, part)) is not None]
+        structures += _by_structure(fewer)
     fused: list[tuple[list[Flown], Identified, str]] = []
-    for same in structures.values():
+    for same in structures:
         found, note = _fused(store, same, at, fuel)
-        fused.append((same, found, f"{_of_others(same[-1])}{note}"))
+        fused.append((same, found, f"{_of_others(same[-1])}{refused}{note}"))
     groups = _foretold(fused, at)
     return Answered(at, groups, groups[0], fuel)
+
+
+def _by_structure(parts: Sequence[Flown]) -> list[list[Flown]]:
+    found: dict[tuple[object, ...], list[Flown]] = {}
+    for part in parts:
+        key = (part.found.aircraft.modes.numbers, part.source is None, *_free_places(part))
+        found.setdefault(key, []).append(part)
+    return list(found.values())
+
+
+def _likelier(parts: Sequence[Flown]) -> tuple[list[Flown], str]:
+    """Second fits dropped where the data speak against the modes carried, and what to say."""
+    if sum(part.gain for part in parts) >= 0.0:
+        return list(parts), ""
+    sources = sorted({part.source for part in parts if part.source is not None})
+    told = (
+        f" Carried as predicted by {' and '.join(sources)}, further modes fit the data worse,"
+        " so they are left out."
+    )
+    return [part for part in parts if part.source is None], told
 
 
 def _once(parts: Sequence[Flown]) -> list[Flown]:
@@ -276,11 +233,15 @@ def _foretold(fused: Sequence[tuple[list[Flown], Identified, str]], at: _At) -> 
     groups = [Group(same, found, _noted(predict(found), note)) for same, found, note in rest]
     same, found, note = first
     best = predict(found)
-    others = [g.prediction.crossing.airspeed for g in groups if g.prediction.crossing]
-    if best.crossing is not None and others:
-        spread = structure_spread(others, best.crossing.airspeed)
-        best = predict(found, spread)
+    if best.crossing is not None:
+        best = predict(found, spread_about(best.crossing.airspeed, groups))
     return [Group(same, found, _noted(best, note)), *groups]
+
+
+def spread_about(speed: float, groups: Sequence[Group]) -> float:
+    """Standard deviation that other structures give a flutter speed. [m/s]"""
+    told = [group.told_apart(speed) for group in groups if group.prediction.crossing is not None]
+    return structure_spread(told, speed)
 
 
 def _noted(prediction: Prediction, note: str) -> Prediction:
@@ -291,6 +252,8 @@ def _of_others(part: Flown) -> str:
     """Sentence on the modes that the run itself did not identify."""
     free = {int(row) - 2 for row in part.found.uncertain.rows}
     held = [n for k, n in enumerate(part.found.aircraft.modes.numbers) if k not in free]
+    if part.check:
+        return " One mode fewer, in a second fit, to see what the last one changes."
     told = ""
     if held and part.source is not None:
         told += f" Modes {_listed(held)} as predicted by {part.source}, in a second fit."
@@ -343,70 +306,6 @@ def _weighing(found: Identified, shares: int) -> Identified:
     """Runs of one maneuver repeat what it tells, so that each weighs its share only."""
     uncertain = found.uncertain
     return replace(found, uncertain=replace(uncertain, covariance=shares * uncertain.covariance))
-
-
-def _put_together(store: Store, run_id: int, others: Others) -> tuple[Flown, ...]:
-    run = store.runs.get(run_id)
-    maneuver = store.maneuvers.get(run.maneuver_id)
-    model = identified(store, run)
-    result = result_of(run)
-    modes = _modes_of(store, run, maneuver)
-    own = model.model.modes.numbers
-    alone = Flown(
-        run,
-        maneuver,
-        _identified(
-            model.model,
-            model.derivatives,
-            tuple(parameter.name for parameter in result.parameters),
-            np.asarray(store.arrays.get(result.covariance)),
-        ),
-        {p.name: Root(complex(p.real, p.imag), p.damping_std) for p in result.poles if p.imag > 0},
-        None,
-        left_out(store, run, modes, own),
-    )
-    wider = carrying(store, run, model, modes) if others is Others.PREDICTED else None
-    again = None if wider is None else fit_again(store, wider)
-    if wider is None or again is None:
-        return (alone,)
-    extended, computed = again
-    estimate = computed.estimate
-    values = computed.held | dict(zip(estimate.names, estimate.values.tolist(), strict=True))
-    table = DerivativeTable.from_names(extended.modes.numbers, extended.inputs, values)
-    around = Flown(
-        run,
-        maneuver,
-        _identified(extended, table, estimate.names, estimate.corrected_covariance),
-        {p.name: Root(p.value, p.damping_std) for p in computed.poles if p.value.imag > 0},
-        wider.source,
-        (),
-    )
-    return (around, alone)
-
-
-def _identified(
-    model: AeroelasticModel,
-    derivatives: DerivativeTable,
-    names: tuple[str, ...],
-    covariance: np.ndarray,
-) -> Identified:
-    """Derivatives with the part of a covariance that belongs to them."""
-    rows = coefficients(derivatives.modes)
-    columns = variables(derivatives.modes, derivatives.inputs)
-    places = {f"{r}_{c}": (i, j) for i, r in enumerate(rows) for j, c in enumerate(columns)}
-    chosen = [k for k, name in enumerate(names) if name in places]
-    where = np.array([places[names[k]] for k in chosen], dtype=int).reshape(-1, 2)
-    return Identified(
-        Aeroelastic(model.condition, model.modes, derivatives),
-        Uncertain(where[:, 0], where[:, 1], covariance[np.ix_(chosen, chosen)]),
-    )
-
-
-def _modes_of(store: Store, run: EstimationRun, maneuver: Maneuver) -> AircraftModes:
-    tables = find_modal_tables(
-        store, maneuver.aircraft_id, run.modal_table_id, run.damping_table_id
-    )
-    return load_modes(store, *tables)
 
 
 def _free_places(part: Flown) -> tuple[tuple[int, int], ...]:

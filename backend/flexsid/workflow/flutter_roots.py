@@ -24,14 +24,13 @@ from flexsid.sysid.stability.speeds import StateFamily, state_family
 from flexsid.workflow.flutter_models import (
     NEXT,
     Answered,
-    Flown,
     Question,
-    at_fuel,
     loaded,
     models_of,
     named,
     remembered_of,
 )
+from flexsid.workflow.flutter_parts import Flown, at_fuel
 
 _FUELS = 41
 _HZ = 1.0 / (2.0 * np.pi)
