@@ -67,6 +67,30 @@ def test_a_bad_query(empty: TestClient, path: str, code: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("path", "field", "known"),
+    [
+        ("runs?methd=OE", "methd", "method"),
+        ("runs/1?limit=5", "limit", "none"),
+        ("maneuvers/facets?sort=id", "sort", "fta"),
+        ("figures/bode?maneuver_id=1&output=q&runs=1", "runs", "run_id"),
+        ("figures/bode?maneuver_id=1&output=q&form=csv", "form", "format"),
+    ],
+)
+def test_a_parameter_that_a_route_does_not_have(
+    client: TestClient, path: str, field: str, known: str
+) -> None:
+    problem = check(client.get(f"{API}/{path}"), 422, "unknown-parameter")
+    assert [error["field"] for error in problem["errors"]] == [field]
+    assert known in problem["detail"]
+
+
+def test_a_parameter_given_twice(client: TestClient) -> None:
+    problem = check(client.get(f"{API}/runs?method=OE&method=EE"), 422, "repeated-parameter")
+    assert [error["field"] for error in problem["errors"]] == ["method"]
+    check(client.post(f"{API}/jobs/1/cancel?force=true"), 422, "unknown-parameter")
+
+
+@pytest.mark.parametrize(
     ("change", "code"),
     [
         ({"method": "LS"}, "invalid-request"),

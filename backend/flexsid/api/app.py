@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 import anyio.to_thread
-from fastapi import APIRouter, FastAPI
+from fastapi import APIRouter, Depends, FastAPI
 from fastapi.routing import APIRoute
 
 import flexsid
@@ -21,6 +21,7 @@ from flexsid.api.errors import Problem, add_error_handlers
 from flexsid.api.guards import Guards
 from flexsid.api.live import Live
 from flexsid.api.page import add_page
+from flexsid.api.parameters import DESCRIBED, only_known
 from flexsid.api.routes import (
     aircraft,
     batches,
@@ -134,6 +135,7 @@ def create_app(
     app = FastAPI(
         title="flexsid",
         summary="A workbench to identify flexible aircraft from flight test",
+        description=DESCRIBED,
         version=flexsid.__version__,
         lifespan=lifespan,
         openapi_url="/api/v1/openapi.json",
@@ -142,7 +144,11 @@ def create_app(
         generate_unique_id_function=_operation_id,
     )
     app.state.settings = settings
-    api = APIRouter(prefix="/api/v1", responses={"4XX": {"model": Problem}})
+    api = APIRouter(
+        prefix="/api/v1",
+        responses={"4XX": {"model": Problem}},
+        dependencies=[Depends(only_known)],
+    )
     for module in (
         health,
         aircraft,

@@ -97,14 +97,13 @@ class Workbench:
 
     def items(self, path: str, limit: int | None = None, **query: Any) -> list[dict[str, Any]]:
         """All items of a list, page by page; at most ``limit`` of them."""
-        found: list[dict[str, Any]] = []
-        after: str | None = None
-        while limit is None or len(found) < limit:
-            answer = self.get(path, **query, limit=min(_PAGE, limit or _PAGE), after=after)
+        answer = self.get(path, **query)
+        found: list[dict[str, Any]] = answer["items"]
+        # Only a list that goes on has pages, and takes the size of one.
+        while answer.get("next") is not None and (limit is None or len(found) < limit):
+            size = _PAGE if limit is None else min(_PAGE, limit - len(found))
+            answer = self.get(path, **query, limit=size, after=answer["next"])
             found += answer["items"]
-            after = answer.get("next")
-            if after is None:
-                break
         return found[:limit]
 
     # --- lists ---
