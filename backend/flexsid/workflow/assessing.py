@@ -45,6 +45,7 @@ class Assessments:
         self._url = url
         self._lock = threading.Lock()
         self._pool: ProcessPoolExecutor | None = None
+        self._left: list[ProcessPoolExecutor] = []
         self._waiting: set[int] = set()
         self._total = self._done = self._failed = 0
 
@@ -82,17 +83,25 @@ class Assessments:
                 failed=self._failed,
             )
 
-    def stop(self) -> None:
-        """Leave the rest for another time."""
+    def leave(self) -> None:
+        """Leave the rest for another time; what is being looked at is still kept."""
         with self._lock:
             pool, self._pool = self._pool, None
-        if pool is not None:
-            pool.shutdown(wait=True, cancel_futures=True)
-        with self._lock:
             self._waiting.clear()
+        if pool is not None:
+            pool.shutdown(wait=False, cancel_futures=True)
+            self._left.append(pool)
+
+    def stop(self) -> None:
+        """Leave the rest for another time, and end the processes."""
+        self.leave()
+        for pool in self._left:
+            pool.shutdown(wait=True)
 
     def _ended(self, number: int, future: Future[None]) -> None:
         with self._lock:
+            if number not in self._waiting:
+                return  # it was left
             self._waiting.discard(number)
             self._done += 1
             if future.cancelled():

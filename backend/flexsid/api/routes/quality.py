@@ -64,5 +64,5 @@ def assess_maneuvers(context: TheContext, store: TheStore, wanted: AssessRequest
 @router.delete("/assess", response_model=Assessing)
 def stop_assessing(context: TheContext) -> Json:
     """Leave the maneuvers that were not looked at yet for another time."""
-    context.assessments.stop()
+    context.assessments.leave()
     return Json(context.assessments.state())
