@@ -25,8 +25,6 @@ schema.config.phases.coverage.enabled = False
 LENIENT = [
     # What is described as valid may still be refused: there may be no such record.
     schemathesis.checks.positive_data_acceptance,
-    # GET /runs/changes is read as a run whose id is no number, and refused as that.
-    schemathesis.checks.unsupported_method,
 ]
 STREAM = "/api/v1/events"  # it has no end
 bounded = settings(

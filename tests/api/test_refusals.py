@@ -152,6 +152,8 @@ def test_bodies_that_are_not_what_they_say(empty: TestClient) -> None:
 def test_what_is_not_there(empty: TestClient) -> None:
     check(empty.get(f"{API}/nothing"), 404, "not-found")
     check(empty.put(f"{API}/runs", json={}), 405, "method-not-allowed")
+    check(empty.delete(f"{API}/runs/facets?method=OE"), 405, "method-not-allowed")
+    assert empty.get(f"{API}/runs/changes").headers["allow"] == "POST"
     check(empty.post(f"{API}/jobs/99/cancel"), 404, "unknown-record")
     check(empty.get(f"{API}/figures/fit?run_id=99"), 404, "unknown-record")
 

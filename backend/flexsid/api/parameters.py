@@ -1,12 +1,13 @@
-"""Only parameters that a route has: one that is mistyped would be a filter that does not filter."""
+"""Only what a route has: a mistyped parameter would be a filter that does not filter."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from http import HTTPStatus
 from typing import Any
 
-from fastapi import Request, params
+from fastapi import HTTPException, Request, params
 from fastapi.dependencies.utils import get_flat_params
 from fastapi.routing import APIRoute
 
@@ -29,7 +30,12 @@ async def only_known(request: Request) -> None:
     ------
     BadInput
         Naming the parameter, and those that the route has.
+    HTTPException
+        405 where a word was taken for an id: `DELETE /runs/facets` is no run that is deleted.
     """
+    word = any(str(value).replace("-", "").isalpha() for value in request.path_params.values())
+    if word and request.url.path in request.app.openapi()["paths"]:
+        raise HTTPException(HTTPStatus.METHOD_NOT_ALLOWED)
     if not request.scope["query_string"]:
         return
     known = _parameters(request.scope["route"])
