@@ -128,10 +128,11 @@ class TrendLine:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DerivativeTrend:
-    """One derivative over the conditions that were flown."""
+    """One derivative over the conditions that were flown; ``unit`` is that of its values."""
 
     name: str
     label: str
+    unit: str
     against: Against
     points: tuple[TrendPoint, ...]
     lines: tuple[TrendLine, ...]

@@ -96,6 +96,7 @@ def trend(
     return DerivativeTrend(
         name=name,
         label=describe(name).label,
+        unit=describe(name).unit or "1",
         against=against,
         points=tuple(points),
         lines=tuple(lines),

@@ -4581,13 +4581,15 @@ export interface components {
         DecisionState: "open" | "changes-requested" | "approved" | "rejected" | "withdrawn" | "superseded";
         /**
          * DerivativeTrend
-         * @description One derivative over the conditions that were flown.
+         * @description One derivative over the conditions that were flown; ``unit`` is that of its values.
          */
         DerivativeTrend: {
             /** Name */
             name: string;
             /** Label */
             label: string;
+            /** Unit */
+            unit: string;
             against: components["schemas"]["Against"];
             /** Points */
             points: components["schemas"]["TrendPoint"][];

@@ -96,7 +96,7 @@ function Fits({ question }: { question: Parameters<typeof trendQuery>[0] }) {
   const trend = useQuery(trendQuery(question));
   return (
     <Loaded query={trend} rows={2}>
-      {({ lines }) => {
+      {({ lines, unit, against }) => {
         const fits = lines.filter((line) => line.chi_square !== null);
         return fits.length === 0 ? (
           <Empty title="No fit">
@@ -106,7 +106,7 @@ function Fits({ question }: { question: Parameters<typeof trendQuery>[0] }) {
           <DataTable
             label="Weighted fits"
             testId="fits-table"
-            columns={FITS}
+            columns={columnsOf(unit, PER[against])}
             rows={fits}
             rowKey={(line) => line.label}
             isSelected={(line) => (line.probability ?? 1) < 0.05}
@@ -117,16 +117,26 @@ function Fits({ question }: { question: Parameters<typeof trendQuery>[0] }) {
   );
 }
 
-const FITS: Column<Line>[] = [
+/** By what a slope is told: a step of the abscissa that an analyst thinks in, and its size in SI. */
+const PER: Record<(typeof AGAINST)[number], { step: string; size: number }> = {
+  dynamic_pressure: { step: "100 Pa", size: 100 },
+  airspeed_ratio: { step: "0.1 V/Vf", size: 0.1 },
+  fuel: { step: "10 % fuel", size: 0.1 },
+  fta: { step: "FTA", size: 1 },
+};
+
+const columnsOf = (unit: string, per: (typeof PER)["fuel"]): Column<Line>[] => [
   { key: "label", header: "Fit", render: (line) => line.label },
   {
     key: "slope",
-    header: "Slope in SI",
+    header: `Slope ± σ per ${per.step}`,
+    unit,
     numeric: true,
     render: (line) => {
       if (line.slope === null) return "–";
-      const { value, error } = withError(line.slope, line.slope_std_error);
-      return `${value} ± ${error}`;
+      const error = line.slope_std_error === null ? null : per.size * line.slope_std_error;
+      const shown = withError(per.size * line.slope, error);
+      return `${shown.value} ± ${shown.error}`;
     },
   },
   { key: "chi", header: "χ²", numeric: true, render: (line) => fixed(line.chi_square, 1) },

@@ -8,6 +8,10 @@ export interface Column<Row> {
   numeric?: boolean;
   /** Sentences go over several lines; whatever else there is stays on one. */
   wraps?: boolean;
+  /** Names that are long go over several lines where the page is narrow. */
+  yields?: boolean;
+  /** What is shown only where a row has some of it. */
+  onlyIf?: (row: Row) => boolean;
   /** Name by which this column is sorted; without one it is not sortable. */
   sort?: string;
   render: (row: Row) => ReactNode;
@@ -33,7 +37,8 @@ export function nextSort(current: string | undefined, column: string): string {
 
 /** Rows and columns; headers sort, numbers line up. */
 export function DataTable<Row>(props: Props<Row>) {
-  const { columns, rows, rowKey, label, testId, rowTestId, isSelected, sort, onSort } = props;
+  const { rows, rowKey, label, testId, rowTestId, isSelected, sort, onSort } = props;
+  const columns = props.columns.filter(({ onlyIf }) => onlyIf === undefined || rows.some(onlyIf));
   return (
     <div
       className="table-scroll"
@@ -72,7 +77,8 @@ export function DataTable<Row>(props: Props<Row>) {
 
 function classOf<Row>(column: Column<Row>): string | undefined {
   if (column.numeric === true) return "end";
-  return column.wraps === true ? "wraps" : undefined;
+  if (column.wraps === true) return "wraps";
+  return column.yields === true ? "yields" : undefined;
 }
 
 interface HeaderProps<Row> {

@@ -3,26 +3,22 @@ import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { groundTestsQuery } from "../api/queries";
 
-/** A red banner for every flight after which the structure is not what it was. */
+/** A word on every flight after which the structure is not what it was. */
 export function GroundTestAlarm() {
   const tests = useQuery(groundTestsQuery);
   const alarms = (tests.data ?? []).filter((test) => test.verdict === "alarm");
   return alarms.map((test) => (
     <Alert
       key={test.flight_id}
-      color="red.9"
-      variant="filled"
+      color="red"
+      variant="light"
       role="alert"
       mb="md"
       title={`Structure changed in flight ${test.flight_number}`}
       data-testid="structure-alarm"
     >
       {test.message}{" "}
-      <Link
-        to="/flights/$id/mini-gvt"
-        params={{ id: test.flight_id }}
-        style={{ color: "inherit", textDecoration: "underline" }}
-      >
+      <Link to="/flights/$id/mini-gvt" params={{ id: test.flight_id }} className="link">
         Mini-GVT of flight {test.flight_number}
       </Link>
     </Alert>

@@ -6,6 +6,7 @@ import type { RunsView } from "../views";
 import { FacetSelect } from "./FacetSelect";
 import { FilterInput } from "./FilterInput";
 import { SearchIcon } from "./icons";
+import { flightNumber } from "../lib/format";
 
 /** What lists of maneuvers and of runs are both filtered by. */
 export type Shared = Pick<
@@ -44,7 +45,10 @@ export function ListFilters({ what, hint, view, choices, onChange, onClear, chil
         label="Flight"
         width={92}
         testId="filter-flight"
-        choices={choices?.flight_id}
+        choices={choices?.flight_id?.map((one) => ({
+          ...one,
+          label: flightNumber(Number(one.label)),
+        }))}
         value={view.flight?.toString()}
         onChange={(value) => {
           onChange({ flight: integer(value) });

@@ -1,7 +1,7 @@
 import { Group } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
 import { METHODS, type ManeuverItem } from "../api/types";
-import { fixed, percent } from "../lib/format";
+import { fixed, flightNumber, percent } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
 import { RunBadge } from "./RunBadge";
 import { selectColumn } from "./selectColumn";
@@ -23,6 +23,7 @@ export function ManeuverList({ maneuvers, selected, onSelect, sort, onSort }: Pr
       key: "label",
       header: "Maneuver",
       sort: "label",
+      yields: true,
       render: (one) => (
         <Link to="/maneuvers/$id" params={{ id: one.id }} className="link">
           {one.label}
@@ -36,7 +37,7 @@ export function ManeuverList({ maneuvers, selected, onSelect, sort, onSort }: Pr
       numeric: true,
       render: (one) => (
         <Link to="/flights/$id" params={{ id: one.flight_id }} className="link">
-          {one.flight_number}
+          {flightNumber(one.flight_number)}
         </Link>
       ),
     },
@@ -96,7 +97,13 @@ export function ManeuverList({ maneuvers, selected, onSelect, sort, onSort }: Pr
         </Group>
       ),
     },
-    { key: "tags", header: "Tags", render: (one) => <Tags tags={one.tags} /> },
+    {
+      key: "tags",
+      header: "Tags",
+      onlyIf: (one) => one.tags.length > 0,
+      yields: true,
+      render: (one) => <Tags tags={one.tags} />,
+    },
   ];
   return (
     <DataTable

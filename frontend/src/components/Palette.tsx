@@ -13,6 +13,7 @@ import {
   structuresQuery,
 } from "../api/queries";
 import { decisionsQuery } from "../api/reviewQueries";
+import { flightName } from "../lib/format";
 import { VIEWS } from "../views";
 import { SearchIcon } from "./icons";
 
@@ -157,7 +158,7 @@ function useFound(typed: string): Found[] {
     ...lines(maneuvers.data).map((one) => ({
       key: `maneuver-${one.id}`,
       label: one.label,
-      kind: `maneuver of flight ${one.flight_number}`,
+      kind: `maneuver, ${flightName(one.flight_number).toLowerCase()}`,
       open: () => void navigate({ to: "/maneuvers/$id", params: { id: one.id } }),
     })),
     ...lines(runs.data).map((one) => ({

@@ -1,6 +1,6 @@
 import { Link } from "@tanstack/react-router";
 import type { RunItem } from "../api/types";
-import { dateTime, fixed } from "../lib/format";
+import { dateMinute, dateTime, fixed, flightNumber } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
 import { StateBadge } from "./RunBadge";
 import { selectColumn } from "./selectColumn";
@@ -35,8 +35,9 @@ const columns: Column<RunItem>[] = [
     key: "maneuver",
     header: "Maneuver",
     sort: "maneuver_label",
+    yields: true,
     render: (run) => (
-      <Link to="/maneuvers/$id" params={{ id: run.maneuver_id }} className="link nowrap">
+      <Link to="/maneuvers/$id" params={{ id: run.maneuver_id }} className="link">
         {run.maneuver_label}
       </Link>
     ),
@@ -46,7 +47,7 @@ const columns: Column<RunItem>[] = [
     header: "Flight",
     sort: "flight_number",
     numeric: true,
-    render: (run) => run.flight_number,
+    render: (run) => flightNumber(run.flight_number),
   },
   {
     key: "ratio",
@@ -77,14 +78,27 @@ const columns: Column<RunItem>[] = [
     numeric: true,
     render: (run) => run.n_warnings ?? "",
   },
-  { key: "tags", header: "Tags", render: (run) => <Tags tags={run.tags} /> },
-  { key: "author", header: "Author", sort: "author", render: (run) => run.author },
+  {
+    key: "tags",
+    header: "Tags",
+    onlyIf: (run) => run.tags.length > 0,
+    yields: true,
+    render: (run) => <Tags tags={run.tags} />,
+  },
+  {
+    key: "author",
+    header: "Author",
+    sort: "author",
+    onlyIf: (run) => run.author !== "",
+    yields: true,
+    render: (run) => run.author,
+  },
   {
     key: "at",
     header: "Requested",
     sort: "created_at",
     numeric: true,
-    render: (run) => dateTime(run.created_at),
+    render: (run) => <span title={dateTime(run.created_at)}>{dateMinute(run.created_at)}</span>,
   },
 ];
 

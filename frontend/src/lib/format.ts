@@ -62,6 +62,16 @@ export function dateTime(iso: string | null | undefined): string {
   return `${day} ${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
 }
 
+/** Local date and time to the minute, for lists. */
+export const dateMinute = (iso: string | null | undefined): string => dateTime(iso).slice(0, 16);
+
+/** A flight's number in a list; rehearsals are kept under flight 0, which nobody flew. */
+export const flightNumber = (number: number): string => (number === 0 ? "rehearsed" : `${number}`);
+
+/** A flight by its name. */
+export const flightName = (number: number): string =>
+  number === 0 ? "Rehearsals" : `Flight ${number}`;
+
 /** Time between two moments. */
 export function elapsed(from: string | null | undefined, to: string | null | undefined): string {
   if (!from || !to) return NONE;

@@ -21,7 +21,7 @@ import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
 import { byRole, named } from "../lib/channels";
-import { count, fixed, percent } from "../lib/format";
+import { count, fixed, flightName, percent } from "../lib/format";
 import type { FlightView } from "../views";
 
 const route = getRouteApi("/flights/$id");
@@ -44,7 +44,7 @@ function OneFlight({ flight }: { flight: Flight }) {
   return (
     <>
       <PageHead
-        title={`Flight ${flight.number}`}
+        title={flightName(flight.number)}
         trail={[
           <Link to="/campaign" className="link" key="campaign">
             Campaign

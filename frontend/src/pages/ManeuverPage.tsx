@@ -14,6 +14,7 @@ import { QualityTab } from "../components/QualityTab";
 import { ReconstructionTab } from "../components/ReconstructionTab";
 import { SpectraTab } from "../components/SpectraTab";
 import { TimeHistoryTab } from "../components/TimeHistoryTab";
+import { flightName } from "../lib/format";
 import { MANEUVER_TABS, type ManeuverView } from "../views";
 
 const route = getRouteApi("/maneuvers/$id");
@@ -55,7 +56,7 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
             Campaign
           </Link>,
           <Link to="/flights/$id" params={{ id: maneuver.flight_id }} className="link" key="flight">
-            Flight {maneuver.flight_number}
+            {flightName(maneuver.flight_number)}
           </Link>,
         ]}
         aside={

@@ -13,7 +13,7 @@ import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { VerdictBadge } from "../components/VerdictBadge";
-import { count, fixed, percent } from "../lib/format";
+import { count, fixed, flightNumber, percent } from "../lib/format";
 import { integer, oneOf } from "../lib/urlState";
 import { VERDICTS, type QualityView } from "../views";
 
@@ -46,7 +46,7 @@ const columns: Column<QualityItem>[] = [
     header: "Flight",
     sort: "flight_number",
     numeric: true,
-    render: (one) => one.flight_number,
+    render: (one) => flightNumber(one.flight_number),
   },
   {
     key: "ratio",
