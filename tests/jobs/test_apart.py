@@ -61,6 +61,9 @@ def test_what_is_queued_is_carried_out_and_the_server_hears_of_it(
     apart: DispatcherApart,
     changed: threading.Event,
 ) -> None:
+    apart.wake()
+    assert changed.wait(PATIENCE_S)  # it has begun
+    changed.clear()
     run = add_run(author="compute")
     apart.wake()
     assert until(run).state is RunState.SUCCEEDED

@@ -65,6 +65,7 @@ class DispatcherApart:
         self._starting = threading.Lock()
         self._line = threading.Lock()  # held while something is said, or the pipe is closed
         self._program: Program | None = None
+        self._has_begun = False
         self._unsaid: queue.SimpleQueue[_Said] = queue.SimpleQueue()
         self._threads = [
             threading.Thread(target=target, name=f"dispatcher-{k}", daemon=True)
@@ -101,7 +102,7 @@ class DispatcherApart:
         self._unsaid.put(None)
         if program is not None:
             program.let_go()
-            self._threads[0].join(_LEAVE_S)
+            self._threads[0].join(_LEAVE_S if self._has_begun else 0.0)
             program.kill()
         for thread in self._threads:
             thread.join()
@@ -129,12 +130,13 @@ class DispatcherApart:
             with suppress(EOFError, OSError):
                 while True:
                     program.connection.recv_bytes()
+                    self._has_begun = True
                     self._on_change()
             if not self._stopping.is_set():
                 _log.warning("the dispatcher ended (%s); another starts", program.how_it_ended())
                 program.kill()
                 with self._line:
-                    self._program = None
+                    self._program, self._has_begun = None, False
                     program.close()
                 self._stopping.wait(_AGAIN_S)
 
@@ -167,6 +169,7 @@ def main(arguments: list[str]) -> None:
         _log.warning("the dispatcher cannot start: %s", error.message)
         sys.exit(1)
     dispatcher = Dispatcher(store, steps, workers, on_change=lambda: _ring(connection))
+    _ring(connection)
     dispatcher.start()
     try:
         while lifeline not in wait([connection, lifeline]):
