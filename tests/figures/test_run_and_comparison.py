@@ -212,6 +212,7 @@ def test_a_trend_has_points_a_band_and_predictions(drawable, against):
     value = DerivativeTrend(
         name="Cm_alpha",
         label="Cmα",
+        unit="1",
         against=against,
         points=(
             TrendPoint(
