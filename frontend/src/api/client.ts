@@ -32,6 +32,11 @@ export async function body<T>(answer: Promise<Answer<T>>): Promise<Full<T>> {
   return data as Full<T>;
 }
 
+/** The items of an answer that is a list. */
+export async function items<T>(answer: Promise<Answer<{ items: T[] }>>): Promise<Full<T>[]> {
+  return (await body(answer)).items;
+}
+
 export type QueryValue =
   string | number | boolean | null | undefined | readonly (string | number)[];
 

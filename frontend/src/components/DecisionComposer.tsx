@@ -1,6 +1,6 @@
 import { Button, Group, Stack, Text, Textarea } from "@mantine/core";
 import { sameName, useAnalyst } from "../api/analyst";
-import { useCommentDecision, useVote, useWithdrawDecision } from "../api/reviewCommands";
+import { useCommentDecision, useVote, useWithdrawDecision } from "../api/commands";
 import { asProblem } from "../api/problem";
 import { isOpen, type Decision, type Vote } from "../api/types";
 import { useDraft } from "../lib/useDraft";

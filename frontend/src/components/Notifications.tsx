@@ -3,8 +3,8 @@ import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { useState } from "react";
 import { useAnalyst } from "../api/analyst";
-import { useMarkSeen } from "../api/reviewCommands";
-import { notificationsQuery } from "../api/reviewQueries";
+import { useMarkSeen } from "../api/commands";
+import { notificationsQuery } from "../api/queries";
 import type { Notifications as Told } from "../api/types";
 import { dateTime } from "../lib/format";
 

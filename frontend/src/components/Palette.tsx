@@ -11,8 +11,8 @@ import {
   runListQuery,
   searchesQuery,
   structuresQuery,
+  decisionsQuery,
 } from "../api/queries";
-import { decisionsQuery } from "../api/reviewQueries";
 import { flightName } from "../lib/format";
 import { VIEWS } from "../views";
 import { SearchIcon } from "./icons";

@@ -11,7 +11,7 @@ import {
 import { useQuery } from "@tanstack/react-query";
 import { useState, type ReactNode } from "react";
 import { useAnalyst } from "../api/analyst";
-import { freezeFigure } from "../api/reviewCommands";
+import { freezeFigure } from "../api/commands";
 import { predictionsQuery, runsQuery, structureVersionsQuery } from "../api/queries";
 import type { ModelStructure, ProposalRequest } from "../api/types";
 import { figuresOf, proposalOf, type ProposalDraft, type Reference } from "../lib/proposal";

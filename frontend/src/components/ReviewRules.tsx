@@ -2,8 +2,8 @@ import { Button, Group, NumberInput, Switch, Text, TextInput } from "@mantine/co
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { useAnalyst } from "../api/analyst";
-import { useChangeRules } from "../api/reviewCommands";
-import { reviewRulesQuery } from "../api/reviewQueries";
+import { useChangeRules } from "../api/commands";
+import { reviewRulesQuery } from "../api/queries";
 import type { RulesHistory } from "../api/types";
 import { dateTime } from "../lib/format";
 import { Loaded } from "./Loaded";

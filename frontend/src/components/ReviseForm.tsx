@@ -1,5 +1,5 @@
 import { Alert, Button, Group, Text } from "@mantine/core";
-import { useReviseDecision } from "../api/reviewCommands";
+import { useReviseDecision } from "../api/commands";
 import { ApiProblem } from "../api/problem";
 import type { Decision, ModelStructure, StaleProposal } from "../api/types";
 import { draftOf, mergedProposal, type KeptProposal, type ProposalDraft } from "../lib/proposal";

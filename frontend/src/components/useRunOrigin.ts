@@ -1,6 +1,5 @@
 import { useQuery } from "@tanstack/react-query";
-import { structureVersionsQuery } from "../api/queries";
-import { maneuverBaselinesQuery } from "../api/reviewQueries";
+import { structureVersionsQuery, maneuverBaselinesQuery } from "../api/queries";
 import type { Baseline, StructureVersion } from "../api/types";
 
 const MOST_ASKED = 200;

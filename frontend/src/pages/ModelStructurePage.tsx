@@ -3,8 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useEffect } from "react";
 import { useAnalyst } from "../api/analyst";
-import { useEditStructure } from "../api/commands";
-import { useMarkSeen } from "../api/reviewCommands";
+import { useEditStructure, useMarkSeen } from "../api/commands";
 import { ApiProblem } from "../api/problem";
 import {
   aircraftQuery,

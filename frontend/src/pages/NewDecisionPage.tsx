@@ -1,6 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { usePropose } from "../api/reviewCommands";
+import { usePropose } from "../api/commands";
 import { structuresQuery } from "../api/queries";
 import type { ModelStructure } from "../api/types";
 import { Loaded } from "../components/Loaded";

@@ -2,8 +2,13 @@ import { Stack, Text } from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import type { ReactNode } from "react";
-import { maneuverFacetsQuery, maneuversQuery, runFacetsQuery, runListQuery } from "../api/queries";
-import { decisionsQuery } from "../api/reviewQueries";
+import {
+  maneuverFacetsQuery,
+  maneuversQuery,
+  runFacetsQuery,
+  runListQuery,
+  decisionsQuery,
+} from "../api/queries";
 import type { RunItem } from "../api/types";
 import { ButtonLink } from "../components/ButtonLink";
 import { GroundTestAlarm } from "../components/GroundTestAlarm";

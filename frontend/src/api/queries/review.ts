@@ -1,8 +1,8 @@
 /** What pages read of the review of model structures. */
 import { queryOptions } from "@tanstack/react-query";
-import { named } from "./analyst";
-import { api, body } from "./client";
-import type { DecisionState } from "./types";
+import { named } from "../analyst";
+import { api, body, items } from "../client";
+import type { DecisionState } from "../types";
 
 const TEAM_POLL_MS = 5000;
 
@@ -14,8 +14,8 @@ export interface DecisionFilters {
 export const decisionsQuery = (filters: DecisionFilters) =>
   queryOptions({
     queryKey: ["decisions", "list", filters],
-    queryFn: async ({ signal }) =>
-      (await body(api.GET("/api/v1/decisions", { params: { query: filters }, signal }))).items,
+    queryFn: ({ signal }) =>
+      items(api.GET("/api/v1/decisions", { params: { query: filters }, signal })),
     refetchInterval: TEAM_POLL_MS,
   });
 
@@ -47,27 +47,23 @@ export const reviewRulesQuery = (aircraftId: number) =>
 export const baselinesQuery = (aircraftId: number) =>
   queryOptions({
     queryKey: ["decisions", "baselines", aircraftId],
-    queryFn: async ({ signal }) =>
-      (
-        await body(
-          api.GET("/api/v1/baselines", { params: { query: { aircraft_id: aircraftId } }, signal }),
-        )
-      ).items,
+    queryFn: ({ signal }) =>
+      items(
+        api.GET("/api/v1/baselines", { params: { query: { aircraft_id: aircraftId } }, signal }),
+      ),
   });
 
 /** The approved structure of each maneuver's condition. */
 export const maneuverBaselinesQuery = (ids: readonly number[]) =>
   queryOptions({
     queryKey: ["decisions", "maneuver-baselines", ids],
-    queryFn: async ({ signal }) =>
-      (
-        await body(
-          api.GET("/api/v1/maneuver-baselines", {
-            params: { query: { maneuver_ids: ids.join(",") } },
-            signal,
-          }),
-        )
-      ).items,
+    queryFn: ({ signal }) =>
+      items(
+        api.GET("/api/v1/maneuver-baselines", {
+          params: { query: { maneuver_ids: ids.join(",") } },
+          signal,
+        }),
+      ),
   });
 
 export const notificationsQuery = (name: string) =>

@@ -1,8 +1,8 @@
 /** What pages change in the review of model structures. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
-import { named } from "./analyst";
-import { api, body } from "./client";
-import type { FreezeRequest, ProposalRequest, RulesRequest, Vote } from "./types";
+import { named } from "../analyst";
+import { api, body } from "../client";
+import type { FreezeRequest, ProposalRequest, RulesRequest, Vote } from "../types";
 
 /** What shows a decision: its own page, lists, baselines, and what waits. */
 function useRefreshDecisions() {

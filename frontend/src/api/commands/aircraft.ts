@@ -1,0 +1,64 @@
+/** Changes what is known of the aircraft: its thrust, its controllers. */
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { api, body, json } from "../client";
+import type { Controller, ThrustRequest } from "../types";
+
+export function useSetThrust() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: ({ id, table }: { id: number; table: ThrustRequest }) =>
+      body(
+        api.PUT("/api/v1/aircraft/{aircraft_id}/thrust", {
+          params: { path: { aircraft_id: id } },
+          body: table,
+        }),
+      ),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["aircraft"] }),
+  });
+}
+
+export function useRemoveThrust() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (id: number) =>
+      body(
+        api.DELETE("/api/v1/aircraft/{aircraft_id}/thrust", {
+          params: { path: { aircraft_id: id } },
+        }),
+      ),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["aircraft"] }),
+  });
+}
+
+interface GivenController {
+  aircraft: number;
+  name: string;
+  text: string;
+  file: File | null;
+  reads: string;
+  drives: string;
+}
+
+export function useKeepController() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: ({ aircraft, name, text, file, reads, drives }: GivenController) => {
+      if (file === null) {
+        return body(
+          api.POST("/api/v1/controllers", { body: { aircraft_id: aircraft, name, text } }),
+        );
+      }
+      const form = new FormData();
+      form.append("file", file);
+      form.append("aircraft_id", String(aircraft));
+      form.append("name", name);
+      form.append("reads", reads);
+      form.append("drives", drives);
+      return json("/api/v1/controllers/files", {
+        method: "POST",
+        body: form,
+      }) as Promise<Controller>;
+    },
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["controllers"] }),
+  });
+}

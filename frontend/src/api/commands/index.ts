@@ -1,0 +1,12 @@
+/** What pages change: submit, cancel, import, delete. */
+export * from "./aircraft";
+export * from "./designs";
+export * from "./jobs";
+export * from "./lists";
+export * from "./maneuvers";
+export * from "./modes";
+export * from "./review";
+export * from "./runs";
+export * from "./searches";
+export * from "./structures";
+export * from "./uploads";

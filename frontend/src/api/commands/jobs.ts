@@ -1,0 +1,49 @@
+/** Cancels and repeats what the server works on. */
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { api, body } from "../client";
+import type { BatchRequest } from "../types";
+import { useRefreshRuns } from "./refresh";
+
+export function useSubmitBatch() {
+  return useMutation({
+    mutationFn: (request: BatchRequest) => body(api.POST("/api/v1/batches", { body: request })),
+    onSettled: useRefreshRuns(),
+  });
+}
+
+/** Cancels what has not ended of a batch, or asks again for what failed. */
+export function useChangeBatch(id: number, action: "cancel" | "retry") {
+  const path = { batch_id: id };
+  return useMutation({
+    mutationFn: () =>
+      action === "cancel"
+        ? body(api.POST("/api/v1/batches/{batch_id}/cancel", { params: { path } }))
+        : body(api.POST("/api/v1/batches/{batch_id}/retry", { params: { path } })),
+    onSettled: useRefreshRuns(),
+  });
+}
+
+export function useRetryJob() {
+  return useMutation({
+    mutationFn: (id: number) =>
+      body(api.POST("/api/v1/jobs/{job_id}/retry", { params: { path: { job_id: id } } })),
+    onSettled: useRefreshRuns(),
+  });
+}
+
+export function useCancelJob() {
+  return useMutation({
+    mutationFn: (id: number) =>
+      body(api.POST("/api/v1/jobs/{job_id}/cancel", { params: { path: { job_id: id } } })),
+    onSettled: useRefreshRuns(),
+  });
+}
+
+export function useCancelTask() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (id: string) =>
+      body(api.POST("/api/v1/tasks/{task_id}/cancel", { params: { path: { task_id: id } } })),
+    onSettled: () => cache.invalidateQueries({ queryKey: ["task"] }),
+  });
+}

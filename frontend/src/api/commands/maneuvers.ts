@@ -1,0 +1,78 @@
+/** Cuts maneuvers, corrects their channels and judges them. */
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { api, body } from "../client";
+import type { CutRequest, StepRequest } from "../types";
+
+/** Cuts maneuvers out of a flight, one after the other; what was cut stays when one is refused. */
+export function useCut(flightId: number) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: async (wanted: CutRequest[]) => {
+      const made = [];
+      for (const one of wanted) {
+        made.push(
+          await body(
+            api.POST("/api/v1/flights/{flight_id}/maneuvers", {
+              params: { path: { flight_id: flightId } },
+              body: one,
+            }),
+          ),
+        );
+      }
+      return made;
+    },
+    onSettled: () =>
+      Promise.all(
+        [["flight", flightId, "found"], ["maneuvers"], ["quality"], ["figure", "envelope"]].map(
+          (queryKey) => cache.invalidateQueries({ queryKey }),
+        ),
+      ),
+  });
+}
+
+/** What corrections of channels change: everything that is drawn or judged from them. */
+function useRefreshManeuver(id: number) {
+  const cache = useQueryClient();
+  return () =>
+    Promise.all(
+      [["conditioning", id], ["quality"], ["figure"]].map((queryKey) =>
+        cache.invalidateQueries({ queryKey }),
+      ),
+    );
+}
+
+export function useTakeCorrections(id: number) {
+  return useMutation({
+    mutationFn: (items: StepRequest[]) =>
+      body(
+        api.POST("/api/v1/maneuvers/{maneuver_id}/conditioning", {
+          params: { path: { maneuver_id: id } },
+          body: { items },
+        }),
+      ),
+    onSuccess: useRefreshManeuver(id),
+  });
+}
+
+export function useUndoCorrection(id: number) {
+  return useMutation({
+    mutationFn: (step: number) =>
+      body(
+        api.DELETE("/api/v1/maneuvers/{maneuver_id}/conditioning/{step_id}", {
+          params: { path: { maneuver_id: id, step_id: step } },
+        }),
+      ),
+    onSuccess: useRefreshManeuver(id),
+  });
+}
+
+export function useAssess() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: "begin" | "stop") =>
+      wanted === "begin"
+        ? body(api.POST("/api/v1/quality/assess", { body: {} }))
+        : body(api.DELETE("/api/v1/quality/assess")),
+    onSettled: () => cache.invalidateQueries({ queryKey: ["quality"] }),
+  });
+}

@@ -1,0 +1,40 @@
+/** Begins and ends searches for a model structure. */
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { api, body } from "../client";
+import type { SearchRequest } from "../types";
+import { useRefreshRuns } from "./refresh";
+
+export function useRequestSearch() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: SearchRequest) => body(api.POST("/api/v1/searches", { body: wanted })),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["searches"] }),
+  });
+}
+
+export function useCancelSearch() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (id: number) =>
+      body(
+        api.POST("/api/v1/searches/{search_id}/cancel", { params: { path: { search_id: id } } }),
+      ),
+    onSettled: () => cache.invalidateQueries({ queryKey: ["searches"] }),
+  });
+}
+
+/** Opens a candidate of a search as a run; the same run every time. */
+export function useOpenCandidate(id: number) {
+  const cache = useQueryClient();
+  const refresh = useRefreshRuns();
+  return useMutation({
+    mutationFn: (place: number) =>
+      body(
+        api.POST("/api/v1/searches/{search_id}/candidates/{place}/run", {
+          params: { path: { search_id: id, place } },
+        }),
+      ),
+    onSuccess: () =>
+      Promise.all([cache.invalidateQueries({ queryKey: ["searches", id] }), refresh()]),
+  });
+}

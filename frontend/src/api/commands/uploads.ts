@@ -1,0 +1,49 @@
+/** Sends files and takes them in. */
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { api, body, json } from "../client";
+import type { UploadDetail } from "../types";
+
+export function useUploadFiles() {
+  return useMutation({
+    mutationFn: (files: File[]) => {
+      const form = new FormData();
+      for (const file of files) form.append("files", file);
+      return json("/api/v1/uploads", { method: "POST", body: form }) as Promise<UploadDetail>;
+    },
+  });
+}
+
+export function useImportUpload(id: string) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (mapping: string) =>
+      body(
+        api.POST("/api/v1/uploads/{upload_id}/import", {
+          params: { path: { upload_id: id } },
+          body: { mapping },
+        }),
+      ),
+    onSuccess: (begun) => {
+      cache.setQueryData(["upload", id, "state"], begun);
+    },
+  });
+}
+
+/** Cancels an import that goes on; else the files are forgotten. */
+export function useForgetUpload(id: string) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: () =>
+      body(api.DELETE("/api/v1/uploads/{upload_id}", { params: { path: { upload_id: id } } })),
+    onSettled: () => cache.invalidateQueries({ queryKey: ["upload", id, "state"] }),
+  });
+}
+
+export function useKeepMapping() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: { name: string; text: string }) =>
+      body(api.POST("/api/v1/mappings", { body: { ...wanted, note: "" } })),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["mappings"] }),
+  });
+}

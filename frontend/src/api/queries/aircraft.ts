@@ -1,0 +1,20 @@
+/** The aircraft, and what was predicted of it. */
+import { queryOptions } from "@tanstack/react-query";
+import { api, items } from "../client";
+
+export const aircraftQuery = queryOptions({
+  queryKey: ["aircraft"],
+  queryFn: ({ signal }) => items(api.GET("/api/v1/aircraft", { signal })),
+});
+
+export const predictionsQuery = (aircraftId?: number) =>
+  queryOptions({
+    queryKey: ["predictions", aircraftId],
+    queryFn: ({ signal }) =>
+      items(
+        api.GET("/api/v1/predictions", {
+          params: { query: { aircraft_id: aircraftId } },
+          signal,
+        }),
+      ),
+  });

@@ -1,0 +1,50 @@
+/** What pages read of maneuvers: the list, one of them, and how its channels were corrected. */
+import { infiniteQueryOptions, keepPreviousData, queryOptions } from "@tanstack/react-query";
+import { api, body, items } from "../client";
+import type { ManeuverFilters } from "../types";
+import { PAGED } from "./habits";
+
+export const maneuversQuery = (filters: ManeuverFilters, sort: string, limit = 50) =>
+  infiniteQueryOptions({
+    queryKey: ["maneuvers", filters, sort, limit],
+    queryFn: ({ pageParam, signal }) =>
+      body(
+        api.GET("/api/v1/maneuvers", {
+          params: { query: { ...filters, sort, limit, after: pageParam } },
+          signal,
+        }),
+      ),
+    ...PAGED,
+  });
+
+export const maneuverFacetsQuery = (filters: ManeuverFilters) =>
+  queryOptions({
+    queryKey: ["maneuvers", "facets", filters],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/maneuvers/facets", { params: { query: filters }, signal })),
+    placeholderData: keepPreviousData,
+  });
+
+export const maneuverQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["maneuver", id],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/maneuvers/{maneuver_id}", {
+          params: { path: { maneuver_id: id } },
+          signal,
+        }),
+      ),
+  });
+
+export const conditioningQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["conditioning", id],
+    queryFn: ({ signal }) =>
+      items(
+        api.GET("/api/v1/maneuvers/{maneuver_id}/conditioning", {
+          params: { path: { maneuver_id: id } },
+          signal,
+        }),
+      ),
+  });

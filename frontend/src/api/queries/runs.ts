@@ -1,0 +1,76 @@
+/** Estimation runs, and what they are compared with. */
+import { infiniteQueryOptions, keepPreviousData, queryOptions } from "@tanstack/react-query";
+import { api, body, items } from "../client";
+import { isOver, type DerivativeTrend, type RunFilters } from "../types";
+import { POLL_MS, PAGED } from "./habits";
+
+export const runListQuery = (filters: RunFilters, sort: string, limit = 50) =>
+  infiniteQueryOptions({
+    queryKey: ["runs", "list", filters, sort, limit],
+    queryFn: ({ pageParam, signal }) =>
+      body(
+        api.GET("/api/v1/runs", {
+          params: { query: { ...filters, sort, limit, after: pageParam } },
+          signal,
+        }),
+      ),
+    ...PAGED,
+    refetchInterval: (query) =>
+      query.state.data?.pages.some((page) => page.items.some((run) => !isOver(run.state))) === true
+        ? 4 * POLL_MS
+        : false,
+  });
+
+export const runFacetsQuery = (filters: RunFilters) =>
+  queryOptions({
+    queryKey: ["runs", "facets", filters],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/runs/facets", { params: { query: filters }, signal })),
+    placeholderData: keepPreviousData,
+  });
+
+export const runsQuery = (filters: RunFilters) =>
+  queryOptions({
+    queryKey: ["runs", filters],
+    queryFn: ({ signal }) =>
+      items(api.GET("/api/v1/runs", { params: { query: { ...filters, limit: 200 } }, signal })),
+    refetchInterval: (query) =>
+      query.state.data?.some((run) => !isOver(run.state)) === true ? 2 * POLL_MS : false,
+  });
+
+export const runQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["run", id],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/runs/{run_id}", { params: { path: { run_id: id } }, signal })),
+  });
+
+export const comparisonQuery = (runs: readonly number[], predictions: readonly number[]) =>
+  queryOptions({
+    queryKey: ["comparison", runs, predictions],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/comparisons", {
+          params: { query: { run_ids: runs.join(","), prediction_ids: predictions.join(",") } },
+          signal,
+        }),
+      ),
+    enabled: runs.length > 0,
+    placeholderData: keepPreviousData,
+  });
+
+export interface TrendQuestion {
+  run_ids: string;
+  prediction_ids?: string;
+  name: string;
+  against: DerivativeTrend["against"];
+  degree: number;
+}
+
+export const trendQuery = (question: TrendQuestion) =>
+  queryOptions({
+    queryKey: ["trend", question],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/comparisons/trend", { params: { query: question }, signal })),
+    placeholderData: keepPreviousData,
+  });

@@ -1,0 +1,73 @@
+/** Uploaded files and how their channels are named. */
+import { keepPreviousData, queryOptions } from "@tanstack/react-query";
+import { api, body, items, json } from "../client";
+import type { FigureSpec } from "../types";
+
+export const uploadQuery = (id: string) =>
+  queryOptions({
+    queryKey: ["upload", id],
+    queryFn: ({ signal }) =>
+      body(api.GET("/api/v1/uploads/{upload_id}", { params: { path: { upload_id: id } }, signal })),
+    staleTime: Infinity,
+  });
+
+export const uploadStateQuery = (id: string) =>
+  queryOptions({
+    queryKey: ["upload", id, "state"],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/uploads/{upload_id}/state", {
+          params: { path: { upload_id: id } },
+          signal,
+        }),
+      ),
+    refetchInterval: (query) => (query.state.data?.state === "importing" ? 300 : false),
+  });
+
+export const mappingCheckQuery = (id: string, mapping: string) =>
+  queryOptions({
+    queryKey: ["upload", id, "check", mapping],
+    queryFn: ({ signal }) =>
+      body(
+        api.POST("/api/v1/uploads/{upload_id}/check", {
+          params: { path: { upload_id: id } },
+          body: { mapping },
+          signal,
+        }),
+      ),
+    placeholderData: keepPreviousData,
+    staleTime: Infinity,
+    enabled: mapping !== "",
+  });
+
+export const mappingPreviewQuery = (id: string, mapping: string, channels: string[]) =>
+  queryOptions({
+    queryKey: ["upload", id, "preview", mapping, channels],
+    queryFn: ({ signal }) =>
+      json(`/api/v1/uploads/${id}/preview`, {
+        method: "POST",
+        headers: { "Content-Type": "application/json" },
+        body: JSON.stringify({ mapping, channels }),
+        signal,
+      }) as Promise<FigureSpec>,
+    placeholderData: keepPreviousData,
+    staleTime: Infinity,
+  });
+
+export const mappingsQuery = queryOptions({
+  queryKey: ["mappings"],
+  queryFn: ({ signal }) => items(api.GET("/api/v1/mappings", { signal })),
+});
+
+export const structureUploadQuery = (id: string) =>
+  queryOptions({
+    queryKey: ["upload", id, "structure"],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/uploads/{upload_id}/structure", {
+          params: { path: { upload_id: id } },
+          signal,
+        }),
+      ),
+    retry: false,
+  });

@@ -1,0 +1,44 @@
+/** The workbench itself: its health, glossary, figures and saved views. */
+import { keepPreviousData, queryOptions } from "@tanstack/react-query";
+import { address, api, body, items, json, type QueryValue } from "../client";
+import type { FigureSpec } from "../types";
+
+export const healthQuery = queryOptions({
+  queryKey: ["health"],
+  queryFn: ({ signal }) => body(api.GET("/api/v1/health", { signal })),
+  refetchInterval: (query) => (query.state.status === "error" ? 1500 : 10_000),
+  retry: false,
+});
+
+export const meaningQuery = (name: string) =>
+  queryOptions({
+    queryKey: ["nomenclature", name],
+    queryFn: async ({ signal }) => {
+      const query = { names: name };
+      const found = await items(api.GET("/api/v1/nomenclature", { params: { query }, signal }));
+      return found[0] ?? null;
+    },
+    staleTime: Infinity,
+  });
+
+export const glossaryQuery = queryOptions({
+  queryKey: ["nomenclature"],
+  queryFn: ({ signal }) => items(api.GET("/api/v1/nomenclature", { signal })),
+  staleTime: Infinity,
+});
+
+export const savedViewsQuery = (page: string) =>
+  queryOptions({
+    queryKey: ["saved-views", page],
+    queryFn: ({ signal }) =>
+      items(api.GET("/api/v1/saved-views", { params: { query: { page } }, signal })),
+  });
+
+export const figureQuery = (kind: string, params: Record<string, QueryValue>) =>
+  queryOptions({
+    queryKey: ["figure", kind, params],
+    queryFn: ({ signal }) =>
+      json(address(`figures/${kind}`, params), { signal }) as Promise<FigureSpec>,
+    placeholderData: keepPreviousData,
+    staleTime: 60_000,
+  });
