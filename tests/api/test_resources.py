@@ -11,7 +11,7 @@ from pydantic import TypeAdapter
 
 from flexsid.api import answers, run_answers
 from flexsid.api.routes.batches import BatchList
-from flexsid.api.routes.figures import Figure
+from flexsid.api.routes.figures.answer import Figure
 from flexsid.api.routes.jobs import JobList, JobLog, QueueStatus
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.comparison import Comparison

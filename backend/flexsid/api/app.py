@@ -40,7 +40,6 @@ from flexsid.api.routes import (
     jobs,
     maneuvers,
     mappings,
-    modal_figures,
     modal_tables,
     model_structures,
     nomenclature,
@@ -180,7 +179,6 @@ def create_app(
         closed_loop,
         task_routes,
         figures,
-        modal_figures,
         nomenclature,
     ):
         api.include_router(module.router)

@@ -10,6 +10,7 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.finite import finite_or_none
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
@@ -35,25 +36,10 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.workflow.computation import Computed, Flown, Task, compute
 from flexsid.workflow.doubts import check_extras, doubts
 from flexsid.workflow.measured import read_measurement
-from flexsid.workflow.models import (
-    OutputDefinition,
-    build_model,
-    default_outputs,
-    define_outputs,
-)
-from flexsid.workflow.modes import (
-    AircraftModes,
-    companion_modes,
-    find_modal_tables,
-    load_modes,
-)
+from flexsid.workflow.models import OutputDefinition, build_model, default_outputs, define_outputs
+from flexsid.workflow.modes import AircraftModes, companion_modes, find_modal_tables, load_modes
 from flexsid.workflow.predictions import best_prediction
-from flexsid.workflow.starts import (
-    is_residualized,
-    predicted_tables,
-    priors_of,
-    starting_tables,
-)
+from flexsid.workflow.starts import is_residualized, predicted_tables, priors_of, starting_tables
 from flexsid.workflow.structures import brought_to
 
 __all__ = ["compute", "keep", "prepare"]
@@ -148,12 +134,12 @@ def keep(
                     real=pole.value.real,
                     imag=pole.value.imag,
                     name=pole.name,
-                    real_std=_finite(pole.real_std),
-                    imag_std=_finite(pole.imag_std),
+                    real_std=finite_or_none(pole.real_std),
+                    imag_std=finite_or_none(pole.imag_std),
                     frequency=pole.frequency,
-                    frequency_std=_finite(pole.frequency_std),
+                    frequency_std=finite_or_none(pole.frequency_std),
                     damping=pole.damping,
-                    damping_std=_finite(pole.damping_std),
+                    damping_std=finite_or_none(pole.damping_std),
                 )
                 for pole in computed.poles
             ),
@@ -211,10 +197,10 @@ def _parameter_rows(estimate: Estimate) -> tuple[ParameterEstimate, ...]:
         ParameterEstimate(
             name=quality.name,
             value=float(value),
-            std_error=_finite(quality.std_error),
+            std_error=finite_or_none(quality.std_error),
             start=float(start),
-            cramer_rao=_finite(quality.cramer_rao),
-            insensitivity=_finite(quality.insensitivity),
+            cramer_rao=finite_or_none(quality.cramer_rao),
+            insensitivity=finite_or_none(quality.insensitivity),
         )
         for quality, value, start in zip(
             parameter_quality(estimate), estimate.values, estimate.start, strict=True
@@ -228,7 +214,9 @@ def _fit(computed: Computed) -> Fit:
         outcome=estimate.outcome.value,
         message=estimate.message,
         iterations=tuple(
-            Iteration(iteration=step.iteration, cost=step.cost, step=_finite(step.step) or 0.0)
+            Iteration(
+                iteration=step.iteration, cost=step.cost, step=finite_or_none(step.step) or 0.0
+            )
             for step in estimate.steps
         ),
         cost=estimate.steps[-1].cost if estimate.steps else None,
@@ -262,7 +250,3 @@ def _r_squared(estimate: Estimate) -> dict[str, float]:
             error[output] = error.get(output, 0.0) + float(np.sum(np.abs(z - y) ** 2))
             power[output] = power.get(output, 0.0) + float(np.sum(np.abs(z) ** 2))
     return {name: 1.0 - error[name] / power[name] for name in power if power[name] > 0}
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None

@@ -13,6 +13,7 @@ import numpy as np
 
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records.aircraft import SensorKind
+from flexsid.records.finite import finite_or_none
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.records.quality import (
     ChannelQuality,
@@ -242,7 +243,7 @@ def _channel(
     if faults.inputs is not None and channel.name in faults.inputs.names:
         k = faults.inputs.names.index(channel.name)
         delay, std = faults.inputs.delay_s[k], faults.inputs.delay_std[k]
-        return replace(quality, delay_s=_finite(delay), delay_std=_finite(std))
+        return replace(quality, delay_s=finite_or_none(delay), delay_std=finite_or_none(std))
     if channel.name not in faults.faults.names:
         return quality
     k = faults.faults.names.index(channel.name)
@@ -250,12 +251,12 @@ def _channel(
     free = faults.faults.scale_std[k] > 0
     return replace(
         quality,
-        coherence=_finite(faults.coherence[k]),
-        noise_excess=_finite(faults.noise_excess[k]),
-        delay_s=_finite(faults.faults.delay_s[k]) if told else None,
-        delay_std=_finite(faults.faults.delay_std[k]) if told else None,
-        scale=_finite(faults.faults.scale[k]) if free else None,
-        scale_std=_finite(faults.faults.scale_std[k]) if free else None,
+        coherence=finite_or_none(faults.coherence[k]),
+        noise_excess=finite_or_none(faults.noise_excess[k]),
+        delay_s=finite_or_none(faults.faults.delay_s[k]) if told else None,
+        delay_std=finite_or_none(faults.faults.delay_std[k]) if told else None,
+        scale=finite_or_none(faults.faults.scale[k]) if free else None,
+        scale_std=finite_or_none(faults.faults.scale_std[k]) if free else None,
     )
 
 
@@ -333,7 +334,3 @@ def _figures(report: QualityReport) -> Figures:
         fuel_change=report.condition.fuel_change,
         airspeed_drift=report.condition.airspeed_drift,
     )
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None

@@ -19,12 +19,8 @@ from flexsid.workflow.computation import Task, versions
 from flexsid.workflow.estimation import prepare as prepare_run
 from flexsid.workflow.identity import identified
 from flexsid.workflow.recording import trim_removed
-from flexsid.workflow.search_computation import (
-    SearchTask,
-    check_same_candidates,
-    search,
-    thresholds_of,
-)
+from flexsid.workflow.structure_search.computation import search
+from flexsid.workflow.structure_search.task import SearchTask, check_same_candidates, thresholds_of
 from flexsid.workflow.structures import check_structure
 from flexsid.workflow.transforms import load_channels
 

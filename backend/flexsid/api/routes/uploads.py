@@ -14,7 +14,7 @@ from flexsid.api.answers import UploadDetail
 from flexsid.api.context import TheContext
 from flexsid.api.received import receive
 from flexsid.api.requests import PreviewRequest, UploadMappingRequest
-from flexsid.api.routes.figures import Figure
+from flexsid.api.routes.figures.answer import Figure
 from flexsid.api.wire import Json
 from flexsid.workflow import describing, views
 from flexsid.workflow.uploads import Upload

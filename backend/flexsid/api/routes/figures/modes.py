@@ -1,4 +1,4 @@
-"""Figures of structures as plotly specs: modes over fuel, MAC, model order, stabilisation."""
+"""Figures of structures: modes over fuel, MAC, model order, stabilisation."""
 
 from __future__ import annotations
 
@@ -9,22 +9,19 @@ from fastapi.responses import Response
 
 from flexsid import figures
 from flexsid.api.context import TheStore
-from flexsid.api.export import FILES, Form, sent
-from flexsid.api.routes.figures import Figure
+from flexsid.api.export import Form, sent
+from flexsid.api.routes.figures.answer import Figure, Id
 from flexsid.api.routes.modal_tables import Fuel, TheOrderQuestion
 from flexsid.api.routes.vibration_tests import TheModeSearch
 from flexsid.api.wire import Reference, split_names
-from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow import vibration_test
 from flexsid.workflow.views import model_order, structure
 
-router = APIRouter(prefix="/figures", tags=["figures"], responses=FILES)
-
-_Id = Annotated[int, Query(ge=1, le=LARGEST_ID)]
+router = APIRouter()
 
 
 @router.get("/modes-against-fuel", response_model=Figure)
-def draw_modes_against_fuel(store: TheStore, modal_table_id: _Id, form: Form = "json") -> Response:
+def draw_modes_against_fuel(store: TheStore, modal_table_id: Id, form: Form = "json") -> Response:
     """Draw frequency and damping of the modes of a table over fuel, crossings marked."""
     return sent(
         figures.modes_against_fuel(structure.modes_against_fuel(store, modal_table_id)), form
@@ -34,7 +31,7 @@ def draw_modes_against_fuel(store: TheStore, modal_table_id: _Id, form: Form = "
 @router.get("/mac", response_model=Figure)
 def draw_assurance(
     store: TheStore,
-    modal_table_id: _Id,
+    modal_table_id: Id,
     fuel: Fuel = 0.5,
     other_id: Reference = None,
     other_fuel: Annotated[float | None, Query(ge=0.0, le=1.0)] = None,
@@ -77,7 +74,7 @@ def draw_reduced_responses(
 
 @router.get("/stabilisation", response_model=Figure)
 def draw_stabilisation(
-    store: TheStore, responses_id: _Id, search: TheModeSearch, form: Form = "json"
+    store: TheStore, responses_id: Id, search: TheModeSearch, form: Form = "json"
 ) -> Response:
     """Draw the poles of models of every order over the mean measured response."""
     value = vibration_test.draw_stabilisation(store, responses_id, search)

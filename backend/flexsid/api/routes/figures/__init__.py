@@ -1,0 +1,21 @@
+"""Figures as plotly specs: numbers from the workflow, drawn by figures, themed by the page."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from flexsid.api.export import FILES
+from flexsid.api.routes.figures import (
+    comparisons,
+    decisions,
+    designs,
+    flutter,
+    maneuvers,
+    modes,
+    runs,
+    searches,
+)
+
+router = APIRouter(prefix="/figures", tags=["figures"], responses=FILES)
+for _drawn in (maneuvers, runs, comparisons, flutter, searches, designs, decisions, modes):
+    router.include_router(_drawn.router)
