@@ -39,13 +39,13 @@ bounded = settings(
 @schema.exclude(method="DELETE").exclude(path=STREAM).parametrize()
 @bounded
 def test_a_route_answers_as_described(case: Any, changed_url: str) -> None:
-    case.call_and_validate(base_url=changed_url, timeout=60, excluded_checks=LENIENT)
+    case.call_and_validate(base_url=changed_url, timeout=300, excluded_checks=LENIENT)
 
 
 @schema.include(method="DELETE").parametrize()
 @bounded
 def test_what_is_deleted_is_deleted_as_described(case: Any, doomed_url: str) -> None:
-    case.call_and_validate(base_url=doomed_url, timeout=60, excluded_checks=LENIENT)
+    case.call_and_validate(base_url=doomed_url, timeout=300, excluded_checks=LENIENT)
 
 
 @pytest.fixture(scope="session")
