@@ -2683,6 +2683,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/figures/loops": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draw Loops
+         * @description Draw each surface's loop as flown, with its margins.
+         */
+        get: operations["draw_loops"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/figures/ground-test": {
         parameters: {
             query?: never;
@@ -3135,26 +3155,6 @@ export interface paths {
          * @description Draw each output's expected signal over noise at each line of a design.
          */
         get: operations["draw_design_signal"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/v1/figures/loops": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Draw Loops
-         * @description Draw each surface's loop as flown, with its margins.
-         */
-        get: operations["draw_loops"];
         put?: never;
         post?: never;
         delete?: never;
@@ -14538,6 +14538,41 @@ export interface operations {
             };
         };
     };
+    draw_loops: {
+        parameters: {
+            query: {
+                maneuver_id: number;
+                /** @description Figure, or the numbers it shows. */
+                format?: "json" | "csv" | "mat";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Figure"];
+                    "text/csv": string;
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     draw_ground_test: {
         parameters: {
             query: {
@@ -15438,41 +15473,6 @@ export interface operations {
                 run_id: number;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
-                /** @description Figure, or the numbers it shows. */
-                format?: "json" | "csv" | "mat";
-            };
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Figure"];
-                    "text/csv": string;
-                    "application/octet-stream": string;
-                };
-            };
-            /** @description Client Error */
-            "4XX": {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
-                };
-            };
-        };
-    };
-    draw_loops: {
-        parameters: {
-            query: {
-                maneuver_id: number;
                 /** @description Figure, or the numbers it shows. */
                 format?: "json" | "csv" | "mat";
             };
