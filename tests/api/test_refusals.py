@@ -69,7 +69,7 @@ def test_a_bad_query(empty: TestClient, path: str, code: str) -> None:
 @pytest.mark.parametrize(
     ("path", "field", "known"),
     [
-        ("runs?methd=OE", "methd", "method"),
+        ("runs?methods=OE", "methods", "method"),
         ("runs/1?limit=5", "limit", "none"),
         ("maneuvers/facets?sort=id", "sort", "fta"),
         ("figures/bode?maneuver_id=1&output=q&runs=1", "runs", "run_id"),
