@@ -17,7 +17,7 @@ from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.records.flight import Flight
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage.store import Store
 from flexsid.workflow.computation import Computed
 from flexsid.workflow.estimation import compute, prepare
@@ -104,6 +104,32 @@ def test_a_mode_above_the_band_is_not_told_with_small_errors(store: Store, seed:
     assert any(
         "SW1T" in warning and "above the highest line" in warning for warning in found.warnings
     )
+
+
+@pytest.mark.parametrize("seed", [2, 3])
+def test_a_mode_above_the_band_stays_there(store: Store, seed: int):
+    """From equation error alone it went into the band: likelier, and wrong by 13 to 27 sigma."""
+    flown = fly(airspeed_ratio=0.92, fuel=0.4, fta=503, modes_in_truth=3, seed=seed)
+    maneuver = add_maneuver(store, flown, _flight(store))
+    request = EstimationRun(
+        maneuver_id=maneuver.id or 0,
+        method=Method.OE,
+        structure=Structure(modes=(7, 9, 11), fixed={}),
+        settings=RunSettings(start=Start.EQUATION_ERROR),
+    )
+    found = compute(prepare(store, request), lambda progress: None)
+    assert "SW1T, SFA as predicted" in found.start
+    assert all(pole.frequency > 30.0 for pole in found.poles if pole.name == "SFA")
+    truth = flown.truth.named()
+    off = found.estimate.values - np.array([truth[name] for name in found.estimate.names])
+    assert np.mean(np.abs(off) < 3.0 * found.estimate.std_errors) >= 0.95
+
+
+def test_equation_error_says_that_a_mode_has_strayed(store: Store):
+    flown = fly(airspeed_ratio=0.92, fuel=0.4, fta=503, modes_in_truth=3, seed=2)
+    maneuver = add_maneuver(store, flown, _flight(store))
+    found = run(store, maneuver.id or 0, Method.EE, (7, 9, 11))
+    assert any("SFA" in warning and "came out at" in warning for warning in found.warnings)
 
 
 def test_output_error_converges_beyond_flutter(store: Store):

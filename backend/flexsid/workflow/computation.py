@@ -30,6 +30,7 @@ from flexsid.sysid.estimation.record_edges import settle_edges
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.stability.poles import NamedPole, named_poles
+from flexsid.workflow.beyond_band import calmed, remarks_on, strayed
 from flexsid.workflow.judgement import warnings_of
 from flexsid.workflow.measurement import MeasuredLines, Measurement
 
@@ -74,7 +75,8 @@ class Task:
     """All that a worker needs: numbers and choices, no database.
 
     Maneuvers share the nondimensional derivatives. ``starts`` are starting tables
-    by what they are called; ``try_equation_error`` adds one of the data's own.
+    by what they are called; ``try_equation_error`` adds one of the data's own, which takes
+    what the data do not hold from ``predicted``.
     """
 
     method: Method
@@ -83,6 +85,7 @@ class Task:
     flown: tuple[Flown, ...]
     mode_names: tuple[str, ...]
     starts: dict[str, DerivativeTable]
+    predicted: DerivativeTable | None
     priors: dict[str, tuple[float, float]]
     try_equation_error: bool
     residualized: dict[str, float] | None
@@ -93,6 +96,16 @@ class Task:
     def model(self) -> AeroelasticModel:
         """Model of the first maneuver, whose poles are told."""
         return self.flown[0].model
+
+    @cached_property
+    def highest(self) -> float:
+        """Highest line of any maneuver. [rad/s]"""
+        return max(flown.measurement.highest for flown in self.flown)
+
+    @property
+    def beyond(self) -> tuple[int, ...]:
+        """Places of the modes above the highest line."""
+        return tuple(np.flatnonzero(self.model.modes.omega > self.highest).tolist())
 
     @cached_property
     def maneuvers(self) -> tuple[ManeuverData, ...]:
@@ -154,9 +167,8 @@ def compute(task: Task, report: Report) -> Computed:
         if task.method is Method.OE:
             warnings += _input_noise_share(task, experiments, parameters, estimate)
     estimate = estimate.widened(max(m.measured.crowding for m in task.maneuvers))
-    poles = named_poles(
-        task.model, parameters, estimate.values, estimate.corrected_covariance, task.mode_names
-    )
+    poles = _poles(task, parameters, estimate)
+    warnings += remarks_on(_strayed(task, poles), task.highest)
     table = parameters.table(estimate.values).named()
     return Computed(
         estimate=estimate,
@@ -286,18 +298,27 @@ def likeliest(
 
         return parameters, name, maximize(experiments, parameters, settings, tell)
 
+    def best_of(
+        ends: list[tuple[Parameters, str, Estimate]],
+    ) -> tuple[Parameters, str, Estimate]:
+        astray = [len(_strayed(task, _poles(task, end[0], end[2]))) for end in ends]
+        fewest = min(astray)
+        return _best([end for end, n in zip(ends, astray, strict=True) if n == fewest])
+
     ends = [
         attempt(name, parameters, number / len(candidates))
         for number, (name, parameters) in enumerate(candidates.items())
     ]
-    best = _best(ends)
+    best = best_of(ends)
     for seed in range(_PERTURBED_STARTS):
         if best[2].outcome in (Outcome.CONVERGED, Outcome.SINGULAR_INFORMATION):
             break
         parameters, name, _ = best
         away = 1.0 + 0.3 * np.random.default_rng(seed).uniform(-1, 1, parameters.start.size)
         elsewhere = replace(parameters, start=parameters.start * away)
-        best = _best([best, attempt(f"{name.split(', perturbed')[0]}, perturbed", elsewhere, 0.9)])
+        best = best_of(
+            [best, attempt(f"{name.split(', perturbed')[0]}, perturbed", elsewhere, 0.9)]
+        )
     return best
 
 
@@ -324,7 +345,8 @@ def starting_points(task: Task, report: Report) -> dict[str, Parameters]:
         held = parameters_of(task, any_start(task), ())
         try:
             values = _equation_error(task, held)[0].values
-            tables = {EQUATION_ERROR: held.table(values), **tables}
+            name, table = _calmed(task, held, values)
+            tables = {name: table, **tables}
         except NotIdentifiable:
             if not tables:
                 raise
@@ -340,6 +362,27 @@ def starting_points(task: Task, report: Report) -> dict[str, Parameters]:
         report(Progress(message="Finding delays from the redundancy of the sensors"))
         candidates = _with_delays(task, candidates, delayed)
     return candidates
+
+
+def _calmed(task: Task, parameters: Parameters, values: np.ndarray) -> tuple[str, DerivativeTable]:
+    """Name and table of the start by equation error, modes beyond the band set aside."""
+    if not task.beyond:
+        return EQUATION_ERROR, parameters.table(values)
+    names = ", ".join(task.mode_names[k] for k in task.beyond)
+    source = "in vacuo" if task.predicted is None else "predicted"
+    table = calmed(parameters, values, task.beyond, task.predicted)
+    return f"{EQUATION_ERROR}, {names} as {source}", table
+
+
+def _poles(task: Task, parameters: Parameters, estimate: Estimate) -> tuple[NamedPole, ...]:
+    return named_poles(
+        task.model, parameters, estimate.values, estimate.corrected_covariance, task.mode_names
+    )
+
+
+def _strayed(task: Task, poles: tuple[NamedPole, ...]) -> tuple[NamedPole, ...]:
+    beyond = [(task.mode_names[k], float(task.model.modes.omega[k])) for k in task.beyond]
+    return strayed(poles, beyond, task.highest)
 
 
 def _with_delays(

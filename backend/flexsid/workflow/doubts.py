@@ -50,7 +50,8 @@ def _out_of_band(flown: Flown, modes: AircraftModes) -> tuple[str, ...]:
     highest = flown.measurement.highest
     return tuple(
         f"{modes.names[number]} ({omega / 2 / np.pi:.3g} Hz in vacuo) lies above the highest line "
-        f"({highest / 2 / np.pi:.3g} Hz): the data hold little of its dynamics."
+        f"({highest / 2 / np.pi:.3g} Hz): the data hold little of its dynamics, and standard "
+        "errors of its derivatives may be too small. A prior at the prediction keeps them."
         for number, omega in zip(flown.model.modes.numbers, flown.model.modes.omega, strict=True)
         if omega > highest
     )

@@ -97,6 +97,7 @@ def _prepared(store: Store, run: EstimationRun) -> Task:
         flown=data,
         mode_names=tuple(modes.names[number] for number in structure.modes),
         starts=starts,
+        predicted=next(iter(predicted.values()), None),
         priors=priors_of(predicted, free, settings),
         try_equation_error=settings.start in (Start.BEST, Start.EQUATION_ERROR),
         residualized=next((t.named() for n, t in predicted.items() if is_residualized(n)), None),
