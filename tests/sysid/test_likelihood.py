@@ -32,6 +32,18 @@ def test_two_modes_are_found_from_a_quarter_off(make_case, ratio, seed):
     assert np.sqrt(np.mean(error**2)) < 1.5
 
 
+@pytest.mark.parametrize("off", [0.25, 0.4])
+@pytest.mark.parametrize("ratio", [0.5, 1.0, 1.05])
+def test_two_modes_are_found_near_flutter_in_few_iterations(make_case, ratio, off):
+    case = make_case(2, airspeed_ratio=ratio)
+    for seed in range(100, 110):
+        u, y = case.spectra(seed)
+        z = add_noise(y, 0.02, np.random.default_rng(seed))
+        estimate = maximize([case.experiment(u, z)], case.free(off=off, seed=seed))
+        assert estimate.outcome is Outcome.CONVERGED
+        assert len(estimate.steps) - 1 <= 15
+
+
 @pytest.mark.parametrize(("ratio", "seed"), [(1.0, 20), (1.02, 21), (1.02, 56)])
 def test_a_resonance_between_two_lines_does_not_stop_a_fit(make_case, ratio, seed):
     case = make_case(2, airspeed_ratio=ratio)

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from tests.sysid.conftest import add_noise
 
+from flexsid.sysid.estimation import left_out as jackknife
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.line_model import LineModel
 from flexsid.sysid.estimation.noise import LineMatrix
+from flexsid.sysid.estimation.parameters import select_parameters
 
 EXTRAS = ("delay_q", "delay_alpha", "scale_alpha", "omega_7", "zeta_9", "shape_az_cf_7")
 
@@ -103,3 +105,24 @@ def test_how_a_full_density_follows_equals_differences(line_model):
             expected = -whitener @ (after - before) @ whitener.T / (4.0 * step)
             found = part[index].view(complex).reshape(expected.shape)
             assert np.abs(found - expected).max() < 1e-5 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("free", [None, ("Cm_q", "CQ9_eta7", "CZ_alpha", "CQ7_etadot9")])
+def test_residuals_left_out_equal_those_of_fits_without_the_line(make_case, monkeypatch, free):
+    monkeypatch.setattr(jackknife, "_DECIDING", 1.0)
+    case = make_case(2, airspeed_ratio=1.04, n_outputs=8)
+    u, y = case.spectra(1)
+    z = add_noise(y, 0.05, np.random.default_rng(2))
+    parameters = select_parameters(case.truth, free, case.model.outputs, ("omega_7",))
+    model = LineModel(case.experiment(u, z), parameters)
+    response = model.respond(parameters.start)
+    sensitivity = model.sensitivity(parameters.start, response)
+    J, nu = model.jacobian(sensitivity).copy(), z - response.outputs
+    weights = 1.0 / np.mean(np.abs(nu) ** 2, axis=0)
+    own = np.real(np.einsum("kyi,y,kyj->kij", J.conj(), weights, J))
+    score = np.real(np.einsum("kyi,y,ky->ki", J.conj(), weights, nu))
+    N = own.sum(axis=0) + 1e-3 * np.diag(np.diag(own.sum(axis=0)))
+    expected = [nu[k] + J[k] @ np.linalg.solve(N - own[k], score[k]) for k in range(len(nu))]
+    W = LineMatrix(weights[None], np.zeros(len(nu), dtype=int))
+    found = jackknife.left_out(model, sensitivity, nu, W, np.linalg.inv(N))
+    assert np.abs(found - expected).max() < 1e-8 * np.abs(nu).max()

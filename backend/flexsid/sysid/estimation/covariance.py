@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -12,6 +12,7 @@ from scipy.linalg import lapack
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.kronecker import NormalForm
+from flexsid.sysid.estimation.left_out import left_out
 from flexsid.sysid.estimation.line_model import LineModel, Sensitivity
 
 _WEAKEST = 1e-13  # of the strongest direction of the scaled information
@@ -50,6 +51,18 @@ class FinalLines:
     weights: noise.LineMatrix
     theta: Float[np.ndarray, " n_theta"]
 
+    @property
+    def shares_noise(self) -> bool:
+        """Whether lines were computed from others."""
+        return self.form.model.experiment.source is not None
+
+    def left_out(self, inverse: Float[np.ndarray, "n_theta n_theta"]) -> FinalLines:
+        """The same with what residuals would be if their line had taken no part."""
+        residuals = left_out(
+            self.form.model, self.sensitivity, self.residuals, self.weights, inverse
+        )
+        return replace(self, residuals=residuals)
+
 
 def covariance(
     lines: Sequence[FinalLines],
@@ -75,8 +88,9 @@ def covariance(
     For circular residuals Cov = 1/2 N^-1. The corrected form is the sandwich
     1/2 N^-1 [Re sum J^H W S W J] N^-1 with S from neighbouring residuals: it stays right
     for coloured residuals and for those that noise on the inputs makes alike on all
-    outputs, where the plain form is too small by half. Where the information is singular
-    residuals tell nothing either: there the floor of the information is the only bound.
+    outputs, where the plain form is too small by half. Each line's residuals are those
+    against the fit to the other lines. Where the information is singular residuals tell
+    nothing: there the floor of the information is the only bound.
     """
     scale = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
     outer = np.outer(scale, scale)
@@ -84,7 +98,10 @@ def covariance(
     known, unknown = known / outer, unknown / outer
     middle = np.diag(prior_information)
     for final in lines:
-        middle = middle + inflation * score_covariance(final)
+        if final.shares_noise:
+            middle = middle + inflation * score_covariance(final)
+        else:
+            middle = middle + score_covariance(final.left_out(known))
     plain = 0.5 * (known + unknown)
     corrected = 0.5 * (known @ middle @ known + unknown)
     return Covariance(_symmetric(plain), _symmetric(corrected), lacking)

@@ -9,7 +9,7 @@ so the recorded cost never rises.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -21,6 +21,7 @@ from flexsid.sysid.estimation.estimate import Estimate, FittedLines, Outcome, St
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.line_model import LineModel, Response, Sensitivity
+from flexsid.sysid.estimation.measured_motion import motion_seen
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.steps import (
     curvatures,
@@ -34,6 +35,7 @@ _AS_EXPECTED = 0.75  # of what the curvature promises: good enough to look no fu
 _CONVERGING = 0.3  # share of the step before: smaller ones shrink for good
 _QUICK = 4  # iterations that may pass before a fit counts as slow
 _ALONG = 0.1  # of a step: where its bend is felt
+_ALMOST_NONE = 1e-10  # damping against rounding alone
 _NEAR = 20  # standard errors: steps below count as near the optimum
 
 
@@ -159,8 +161,12 @@ class _Problem:
         outcome = Outcome.ITERATION_LIMIT
         for iteration in range(1, self.settings.max_iterations + 1):
             near, slow = steps[-1].step < _NEAR, iteration > _QUICK
-            around = self.expand(state, [S.inverse() for S in state.densities])
-            found = self._step(state, around, damping, near=near, slow=slow)
+            weights = [S.inverse() for S in state.densities]
+            around = self.expand(state, weights, measured=iteration == 1)
+            found = self._leap(state, around, damping) if iteration == 1 else None
+            if found is None:
+                around = around if iteration > 1 else self.expand(state, weights)
+                found = self._step(state, around, damping, near=near, slow=slow)
             if found is None:
                 small = gradient_is_small(around.N, around.g)
                 outcome = Outcome.CONVERGED if small else Outcome.DIVERGED
@@ -175,14 +181,26 @@ class _Problem:
                 break
         return self._estimate(state, steps, outcome)
 
-    def expand(self, state: _State, weights: list[noise.LineMatrix]) -> _Expansion:
-        """Expand the cost around a state, with the noise held."""
+    def expand(
+        self, state: _State, weights: list[noise.LineMatrix], *, measured: bool = False
+    ) -> _Expansion:
+        """Expand the cost around a state, with the noise held.
+
+        Notes
+        -----
+        With the motion that the sensors tell in place of the model's, measured less modelled
+        outputs are G Theta w for a change Theta of any size, but for the noise: far from the
+        optimum that leads further than the motion of a model whose resonances lie elsewhere.
+        Near it, noise in that motion would bias. Source: Sanathanan and Koerner (1963).
+        """
         N = np.diag(self.prior_information)
         g = self.prior_information * (self.prior_mean - state.theta)
         sensitivities = []
         for form, response, nu, W in zip(
             self.forms, state.responses, state.residuals, weights, strict=True
         ):
+            if measured:
+                response = replace(response, motion=motion_seen(response, nu, W))
             sensitivity = form.model.sensitivity(state.theta, response)
             sensitivities.append(sensitivity)
             n_part, g_part = form.equations(sensitivity, nu, W)
@@ -237,6 +255,16 @@ class _Problem:
                 return best, max(0.1 * damping, 1e-12)
             damping *= 10.0
         return None
+
+    def _leap(
+        self, state: _State, around: _Expansion, damping: float
+    ) -> tuple[_State, float] | None:
+        """Full step of an expansion by measured motion, None where it does not lower the cost."""
+        delta = damped_step(around.N, np.diag(around.N), around.g, _ALMOST_NONE)
+        if delta is None:
+            return None
+        trial = self.at(state.theta + delta)
+        return (trial, 1e-6) if trial.cost < state.cost else None
 
     def _bent(self, state: _State, around: _Expansion, damping: float) -> _State:
         """Follow the bend of a valley where no straight step leads down; the same if none does.
