@@ -35,6 +35,8 @@ _AS_EXPECTED = 0.75  # of what the curvature promises: good enough to look no fu
 _CONVERGING = 0.3  # share of the step before: smaller ones shrink for good
 _QUICK = 4  # iterations that may pass before a fit counts as slow
 _ALONG = 0.1  # of a step: where its bend is felt
+_LOST = 0.4  # share of the measured power that the model leaves
+_AFTER_LEAP = 1e-6  # damping, for the optimum is near
 _ALMOST_NONE = 1e-10  # damping against rounding alone
 _NEAR = 20  # standard errors: steps below count as near the optimum
 
@@ -162,10 +164,11 @@ class _Problem:
         for iteration in range(1, self.settings.max_iterations + 1):
             near, slow = steps[-1].step < _NEAR, iteration > _QUICK
             weights = [S.inverse() for S in state.densities]
-            around = self.expand(state, weights, measured=iteration == 1)
-            found = self._leap(state, around, damping) if iteration == 1 else None
+            leaping = iteration == 1 and self._is_lost(state)
+            around = self.expand(state, weights, measured=leaping)
+            found = self._leap(state, around) if leaping else None
             if found is None:
-                around = around if iteration > 1 else self.expand(state, weights)
+                around = self.expand(state, weights) if leaping else around
                 found = self._step(state, around, damping, near=near, slow=slow)
             if found is None:
                 small = gradient_is_small(around.N, around.g)
@@ -256,15 +259,22 @@ class _Problem:
             damping *= 10.0
         return None
 
-    def _leap(
-        self, state: _State, around: _Expansion, damping: float
-    ) -> tuple[_State, float] | None:
+    def _is_lost(self, state: _State) -> bool:
+        """Whether the model leaves so much of what sensors measure that its motion misleads."""
+        left = []
+        for e, nu, power in zip(
+            self.experiments, state.residuals, self.measured_powers, strict=True
+        ):
+            left.append(noise.group_powers(nu, e.group, len(e.group_names)) / power)
+        return bool(np.mean(np.concatenate(left)) > _LOST)
+
+    def _leap(self, state: _State, around: _Expansion) -> tuple[_State, float] | None:
         """Full step of an expansion by measured motion, None where it does not lower the cost."""
         delta = damped_step(around.N, np.diag(around.N), around.g, _ALMOST_NONE)
         if delta is None:
             return None
         trial = self.at(state.theta + delta)
-        return (trial, 1e-6) if trial.cost < state.cost else None
+        return (trial, _AFTER_LEAP) if trial.cost < state.cost else None
 
     def _bent(self, state: _State, around: _Expansion, damping: float) -> _State:
         """Follow the bend of a valley where no straight step leads down; the same if none does.
