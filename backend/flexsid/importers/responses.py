@@ -9,7 +9,9 @@ import numpy as np
 from flexsid import units
 from flexsid.errors import BadInput
 from flexsid.importers.source import Source, Sources
-from flexsid.importers.structure import axes_of, frames_of, length_of
+from flexsid.importers.structure.axes import axes_of
+from flexsid.importers.structure.nodes import frames_of
+from flexsid.importers.structure.units import length_of
 
 QUANTITIES = {"length": "displacement", "speed": "velocity", "acceleration": "acceleration"}
 _AXES = {1: "x", 2: "y", 3: "z"}

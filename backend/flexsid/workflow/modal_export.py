@@ -8,7 +8,7 @@ from flexsid.errors import BadInput
 from flexsid.importers.modal_files import WrittenModes
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.table import fuel_weights, interpolate, weighted
-from flexsid.workflow.views.structure import open_modes, shape_at, title
+from flexsid.workflow.tracked_modes import open_modes, shape_at, title
 
 _TO_STRUCTURE = np.tile([-1.0, 1.0, -1.0], 2)
 

@@ -27,7 +27,7 @@ from flexsid.sysid.modes.polyreference import (
     stabilisation,
 )
 from flexsid.workflow.modal_import import keep_structure
-from flexsid.workflow.views.structure import Modes, open_modes, shape_at
+from flexsid.workflow.tracked_modes import Modes, open_modes, shape_at
 
 _ALIKE = 0.7
 _UNPAIRED = 1000

@@ -22,8 +22,11 @@ from flexsid.records.modal_views import Correlation, ModelOrder, Observability
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow.modal_export import modes_to_write
 from flexsid.workflow.modes import corrected
-from flexsid.workflow.views import model_order, structure
+from flexsid.workflow.views import model_order
+from flexsid.workflow.views.correlation import correlate
+from flexsid.workflow.views.fuel import modes_at
 from flexsid.workflow.views.observability import observability
+from flexsid.workflow.views.shape import drawn_shape
 
 router = APIRouter(prefix="/modal-tables", tags=["modal-tables"])
 
@@ -102,7 +105,7 @@ def get_modal_table(store: TheStore, modal_table_id: Identity) -> Json:
 @router.get("/{modal_table_id}/modes", response_model=ModeList)
 def list_modes(store: TheStore, modal_table_id: Identity, fuel: Fuel = 0.5) -> Json:
     """List the modes at a fuel fraction, followed over fuel by their shapes."""
-    items = list(structure.modes_at(store, modal_table_id, fuel))
+    items = list(modes_at(store, modal_table_id, fuel))
     return Json(ModeList(modal_table_id=modal_table_id, fuel=fuel, items=items))
 
 
@@ -115,7 +118,7 @@ def get_shape(
     every_node: Annotated[bool, Query(description="All nodes, not what can be seen.")] = False,
 ) -> Json:
     """Return one mode at a fuel fraction, thinned to what can be seen, with the sensors in it."""
-    shape = structure.drawn_shape(store, modal_table_id, number, fuel, every_node)
+    shape = drawn_shape(store, modal_table_id, number, fuel, every_node)
     seen = replace(
         shape,
         nodes_m=shape.nodes_m.astype(np.float32),
@@ -135,7 +138,7 @@ def get_correlation(
 ) -> Json:
     """Compare two sources: modes paired by MAC, frequency, damping, and COMAC by point."""
     at_other = fuel if other_fuel is None else other_fuel
-    return Json(structure.correlate(store, modal_table_id, fuel, other_id, at_other))
+    return Json(correlate(store, modal_table_id, fuel, other_id, at_other))
 
 
 @router.get("/{modal_table_id}/observability", response_model=Observability)

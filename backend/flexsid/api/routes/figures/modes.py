@@ -15,7 +15,8 @@ from flexsid.api.routes.modal_tables import Fuel, TheOrderQuestion
 from flexsid.api.routes.vibration_tests import TheModeSearch
 from flexsid.api.wire import Reference, split_names
 from flexsid.workflow import vibration_test
-from flexsid.workflow.views import model_order, structure
+from flexsid.workflow.views import correlation, model_order
+from flexsid.workflow.views.fuel import modes_against_fuel
 
 router = APIRouter()
 
@@ -23,9 +24,7 @@ router = APIRouter()
 @router.get("/modes-against-fuel", response_model=Figure)
 def draw_modes_against_fuel(store: TheStore, modal_table_id: Id, form: Form = "json") -> Response:
     """Draw frequency and damping of the modes of a table over fuel, crossings marked."""
-    return sent(
-        figures.modes_against_fuel(structure.modes_against_fuel(store, modal_table_id)), form
-    )
+    return sent(figures.modes_against_fuel(modes_against_fuel(store, modal_table_id)), form)
 
 
 @router.get("/mac", response_model=Figure)
@@ -39,7 +38,7 @@ def draw_assurance(
 ) -> Response:
     """Draw the MAC of a table's modes with themselves, another fuel weight, or another table."""
     at_other = fuel if other_fuel is None else other_fuel
-    value = structure.assurance(store, modal_table_id, fuel, other_id, at_other)
+    value = correlation.assurance(store, modal_table_id, fuel, other_id, at_other)
     return sent(figures.assurance(value), form)
 
 
