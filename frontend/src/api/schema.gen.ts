@@ -8539,7 +8539,7 @@ export interface components {
          */
         StructureFound: {
             /** Files */
-            files: components["schemas"]["flexsid__importers__structure__FoundFile"][];
+            files: components["schemas"]["flexsid__importers__structure__found__FoundFile"][];
             /** Frequencies Hz */
             frequencies_hz: number[];
             /** N Nodes */
@@ -9077,7 +9077,7 @@ export interface components {
          * FoundFile
          * @description One file: what it holds, in words, and the data sets of it that are not used.
          */
-        flexsid__importers__structure__FoundFile: {
+        flexsid__importers__structure__found__FoundFile: {
             /** Name */
             name: string;
             /** Holds */
