@@ -46,6 +46,16 @@ def test_every_version_stays_readable(client: TestClient, kept: dict[str, Any]) 
     assert client.get(f"{address}/versions/1").json() == first
 
 
+def test_two_structures_do_not_share_a_name(client: TestClient, kept: dict[str, Any]) -> None:
+    wanted = {"aircraft_id": 1, "name": kept["name"], "structure": SP}
+    again = client.post(STRUCTURES, json=wanted)
+    assert (again.status_code, again.json()["code"]) == (409, "name-taken")
+    other = client.post(STRUCTURES, json=wanted | {"name": "SP alone"}).json()
+    renamed = _edit(client, other, SP, name=kept["name"])
+    assert (renamed.status_code, renamed.json()["code"]) == (409, "name-taken")
+    assert _edit(client, kept, SP, note="the same name, a new version").status_code == 200
+
+
 def test_a_stale_edit_is_answered_with_both_versions(
     client: TestClient, kept: dict[str, Any]
 ) -> None:

@@ -84,8 +84,9 @@ async def _flexsid_error(_request: Request, error: Exception) -> Response:
     assert isinstance(error, FlexsidError)
     status = next((s for kind, s in _STATUS if isinstance(error, kind)), None)
     if status is None:
-        _log.error("an error without a status of its own", exc_info=error)
-        status = HTTPStatus.INTERNAL_SERVER_ERROR
+        # Words for the analyst: what was asked cannot be done, whatever it is called.
+        _log.warning("an error without a status of its own", exc_info=error)
+        status = HTTPStatus.UNPROCESSABLE_ENTITY
     context = {name: _plain(value) for name, value in error.context.items()}
     return problem(status, error.code, error.message, **context)
 

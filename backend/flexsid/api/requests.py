@@ -25,7 +25,9 @@ Name = Annotated[str, Field(min_length=1, max_length=64)]
 Names = Annotated[tuple[Name, ...], Field(max_length=500)]
 Title = Annotated[str, Field(min_length=1, max_length=200)]
 Text = Annotated[str, Field(max_length=10_000)]
-MappingText = Annotated[str, Field(min_length=1, max_length=1024**2)]
+# Of the longest characters that JSON knows, this many are still a body that is read.
+LONGEST_TEXT = 128 * 1024
+MappingText = Annotated[str, Field(min_length=1, max_length=LONGEST_TEXT)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

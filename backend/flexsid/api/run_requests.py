@@ -101,7 +101,7 @@ class SettingsRequest:
 class LimitsRequest:
     """What a run may take before it is stopped."""
 
-    time_s: Annotated[float | None, Field(gt=0.0, le=86_400.0)] = None
+    time_s: Annotated[float | None, Field(strict=True, gt=0.0, le=86_400.0)] = None
     memory_mb: Annotated[int | None, Field(strict=True, ge=64, le=1_000_000)] = None
 
     __pydantic_config__ = _STRICT

@@ -41,12 +41,27 @@ def add_structure(store: Store, wanted: ModelStructure) -> ModelStructure:
     ------
     BadInput
         If it does not fit the aircraft, or a derivative is in two states.
+    Conflict
+        If another structure of the aircraft has this name.
     """
     with store.transaction():
         check_structure(store, store.aircraft.get(wanted.aircraft_id), wanted.structure)
+        _check_name(store, wanted)
         kept = store.model_structures.add(replace(wanted, version=1, changed_at=None))
         store.structure_versions.add(_version_of(kept))
     return kept
+
+
+def _check_name(store: Store, wanted: ModelStructure) -> None:
+    """Refuse a name by which two structures would be talked of."""
+    for other in store.model_structures.find(aircraft_id=wanted.aircraft_id, name=wanted.name):
+        if other.id != wanted.id:
+            raise Conflict(
+                f"model structure {other.id} is called {wanted.name!r} already; edit that one, or"
+                " choose another name",
+                code="name-taken",
+                structure_id=other.id,
+            )
 
 
 def edit_structure(
@@ -66,6 +81,8 @@ def edit_structure(
     StaleEdit
         If ``version`` is not the newest any more; it carries the newest, the one
         that was edited and what was sent.
+    Conflict
+        If another structure of the aircraft has this name.
     """
     with store.transaction():
         current = store.model_structures.get(structure_id)
@@ -79,6 +96,8 @@ def edit_structure(
             version=version + 1,
             changed_at=datetime.now(UTC),
         )
+        if name != current.name:
+            _check_name(store, edited)
         if not store.model_structures.advance(edited):
             raise _stale(store, current, version, edited)
         store.structure_versions.add(_version_of(edited))

@@ -10,6 +10,7 @@ from pydantic import ConfigDict, Field
 
 from flexsid.api.answers import AircraftList
 from flexsid.api.context import TheStore
+from flexsid.api.requests import LONGEST_TEXT
 from flexsid.api.wire import Identity, Json
 from flexsid.records.aircraft import Aircraft
 from flexsid.workflow.thrust import keep_thrust, parse_table
@@ -29,7 +30,7 @@ class ThrustRequest:
     """
 
     engines: Annotated[list[_Name], Field(min_length=1, max_length=16)]
-    text: Annotated[str, Field(max_length=200_000)]
+    text: Annotated[str, Field(max_length=LONGEST_TEXT)]
     speed_unit: str = "rpm"
     temperature_unit: str = "K"
     thrust_unit: str = "N"

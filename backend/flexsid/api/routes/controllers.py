@@ -12,7 +12,7 @@ from pydantic import ConfigDict, Field
 
 from flexsid.api.context import TheStore
 from flexsid.api.received import receive
-from flexsid.api.requests import Title
+from flexsid.api.requests import LONGEST_TEXT, Id, Title
 from flexsid.api.wire import Identity, Json
 from flexsid.errors import BadInput, Conflict
 from flexsid.importers import confined
@@ -23,16 +23,16 @@ from flexsid.workflow import controllers
 router = APIRouter(prefix="/controllers", tags=["controllers"])
 
 _STRICT: Any = ConfigDict(extra="forbid")
-_LARGEST = 1_000_000  # characters of a description or bytes of a file
+_LARGEST = 1_000_000  # bytes of a file
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControllerRequest:
     """A controller as JSON text: ``reads``, ``drives``, and matrices or transfer functions."""
 
-    aircraft_id: Annotated[int, Field(ge=1, le=LARGEST_ID)]
+    aircraft_id: Id
     name: Title
-    text: Annotated[str, Field(max_length=_LARGEST)]
+    text: Annotated[str, Field(max_length=LONGEST_TEXT)]
 
     __pydantic_config__ = _STRICT
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, status
 from fastapi import Path as InPath
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, StrictBool
 
 from flexsid.api.answers import FlutterSummaryList
 from flexsid.api.context import TheContext, TheStore
@@ -28,8 +28,9 @@ router = APIRouter(tags=["structures"])
 _STRICT: Any = ConfigDict(extra="forbid")
 _UploadId = Annotated[str, InPath(min_length=1, max_length=64, description="Id of the upload.")]
 _AircraftId = Annotated[int, Field(strict=True, ge=1, le=LARGEST_ID)]
-_Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
-_Metre = Annotated[float, Field(ge=-1e6, le=1e6)]
+_Fraction = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
+_Node = Annotated[int, Field(strict=True, ge=0, le=LARGEST_ID)]
+_Metre = Annotated[float, Field(strict=True, ge=-1e6, le=1e6)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,8 +46,8 @@ class StructureFilesRequest:
     axes: Annotated[str, Field(max_length=60)] = "aft right up"
     origin: tuple[_Metre, _Metre, _Metre] = (0.0, 0.0, 0.0)
     fuel: Annotated[dict[str, _Fraction], Field(max_length=200)] = field(default_factory=dict)
-    rigid_modes: bool = False
-    points: Annotated[dict[str, int], Field(max_length=1000)] = field(default_factory=dict)
+    rigid_modes: StrictBool = False
+    points: Annotated[dict[str, _Node], Field(max_length=1000)] = field(default_factory=dict)
 
     __pydantic_config__ = _STRICT
 

@@ -23,10 +23,11 @@ router = APIRouter(tags=["vibration-tests"])
 _STRICT: Any = ConfigDict(extra="forbid")
 _UploadId = Annotated[str, InPath(min_length=1, max_length=64, description="Id of the upload.")]
 _Id = Annotated[int, Field(strict=True, ge=1, le=LARGEST_ID)]
-_Metre = Annotated[float, Field(ge=-1e6, le=1e6)]
-_Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
-_Hz = Annotated[float | None, Field(gt=0.0, le=100_000.0)]
-_Order = Annotated[int, Field(ge=4, le=80)]
+_Metre = Annotated[float, Field(strict=True, ge=-1e6, le=1e6)]
+_Fraction = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
+_Hz = Annotated[float | None, Field(strict=True, gt=0.0, le=100_000.0)]
+_Place = Annotated[int, Field(strict=True, ge=0, le=1000)]
+_Order = Annotated[int, Field(strict=True, ge=4, le=80)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,7 +55,10 @@ class FoundModesRequest:
     high_hz: _Hz = None
     order: _Order = 30
     keep: (
-        Annotated[tuple[Annotated[int, Field(ge=0, le=1000)], ...], Field(max_length=500)] | None
+        Annotated[
+            tuple[Annotated[int, Field(strict=True, ge=0, le=1000)], ...], Field(max_length=500)
+        ]
+        | None
     ) = None
     like_id: _Id | None = None
 
