@@ -21,7 +21,7 @@ def _named(name: str) -> dict[str, str]:
 
 @pytest.fixture
 def kept(client: TestClient) -> dict[str, Any]:
-    wanted = {"aircraft_id": 1, "name": "SP + SW1B", "structure": SP}
+    wanted = {"aircraft_id": 1, "name": "SP + SW1B at work", "structure": SP}
     return client.post(STRUCTURES, json=wanted, headers=_named("Ann")).json()
 
 
