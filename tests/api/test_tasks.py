@@ -40,10 +40,13 @@ def tasks():
 
 
 def test_a_task_tells_what_it_made(tasks: Tasks):
-    done = ended(tasks, tasks.begin("x", lambda report: 7))
+    done = ended(tasks, tasks.begin("x", "a title", lambda report: 7))
     assert (done.state, done.made, done.fraction) == (TaskState.DONE, 7, 1.0)
+    assert done.ended_at is not None
     with pytest.raises(Conflict, match="done"):
         tasks.cancel(done.id)
+    newest = ended(tasks, tasks.begin("x", "another", lambda report: 8))
+    assert [task.id for task in tasks.all()] == [newest.id, done.id]
 
 
 def test_a_task_that_is_cancelled_stops_at_its_next_report(tasks: Tasks):
@@ -56,7 +59,7 @@ def test_a_task_that_is_cancelled_stops_at_its_next_report(tasks: Tasks):
         report(0.6, "further")
         return 1
 
-    task = tasks.begin("x", work)
+    task = tasks.begin("x", "a title", work)
     assert begun.wait(10.0)
     assert tasks.get(task.id).message == "so far"
     tasks.cancel(task.id)
@@ -75,7 +78,7 @@ def test_a_task_that_fails_says_why(tasks: Tasks, error: Exception, code: str, w
     def work(report: Report) -> int:
         raise error
 
-    failed = ended(tasks, tasks.begin("x", work))
+    failed = ended(tasks, tasks.begin("x", "a title", work))
     assert (failed.state, failed.code) == (TaskState.FAILED, code)
     assert words in failed.message
     assert "secret" not in failed.message

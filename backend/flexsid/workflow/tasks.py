@@ -9,6 +9,7 @@ from collections import OrderedDict
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from enum import StrEnum
 
 from flexsid.errors import Cancelled, Conflict, FlexsidError, UnknownRecord
@@ -35,6 +36,9 @@ class Task:
 
     id: str
     kind: str
+    title: str
+    begun_at: datetime
+    ended_at: datetime | None = None
     state: TaskState = TaskState.WAITING
     fraction: float = 0.0
     message: str = ""
@@ -51,9 +55,10 @@ class Tasks:
         self._cancelled: set[str] = set()
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="task")
 
-    def begin(self, kind: str, work: Callable[[Report], int | None]) -> Task:
+    def begin(self, kind: str, title: str, work: Callable[[Report], int | None]) -> Task:
         """Queue work that reports how far it is, and returns the id of what it kept."""
-        task = Task(id=f"t{secrets.token_hex(8)}", kind=kind)
+        identity = f"t{secrets.token_hex(8)}"
+        task = Task(id=identity, kind=kind, title=title, begun_at=datetime.now(UTC))
         with self._lock:
             self._tasks[task.id] = task
             for old in [t.id for t in self._tasks.values() if _is_over(t)][:-_KEPT]:
@@ -77,6 +82,11 @@ class Tasks:
                 " anew, what they made is kept"
             )
         return found
+
+    def all(self) -> list[Task]:
+        """What is under way and what has ended lately, newest first."""
+        with self._lock:
+            return list(reversed(self._tasks.values()))
 
     def cancel(self, identity: str) -> Task:
         """Ask a task to stop; it does at its next report."""
@@ -111,7 +121,7 @@ class Tasks:
             _log.exception("task %s", identity)
             message = f"It stopped on an error of the software ({type(error).__name__})."
             ended = replace(task, state=TaskState.FAILED, code="internal-error", message=message)
-        self._put(ended)
+        self._put(replace(ended, ended_at=datetime.now(UTC)))
         with self._lock:
             self._cancelled.discard(identity)
 

@@ -111,6 +111,12 @@ class Uploads:
             return replace(upload, progress=self._progress.get(identity, 0.0))
         return upload
 
+    def under_way(self) -> list[Upload]:
+        """What is being imported, or waits for it."""
+        with self._lock:
+            waiting = list(self._progress)
+        return [upload for upload in map(self.get, waiting) if upload.progress is not None]
+
     def sources(self, identity: str) -> Sources:
         """Return what the files hold."""
         return confined.load(self._at(identity))

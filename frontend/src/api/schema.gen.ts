@@ -478,7 +478,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        get?: never;
+        /**
+         * List Imports
+         * @description List the uploads that are being imported, or wait for it.
+         */
+        get: operations["list_imports"];
         put?: never;
         /**
          * Upload Files
@@ -2471,6 +2475,26 @@ export interface paths {
          * @description Say how far a controller's loop around the identified aircraft is from instability.
          */
         get: operations["get_closed_loop"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/tasks": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Tasks
+         * @description List what is under way beside the runs and what has ended lately, newest first.
+         */
+        get: operations["list_tasks"];
         put?: never;
         post?: never;
         delete?: never;
@@ -8756,6 +8780,15 @@ export interface components {
             id: string;
             /** Kind */
             kind: string;
+            /** Title */
+            title: string;
+            /**
+             * Begun At
+             * Format: date-time
+             */
+            begun_at: string;
+            /** Ended At */
+            ended_at?: string | null;
             /** @default waiting */
             state: components["schemas"]["TaskState"];
             /**
@@ -8775,6 +8808,14 @@ export interface components {
             code: string;
             /** Made */
             made?: number | null;
+        };
+        /**
+         * TaskList
+         * @description Tasks of this server since it was started.
+         */
+        TaskList: {
+            /** Items */
+            items: components["schemas"]["Task"][];
         };
         /**
          * TaskState
@@ -8964,6 +9005,14 @@ export interface components {
             /** Fields */
             fields: components["schemas"]["FoundField"][];
             proposal: components["schemas"]["Proposal"];
+        };
+        /**
+         * UploadList
+         * @description Uploads that are being imported.
+         */
+        UploadList: {
+            /** Items */
+            items: components["schemas"]["Upload"][];
         };
         /**
          * UploadMappingRequest
@@ -10109,6 +10158,35 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_imports: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["UploadList"];
+                };
             };
             /** @description Client Error */
             "4XX": {
@@ -14121,6 +14199,35 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ClosedLoopAnswer"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    list_tasks: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TaskList"];
                 };
             };
             /** @description Client Error */

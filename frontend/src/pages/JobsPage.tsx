@@ -5,6 +5,7 @@ import { useCancelSearch } from "../api/commands";
 import { batchesQuery, jobsQuery, queueQuery, searchesQuery } from "../api/queries";
 import { isOver, STATES, type Batch, type SearchItem } from "../api/types";
 import { BatchBar, left, total } from "../components/BatchBar";
+import { BesideTable } from "../components/BesideTable";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { JobTable } from "../components/JobTable";
@@ -135,6 +136,7 @@ export function JobsPage() {
             />
           </Section>
         )}
+        <BesideTable />
         <Section
           title="Jobs"
           note="the newest 100"

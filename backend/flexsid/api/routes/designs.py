@@ -114,7 +114,7 @@ def search_design(context: TheContext, wanted: DesignRequest) -> Json:
             context.store, wanted.name, wish, wanted.fta, wanted.note, _teller(report)
         ).id
 
-    begun = context.tasks.begin("design", work)
+    begun = context.tasks.begin("design", wanted.name, work)
     return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
 
 
@@ -265,7 +265,7 @@ def redesign(context: TheContext, design_id: Identity, wanted: RedesignRequest) 
     def work(report: Report) -> int | None:
         return flown.redesign(context.store, design, wanted.name, wanted.effort, _teller(report)).id
 
-    begun = context.tasks.begin("design", work)
+    begun = context.tasks.begin("design", wanted.name, work)
     return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
 
 
@@ -290,7 +290,7 @@ def rehearse(context: TheContext, design_id: Identity, wanted: RehearsalRequest)
         context.dispatcher.wake()
         return kept.id
 
-    begun = context.tasks.begin("rehearsal", work)
+    begun = context.tasks.begin("rehearsal", design.name, work)
     return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
 
 

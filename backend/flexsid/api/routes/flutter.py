@@ -56,7 +56,9 @@ def find_flutter(context: TheContext, question: TheQuestion) -> Json:
     def work(report: Report) -> None:
         workflow.foretell(context.store, question, report)
 
-    begun = context.tasks.begin("flutter", work)
+    known = len(question.run_ids)
+    title = f"{known} run{'' if known == 1 else 's'}"
+    begun = context.tasks.begin("flutter", title, work)
     return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
 
 

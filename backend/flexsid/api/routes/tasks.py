@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated
 
 from fastapi import APIRouter
@@ -14,6 +15,19 @@ from flexsid.workflow.tasks import Task
 router = APIRouter(prefix="/tasks", tags=["tasks"])
 
 _Id = Annotated[str, InPath(pattern="^t[0-9a-f]{16}$")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TaskList:
+    """Tasks of this server since it was started."""
+
+    items: list[Task]
+
+
+@router.get("", response_model=TaskList)
+def list_tasks(context: TheContext) -> Json:
+    """List what is under way beside the runs and what has ended lately, newest first."""
+    return Json(TaskList(items=context.tasks.all()))
 
 
 @router.get("/{task_id}", response_model=Task)

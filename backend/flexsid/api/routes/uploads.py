@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated
@@ -22,6 +23,19 @@ from flexsid.workflow.uploads import Upload
 router = APIRouter(prefix="/uploads", tags=["uploads"])
 
 _Id = Annotated[str, InPath(min_length=1, max_length=64, description="Id of the upload.")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UploadList:
+    """Uploads that are being imported."""
+
+    items: list[Upload]
+
+
+@router.get("", response_model=UploadList)
+def list_imports(context: TheContext) -> Json:
+    """List the uploads that are being imported, or wait for it."""
+    return Json(UploadList(items=context.uploads.under_way()))
 
 
 @router.post("", response_model=UploadDetail, status_code=status.HTTP_201_CREATED)

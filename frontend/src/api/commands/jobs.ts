@@ -44,6 +44,10 @@ export function useCancelTask() {
   return useMutation({
     mutationFn: (id: string) =>
       body(api.POST("/api/v1/tasks/{task_id}/cancel", { params: { path: { task_id: id } } })),
-    onSettled: () => cache.invalidateQueries({ queryKey: ["task"] }),
+    onSettled: () =>
+      Promise.all([
+        cache.invalidateQueries({ queryKey: ["task"] }),
+        cache.invalidateQueries({ queryKey: ["tasks"] }),
+      ]),
   });
 }

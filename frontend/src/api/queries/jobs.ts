@@ -63,3 +63,9 @@ export const taskQuery = (task: Task) =>
     refetchInterval: (query) =>
       query.state.data?.state === "waiting" || query.state.data?.state === "running" ? 300 : false,
   });
+
+export const tasksQuery = queryOptions({
+  queryKey: ["tasks"],
+  queryFn: ({ signal }) => items(api.GET("/api/v1/tasks", { signal })),
+  refetchInterval: 4 * POLL_MS,
+});

@@ -36,3 +36,11 @@ export const qualitiesQuery = (filters: QualityFilters, sort: string) =>
     refetchInterval: (query) =>
       query.state.data?.pages[0]?.assessing.running === true ? 4 * POLL_MS : false,
   });
+
+/** How far the first look at the campaign is. */
+export const assessingQuery = queryOptions({
+  queryKey: ["quality", "assessing"],
+  queryFn: async ({ signal }) =>
+    (await body(api.GET("/api/v1/quality", { params: { query: { limit: 1 } }, signal }))).assessing,
+  refetchInterval: 4 * POLL_MS,
+});

@@ -2,6 +2,13 @@
 import { keepPreviousData, queryOptions } from "@tanstack/react-query";
 import { api, body, items, json } from "../client";
 import type { FigureSpec } from "../types";
+import { POLL_MS } from "./habits";
+
+export const importsQuery = queryOptions({
+  queryKey: ["uploads"],
+  queryFn: ({ signal }) => items(api.GET("/api/v1/uploads", { signal })),
+  refetchInterval: 4 * POLL_MS,
+});
 
 export const uploadQuery = (id: string) =>
   queryOptions({
