@@ -8,6 +8,7 @@ from tests.sysid.conftest import OMEGA, add_noise
 
 from flexsid.demo.flex28 import load_truth
 from flexsid.sysid.estimation.likelihood import maximize
+from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.reduction import residualize
 from flexsid.sysid.modes import ModeTable
 from flexsid.sysid.modes.table import align_modes
@@ -114,3 +115,31 @@ def test_error_bars_of_poles_are_those_of_draws(make_case):
         assert np.std(-np.real(values) / np.abs(values)) == pytest.approx(
             pole.damping_std, rel=0.15
         )
+
+
+def test_poles_follow_frequency_and_damping_that_were_estimated(make_case):
+    case = make_case(2)
+    extras = ("omega_7", "zeta_9")
+    free = select_parameters(case.truth, ("Cm_alpha",), case.model.outputs, extras)
+    theta = np.array([*free.start[:1], 1.10, 2.0])
+    names = ("SW1B", "SW1T")
+
+    def values(at: np.ndarray) -> np.ndarray:
+        poles = named_poles(case.model, free, at, np.zeros((3, 3)), names)
+        return np.array([pole.value for pole in poles])
+
+    for k in range(3):
+        one = np.zeros((3, 3))
+        one[k, k] = 1.0  # the standard error is the size of the slope
+        slope = np.array(
+            [
+                (pole.real_std, pole.imag_std)
+                for pole in named_poles(case.model, free, theta, one, names)
+            ]
+        )
+        step = 1e-5 * np.eye(3)[k]
+        by_difference = (values(theta + step) - values(theta - step)) / 2e-5
+        assert slope[:, 0] == pytest.approx(np.abs(np.real(by_difference)), rel=1e-4, abs=1e-5)
+        assert slope[:, 1] == pytest.approx(np.abs(np.imag(by_difference)), rel=1e-4, abs=1e-5)
+    stiffer = abs(values(theta)[1]) / abs(values(free.start)[1])
+    assert stiffer > 1.05

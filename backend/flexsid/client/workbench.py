@@ -287,6 +287,25 @@ class Workbench:
         answer = self.get("comparisons", run_ids=run_ids, prediction_ids=predictions)
         return side_by_side(answer)
 
+    def flutter(self, run_ids: Iterable[int], **query: Any) -> dict[str, Any]:
+        """What runs say of the next test point: ``next_point`` and ``sentence`` in words, numbers.
+
+        Parameters
+        ----------
+        run_ids
+            Runs that succeeded, best over several airspeeds.
+        **query
+            ``fuel`` as a fraction, ``altitude_m``, ``next_m_s``, ``others`` and ``trend``, as the
+            interface names them.
+        """
+        return self.get("flutter", run_ids=run_ids, **query)
+
+    def closed_loop(
+        self, run_ids: Iterable[int], controller_id: int, **query: Any
+    ) -> dict[str, Any]:
+        """Margins of a controller's loops around what runs identified, and where it loses them."""
+        return self.get("closed-loop", run_ids=run_ids, controller_id=controller_id, **query)
+
     # --- models and figures ---
 
     def model(self, run_id: int) -> control.StateSpace:

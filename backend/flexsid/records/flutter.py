@@ -22,8 +22,9 @@ class StructureForecast:
 
     ``held_modes`` carry predicted derivatives only, ``source`` names the prediction where they
     were carried in a second fit; ``left_out_modes`` are known to a prediction but not to the
-    model, whose derivatives hold their static response. ``airspeed_m_s`` is None where the
-    model stays stable.
+    model, whose derivatives hold their static response. ``check`` is a second fit with one mode
+    fewer, of which half of the difference counts. ``airspeed_m_s`` is None where the model stays
+    stable.
     """
 
     run_ids: tuple[int, ...]
@@ -36,6 +37,7 @@ class StructureForecast:
     frequency_rad_s: float | None
     sentence: str
     preferred: bool
+    check: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

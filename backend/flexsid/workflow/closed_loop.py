@@ -21,12 +21,13 @@ from flexsid.sysid.stability.prediction import Identified, structure_spread
 from flexsid.workflow.condition import complete_condition
 from flexsid.workflow.controllers import controller_at
 from flexsid.workflow.flutter import FusedModel, Question, fused_model
+from flexsid.workflow.flutter_parts import flown
 from flexsid.workflow.memory import contents_of_runs, remembered
 from flexsid.workflow.models import build_model, define_outputs
 
-_SPEEDS = 16
+_SPEEDS = 20
 _DRAWS = 24
-_BAND = (0.6, 1.6)  # of the fastest point flown
+_BAND = (0.6, 1.8)  # of the fastest point flown
 _FREQUENCIES = (0.3, 150.0)  # rad/s between which loops are looked at
 
 
@@ -42,6 +43,26 @@ def closed_loop(store: Store, question: Question, controller_id: int) -> ClosedL
     contents = contents_of_runs(store, question.run_ids)
     rests_on = ("closed loop", question, controller, contents)
     return remembered(rests_on, lambda: _closed_loop(store, question, controller))
+
+
+def find_closed_loop(
+    store: Store, question: Question, controller_id: int, report: Callable[[float, str], None]
+) -> None:
+    """Find the answer run by run, so that it is there when asked for.
+
+    Parameters
+    ----------
+    store, question, controller_id
+        As for ``closed_loop``.
+    report
+        Told the share that is done and what is done next; may raise to stop.
+    """
+    numbers = list(dict.fromkeys(question.run_ids))
+    for k, number in enumerate(numbers):
+        report(0.6 * k / len(numbers), f"Putting run {number} together")
+        flown(store, number, question.others)
+    report(0.6, "Closing the loop over airspeed")
+    closed_loop(store, question, controller_id)
 
 
 def _closed_loop(store: Store, question: Question, controller: Controller) -> ClosedLoop:
@@ -75,7 +96,8 @@ def _closed_loop(store: Store, question: Question, controller: Controller) -> Cl
     points, still = [], []
     for airspeed in airspeeds:
         model, loop = around(float(airspeed))
-        points.append(loop_point(model, table, draws, loop, _FREQUENCIES))
+        point = loop_point(model, table, draws, loop, _FREQUENCIES)
+        points.append(point.beside([_beside(*around(float(airspeed), o), o) for o in fused.others]))
         still.append(np.linalg.eigvals(model.state_space(table).A))
     lost, interval = lost_at(points, growth_at, growths_at)
     spread = 0.0
@@ -105,6 +127,11 @@ def _closed_loop(store: Store, question: Question, controller: Controller) -> Cl
         low_m_s=None if interval is None else interval[0],
         high_m_s=None if interval is None else interval[1],
     )
+
+
+def _beside(model: AeroelasticModel, loop: Loop, found: Identified) -> LoopPoint:
+    """What another structure says of the same airspeed, its own errors left out."""
+    return loop_point(model, found.aircraft.derivatives, (), loop, _FREQUENCIES)
 
 
 def _lost(airspeeds: np.ndarray, growth_at: Callable[[float], float]) -> float | None:

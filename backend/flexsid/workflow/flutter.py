@@ -207,6 +207,7 @@ def _structure(group: Group, *, preferred: bool) -> StructureForecast:
         frequency_rad_s=None if crossing is None else crossing.frequency,
         sentence=prediction.sentence,
         preferred=preferred,
+        check=last.check,
     )
 
 

@@ -141,11 +141,26 @@ def loaded(
             "fuel_fraction": fuel,
         },
     )
+    structure = modes.table.at(fuel).select(last.found.aircraft.modes.numbers)
     return Aeroelastic(
         flight_condition(aircraft, condition),
-        modes.table.at(fuel).select(last.found.aircraft.modes.numbers),
+        structure.tuned(_structural(modes, parts)),
         last.found.aircraft.derivatives,
     )
+
+
+def _structural(modes: AircraftModes, parts: Sequence[Flown]) -> dict[str, float]:
+    """Factors on the table's frequencies and dampings that the parts found, on average."""
+    found: dict[str, float] = {}
+    for number in parts[-1].found.aircraft.modes.numbers:
+        ratios = []
+        for part in parts:
+            own = part.found.aircraft.modes.select((number,))
+            table = modes.table.at(part.maneuver.condition.fuel_fraction).select((number,))
+            ratios.append((own.omega[0] / table.omega[0], own.zeta[0] / (table.zeta[0] or 1.0)))
+        frequency, damping = np.mean(ratios, axis=0)
+        found |= {f"omega_{number}": float(frequency), f"zeta_{number}": float(damping)}
+    return found
 
 
 def named(modes: AircraftModes, motion: str) -> str:
@@ -283,8 +298,9 @@ def _fused(
         loaded(at.aircraft, at.modes, flown_parts, fuel, at.density),
         derivatives=parts[-1].aircraft.derivatives,
     )
+    constant = fuse_identified(parts, to)
     if not at.trend:
-        return fuse_identified(parts, to), ""
+        return constant, ""
     try:
         found = at_own_crossing(
             lambda pressure: fuse_with_trend(parts, to, pressure), at.band, at.density, at.tested
@@ -292,8 +308,13 @@ def _fused(
     except BadInput as error:
         if error.code != "no-trend":
             raise
-        return fuse_identified(parts, to), " Derivatives constant, for a drift needs more points."
-    return found, " Derivatives drift with dynamic pressure and stand for where stability is lost."
+        return constant, " Derivatives constant, for a drift needs more points."
+    told = " Derivatives drift with dynamic pressure and stand for where stability is lost"
+    held = predict_flutter(constant, at.band, at.density)
+    if held.crossing is None:
+        return found, f"{told}; held constant, they never lose it."
+    error = f" ± {2.0 * held.airspeed_std:.2f}" if np.isfinite(held.airspeed_std) else ""
+    return found, f"{told}; held constant, they lose it at {held.crossing.airspeed:.2f}{error} m/s."
 
 
 def _shared(parts: Sequence[Flown]) -> list[int]:

@@ -143,9 +143,10 @@ def _again(store: Store, alone: Flown, run: EstimationRun) -> Flown | None:
     again = fit_again(store, run)
     if again is None:
         return None
-    model, computed = again
+    fitted, computed = again
     estimate = computed.estimate
     values = computed.held | dict(zip(estimate.names, estimate.values.tolist(), strict=True))
+    model = replace(fitted, modes=fitted.modes.tuned(values))
     table = DerivativeTable.from_names(model.modes.numbers, model.inputs, values)
     before = result_of(alone.run).fit.cost
     gain = 0.0 if before is None or not estimate.steps else before - estimate.steps[-1].cost

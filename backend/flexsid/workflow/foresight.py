@@ -205,7 +205,7 @@ def circumstances(store: Store, run_id: int) -> Circumstances:
     omega = data.measured.omega
     return Circumstances(
         run=run,
-        model=found.model,
+        model=task.model,
         parameters=parameters,
         flown=flown,
         priors={name: std for name, (_, std) in task.priors.items()},

@@ -17,7 +17,10 @@ from flexsid.workflow.estimation import prepare
 
 @dataclass(frozen=True, slots=True)
 class Identified:
-    """A model with its derivatives; ``delays`` [s] and ``scales`` belong to the outputs."""
+    """A model with its derivatives; ``delays`` [s] and ``scales`` belong to the outputs.
+
+    Its modes have the frequencies and dampings that were estimated.
+    """
 
     model: AeroelasticModel
     derivatives: DerivativeTable
@@ -54,7 +57,7 @@ def identified_with(model: AeroelasticModel, run: EstimationRun) -> Identified:
     values = run.structure.fixed | result.held
     values |= {parameter.name: parameter.value for parameter in result.parameters}
     return Identified(
-        model=model,
+        model=replace(model, modes=model.modes.tuned(values)),
         derivatives=DerivativeTable.from_names(model.modes.numbers, model.inputs, values),
         delays=np.array([values.get(f"delay_{name}", 0.0) for name in model.outputs]),
         scales=np.array([values.get(f"scale_{name}", 1.0) for name in model.outputs]),

@@ -1,7 +1,8 @@
 import { Alert, MultiSelect, NumberInput, Select, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { closedLoopQuery, controllersQuery, runsQuery } from "../api/queries";
+import { useState } from "react";
+import { closedLoopQuery, closedLoopTaskQuery, controllersQuery, runsQuery } from "../api/queries";
 import type { ClosedLoopAnswer, MarginRow } from "../api/types";
 import { CarrySwitch } from "../components/CarrySwitch";
 import { NewController } from "../components/NewController";
@@ -10,12 +11,20 @@ import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
+import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
+import { TaskProgress } from "../components/TaskProgress";
 import { degrees, fixed } from "../lib/format";
 import { integers } from "../lib/urlState";
 import type { ClosedLoopView } from "../views";
 
 const route = getRouteApi("/closed-loop");
+
+/** More runs than these take seconds: their answer is found as a task. */
+const FEW = 6;
+
+/** Decibels of a factor e. */
+const DB = 20 / Math.log(10);
 
 const withStd = (value: number | null, std: number | null, digits: number) =>
   value === null ? "" : `${fixed(value, digits)} ± ${fixed(2 * (std ?? 0), digits)}`;
@@ -31,10 +40,15 @@ const MARGINS: Column<MarginRow>[] = [
   { key: "surface", header: "Loop of", render: (row) => row.surface },
   {
     key: "gain",
-    header: "Gain margin",
+    header: "Gain margin ± 2σ",
     unit: "dB",
     numeric: true,
-    render: (row) => (row.gain === null ? "" : fixed(20 * Math.log10(row.gain), 1)),
+    render: (row) =>
+      withStd(
+        row.gain === null ? null : DB * Math.log(row.gain),
+        row.gain_std === null ? null : DB * row.gain_std,
+        1,
+      ),
   },
   {
     key: "phase",
@@ -70,7 +84,11 @@ export function ClosedLoopPage() {
     altitude_m: view.altitude,
     others: view.others,
   };
-  const answer = useQuery(closedLoopQuery(question, controller));
+  const many = (view.runs ?? []).length > FEW;
+  const task = useQuery(closedLoopTaskQuery(question, controller, many));
+  const [found, setFound] = useState("");
+  const ready = !many || found === task.data?.id;
+  const answer = useQuery(closedLoopQuery(question, controller, ready));
   const change = (part: Partial<ClosedLoopView>) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }) });
   const params = { ...question, controller_id: controller };
@@ -164,40 +182,54 @@ export function ClosedLoopPage() {
           </div>
         ) : (
           <Stack gap="md">
-            <Loaded query={answer} rows={6}>
-              {(data) => <Answer answer={data} />}
-            </Loaded>
-            <div className="panel" style={{ padding: 12 }}>
-              <Figure
-                kind="closed-loop-margins"
-                title="Margins of every loop, the others closed, ± 2σ"
-                params={params}
+            {task.isError && many && <ProblemAlert error={task.error} />}
+            {!ready && task.data !== undefined && (
+              <TaskProgress
+                key={task.data.id}
+                task={task.data}
+                onDone={() => {
+                  setFound(task.data.id);
+                }}
               />
-            </div>
-            <div className="panel" style={{ padding: 12 }}>
-              <Figure
-                kind="closed-loop-roots"
-                title="Roots without and with the controller"
-                params={params}
-              />
-            </div>
-            <Loaded query={answer} rows={6}>
-              {(data) => (
-                <Section
-                  title="Margins"
-                  note="Actuators and delays included; empty where the closed loop is unstable or nothing is crossed"
-                >
-                  <DataTable
-                    label="Margins"
-                    testId="closed-loop-margins"
-                    columns={MARGINS}
-                    rows={data.margins}
-                    rowKey={(row) => `${row.surface} ${row.airspeed_m_s}`}
-                    maxHeight={420}
+            )}
+            {ready && (
+              <>
+                <Loaded query={answer} rows={6}>
+                  {(data) => <Answer answer={data} />}
+                </Loaded>
+                <div className="panel" style={{ padding: 12 }}>
+                  <Figure
+                    kind="closed-loop-margins"
+                    title="Margins of every loop, the others closed, ± 2σ"
+                    params={params}
                   />
-                </Section>
-              )}
-            </Loaded>
+                </div>
+                <div className="panel" style={{ padding: 12 }}>
+                  <Figure
+                    kind="closed-loop-roots"
+                    title="Roots without and with the controller"
+                    params={params}
+                  />
+                </div>
+                <Loaded query={answer} rows={6}>
+                  {(data) => (
+                    <Section
+                      title="Margins"
+                      note="Actuators and delays included; empty where the closed loop is unstable or nothing is crossed"
+                    >
+                      <DataTable
+                        label="Margins"
+                        testId="closed-loop-margins"
+                        columns={MARGINS}
+                        rows={data.margins}
+                        rowKey={(row) => `${row.surface} ${row.airspeed_m_s}`}
+                        maxHeight={420}
+                      />
+                    </Section>
+                  )}
+                </Loaded>
+              </>
+            )}
           </Stack>
         )}
       </div>
@@ -216,8 +248,8 @@ function Answer({ answer }: { answer: ClosedLoopAnswer }) {
       data-testid="closed-loop-answer"
     >
       {answer.controller}, fuel {fixed(100 * answer.fuel_fraction, 0)} %, fastest point flown{" "}
-      {fixed(answer.tested_m_s, 1)} m/s. The interval holds what the runs&apos; covariance makes of
-      it and the spread between model structures; the margins&apos; errors hold the covariance only.
+      {fixed(answer.tested_m_s, 1)} m/s. The interval and the errors of the margins hold what the
+      runs&apos; covariance makes of them and the spread between model structures.
     </Alert>
   );
 }

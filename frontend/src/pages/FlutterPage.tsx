@@ -222,7 +222,7 @@ function Choices({ view, answer, onChange }: ChoicesProps) {
       />
       <Switch
         label="Derivatives drift with dynamic pressure"
-        description="For structures that leave modes out; takes three dynamic pressures"
+        description="For structures that leave modes out; a line takes three dynamic pressures and costs precision"
         checked={view.trend === true}
         onChange={(event) => {
           onChange({ trend: event.currentTarget.checked ? true : undefined });
@@ -332,6 +332,7 @@ function othersOf(one: Flutter["structures"][number]): string {
   const told = [
     held && `${held} ${from}`,
     one.left_out_modes.length > 0 && `${one.left_out_modes.join(" ")} left out`,
+    one.check && "one mode fewer, in a second fit",
   ];
   return told.filter(Boolean).join(", ") || "–";
 }
@@ -350,7 +351,10 @@ function Structures({ answer }: { answer: Flutter }) {
       </Table.Thead>
       <Table.Tbody>
         {answer.structures.map((one) => (
-          <Table.Tr key={one.run_ids.join()} fw={one.preferred ? 600 : undefined}>
+          <Table.Tr
+            key={[one.run_ids, one.modes, one.held_modes, one.source].join("; ")}
+            fw={one.preferred ? 600 : undefined}
+          >
             <Table.Td>{one.modes.join(" ") || "rigid only"}</Table.Td>
             <Table.Td>{othersOf(one)}</Table.Td>
             <Table.Td ta="right">{one.run_ids.length}</Table.Td>

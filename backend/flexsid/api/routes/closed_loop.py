@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, status
 
-from flexsid.api.context import TheStore
+from flexsid.api.context import TheContext, TheStore
 from flexsid.api.routes.flutter import TheQuestion
 from flexsid.api.wire import Json
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow import closed_loop as workflow
+from flexsid.workflow.tasks import Report, Task
 
 router = APIRouter(prefix="/closed-loop", tags=["closed-loop"])
 
@@ -20,11 +21,15 @@ ControllerId = Annotated[int, Query(ge=1, le=LARGEST_ID)]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MarginRow:
-    """Margins of one surface's loop at one airspeed; None where unstable or not crossed."""
+    """Margins of one surface's loop at one airspeed; None where unstable or not crossed.
+
+    A gain margin scatters as a factor: ``gain_std`` is the standard deviation of its logarithm.
+    """
 
     surface: str
     airspeed_m_s: float
     gain: float | None
+    gain_std: float | None
     phase_rad: float | None
     phase_std_rad: float | None
     disk: float | None
@@ -47,6 +52,19 @@ class ClosedLoopAnswer:
     margins: list[MarginRow]
 
 
+@router.post("/answers", response_model=Task, status_code=status.HTTP_202_ACCEPTED)
+def find_closed_loop(
+    context: TheContext, question: TheQuestion, controller_id: ControllerId
+) -> Json:
+    """Begin to find the answer for many runs; then it is there at once."""
+
+    def work(report: Report) -> None:
+        workflow.find_closed_loop(context.store, question, controller_id, report)
+
+    begun = context.tasks.begin("closed-loop", work)
+    return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
+
+
 @router.get("", response_model=ClosedLoopAnswer)
 def get_closed_loop(store: TheStore, question: TheQuestion, controller_id: ControllerId) -> Json:
     """Say how far a controller's loop around the identified aircraft is from instability."""
@@ -67,6 +85,7 @@ def get_closed_loop(store: TheStore, question: TheQuestion, controller_id: Contr
                     surface=margin.surface,
                     airspeed_m_s=float(found.airspeed_m_s[k]),
                     gain=_finite(margin.gain[k]),
+                    gain_std=_finite(margin.gain_std[k]),
                     phase_rad=_finite(margin.phase_rad[k]),
                     phase_std_rad=_finite(margin.phase_std_rad[k]),
                     disk=_finite(margin.disk[k]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -55,3 +56,9 @@ class StructuralModes:
             rotation=self.rotation[:, :, index],
             strain=self.strain[:, index],
         )
+
+    def tuned(self, factors: Mapping[str, float]) -> StructuralModes:
+        """The same modes with factors on frequency and damping, as ``omega_7`` and ``zeta_7``."""
+        frequency = np.array([factors.get(f"omega_{number}", 1.0) for number in self.numbers])
+        damping = np.array([factors.get(f"zeta_{number}", 1.0) for number in self.numbers])
+        return replace(self, omega=self.omega * frequency, zeta=self.zeta * damping)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -54,6 +54,27 @@ class LoopPoint:
     def stable(self) -> bool:
         """Whether nothing grows."""
         return self.growth < _STILL
+
+    def beside(self, others: Sequence[LoopPoint]) -> LoopPoint:
+        """The same with errors that hold what stable points of other structures say too."""
+        alike = [other for other in others if other.stable]
+
+        def widened(std: Float[np.ndarray, " n"], told: Callable[[Margins], float]) -> np.ndarray:
+            off = [
+                [told(b) - told(a) for a, b in zip(self.margins, other.margins, strict=True)]
+                for other in alike
+            ]
+            values = np.array(off, dtype=float).reshape(-1, std.size)
+            known = np.where(np.isfinite(values), values, 0.0)
+            n = np.maximum(np.isfinite(values).sum(axis=0), 1)
+            return np.sqrt(std**2 + (known**2).sum(axis=0) / n)
+
+        return replace(
+            self,
+            gain_std=widened(self.gain_std, lambda m: float(np.log(m.gain_up))),
+            phase_std=widened(self.phase_std, lambda m: m.phase),
+            disk_std=widened(self.disk_std, lambda m: m.disk),
+        )
 
 
 def loop_point(

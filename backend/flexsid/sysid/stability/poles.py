@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -69,7 +69,8 @@ def named_poles(
     the derivative of a simple eigenvalue, d lambda = w^H dA v / w^H v.
     """
     table = parameters.table(theta)
-    A = model.state_space(table).A
+    values = dict(zip(parameters.names, theta.tolist(), strict=True))
+    A = replace(model, modes=model.modes.tuned(values)).state_space(table).A
     dynamic = np.r_[0, 1, 3 : A.shape[0]]  # theta only integrates q unless the path is inclined
     if np.any(A[:, 2]):
         dynamic = np.arange(A.shape[0])
@@ -78,7 +79,7 @@ def named_poles(
     left = np.linalg.inv(right).conj().T  # scaled so that left^H right = 1
     keep = np.flatnonzero(np.imag(values) >= 0)
     names = _assign_names(left, right, keep, dynamic, mode_names)
-    gradient = _gradients(model, parameters, left[:, keep], right[:, keep], dynamic)
+    gradient = _gradients(model, parameters, theta, left[:, keep], right[:, keep], dynamic)
     poles = [
         _pole(name, complex(values[k]), row, covariance)
         for name, k, row in zip(names, keep, gradient, strict=True)
@@ -135,6 +136,7 @@ def _assign_names(
 def _gradients(
     model: AeroelasticModel,
     parameters: Parameters,
+    theta: Float[np.ndarray, " n_theta"],
     left: Complex[np.ndarray, "n_x n_p"],
     right: Complex[np.ndarray, "n_x n_p"],
     dynamic: np.ndarray,
@@ -150,7 +152,7 @@ def _gradients(
             force = place[int(force_states[row])]
             variable = place[int(variable_states[column])]
             gradient[:, index] = left[force].conj() * right[variable] * scale[index]
-    _add_structural(gradient, model, parameters, left, right, place)
+    _add_structural(gradient, model, parameters, theta, left, right, place)
     return gradient
 
 
@@ -158,6 +160,7 @@ def _add_structural(
     gradient: Complex[np.ndarray, "n_p n_theta"],
     model: AeroelasticModel,
     parameters: Parameters,
+    theta: Float[np.ndarray, " n_theta"],
     left: Complex[np.ndarray, "n_x n_p"],
     right: Complex[np.ndarray, "n_x n_p"],
     place: dict[int, int],
@@ -165,6 +168,7 @@ def _add_structural(
     """Frequency and damping factors enter the structural rows."""
     n = len(model.modes.numbers)
     w, z = model.modes.omega, model.modes.zeta
+    found = model.modes.tuned(dict(zip(parameters.names, theta.tolist(), strict=True)))
     for offset, extra in enumerate(parameters.extras):
         if extra.kind not in ("omega", "zeta"):
             continue
@@ -172,9 +176,12 @@ def _add_structural(
         force = left[place[3 + n + i]].conj()
         eta, etadot = right[place[3 + i]], right[place[3 + n + i]]
         index = parameters.rows.size + offset
-        gradient[:, index] = -force * 2.0 * z[i] * w[i] * etadot
         if extra.kind == "omega":
-            gradient[:, index] -= force * 2.0 * w[i] ** 2 * eta
+            gradient[:, index] = (
+                -2.0 * force * w[i] * (found.zeta[i] * etadot + found.omega[i] * eta)
+            )
+        else:
+            gradient[:, index] = -2.0 * force * z[i] * found.omega[i] * etadot
 
 
 def separation_factor(A: Float[np.ndarray, "n_x n_x"], n_modes: int) -> float | None:

@@ -37,7 +37,31 @@ export const controllersQuery = queryOptions({
   queryFn: ({ signal }) => items(api.GET("/api/v1/controllers", { signal })),
 });
 
-export const closedLoopQuery = (question: FlutterQuestion, controllerId: number | undefined) =>
+/** Begins to find the closed loop of many runs; once for a question while the page stands. */
+export const closedLoopTaskQuery = (
+  question: FlutterQuestion,
+  controllerId: number | undefined,
+  enabled: boolean,
+) =>
+  queryOptions({
+    queryKey: ["closed-loop-task", question, controllerId],
+    queryFn: ({ signal }) =>
+      body(
+        api.POST("/api/v1/closed-loop/answers", {
+          params: { query: { ...question, controller_id: controllerId ?? 0 } },
+          signal,
+        }),
+      ),
+    enabled: enabled && controllerId !== undefined,
+    staleTime: Infinity,
+    gcTime: 0,
+  });
+
+export const closedLoopQuery = (
+  question: FlutterQuestion,
+  controllerId: number | undefined,
+  enabled = true,
+) =>
   queryOptions({
     queryKey: ["closed-loop", question, controllerId],
     queryFn: ({ signal }) =>
@@ -47,7 +71,7 @@ export const closedLoopQuery = (question: FlutterQuestion, controllerId: number 
           signal,
         }),
       ),
-    enabled: question.run_ids !== "" && controllerId !== undefined,
+    enabled: enabled && question.run_ids !== "" && controllerId !== undefined,
     placeholderData: keepPreviousData,
     staleTime: 60_000,
   });
