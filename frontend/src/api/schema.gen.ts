@@ -2463,6 +2463,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/closed-loop/answers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Find Closed Loop
+         * @description Begin to find the answer for many runs; then it is there at once.
+         */
+        post: operations["find_closed_loop"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/closed-loop": {
         parameters: {
             query?: never;
@@ -6098,6 +6118,8 @@ export interface components {
         /**
          * MarginRow
          * @description Margins of one surface's loop at one airspeed; None where unstable or not crossed.
+         *
+         *     A gain margin scatters as a factor: ``gain_std`` is the standard deviation of its logarithm.
          */
         MarginRow: {
             /** Surface */
@@ -6106,6 +6128,8 @@ export interface components {
             airspeed_m_s: number;
             /** Gain */
             gain: number | null;
+            /** Gain Std */
+            gain_std: number | null;
             /** Phase Rad */
             phase_rad: number | null;
             /** Phase Std Rad */
@@ -8532,8 +8556,9 @@ export interface components {
          *
          *     ``held_modes`` carry predicted derivatives only, ``source`` names the prediction where they
          *     were carried in a second fit; ``left_out_modes`` are known to a prediction but not to the
-         *     model, whose derivatives hold their static response. ``airspeed_m_s`` is None where the
-         *     model stays stable.
+         *     model, whose derivatives hold their static response. ``check`` is a second fit with one mode
+         *     fewer, of which half of the difference counts. ``airspeed_m_s`` is None where the model stays
+         *     stable.
          */
         StructureForecast: {
             /** Run Ids */
@@ -8556,6 +8581,11 @@ export interface components {
             sentence: string;
             /** Preferred */
             preferred: boolean;
+            /**
+             * Check
+             * @default false
+             */
+            check: boolean;
         };
         /**
          * StructureFound
@@ -14156,6 +14186,49 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Flutter"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    find_closed_loop: {
+        parameters: {
+            query: {
+                controller_id: number;
+                /** @description Runs that succeeded, separated by commas. */
+                run_ids: string;
+                /** @description Fuel fraction; the fastest point's. */
+                fuel?: number | null;
+                /** @description Standard altitude; the fastest point's air. */
+                altitude_m?: number | null;
+                /** @description Airspeed of the next point; 3 % above the fastest. */
+                next_m_s?: number | null;
+                /** @description Modes the runs left out: as predicted, or their static response. */
+                others?: components["schemas"]["Others"];
+                /** @description Derivatives drift linearly with dynamic pressure. */
+                trend?: boolean;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Task"];
                 };
             };
             /** @description Client Error */
