@@ -103,8 +103,12 @@ def _telling(connection: Connection) -> Callable[[Progress], None]:
 @contextmanager
 def _at_most(memory_mb: int | None) -> Iterator[None]:
     """Let a task take this much memory beyond what the process has; then MemoryError."""
+    if memory_mb is None:
+        yield
+        return
+    _give_blas_its_buffers()
     present = _data_bytes()
-    if memory_mb is None or present is None:
+    if present is None:
         yield
         return
     import resource
@@ -115,6 +119,19 @@ def _at_most(memory_mb: int | None) -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_DATA, before)
+
+
+def _give_blas_its_buffers() -> None:
+    """Let the first products of matrices be made: OpenBLAS asks for its buffers then.
+
+    Where it gets none it asks for ever, and the task hangs instead of failing. numpy and
+    scipy have each their own.
+    """
+    import numpy as np
+    from scipy.linalg.blas import dgemm
+
+    matrix = np.ones((128, 128))
+    dgemm(1.0, matrix, matrix @ matrix)
 
 
 def _data_bytes() -> int | None:
