@@ -85,7 +85,7 @@ def _client() -> str:
             "",
             "::: flexsid.client.workbench.Workbench",
             "",
-            "::: flexsid.client.workbench.RunFailed",
+            "::: flexsid.client.waiting.RunFailed",
             "",
             "::: flexsid.client.connection.Refused",
             "",

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import json
-import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexsid.client.connection import Connection, Unreachable
+from flexsid.client.connection import Connection
 from flexsid.client.progress import ProgressLine
 from flexsid.client.tables import matrix, read_csv, side_by_side, table
-from flexsid.errors import BadInput, FlexsidError
+from flexsid.client.waiting import RunFailed, until_ended, why
+from flexsid.errors import BadInput
 
 if TYPE_CHECKING:
     import control
     import pandas
     from plotly.graph_objects import Figure
 
-_ENDED = frozenset({"succeeded", "failed", "cancelled"})
 _STRUCTURE = frozenset(
     {
         *("inputs", "outputs", "free", "fixed", "fixed_to", "absent", "axis"),
@@ -32,13 +31,6 @@ _REQUEST = frozenset(
     }
 )
 _PAGE = 1000  # most items of one answer
-_PATIENCE_S = 60.0  # a server that restarts is waited for
-
-
-class RunFailed(FlexsidError):
-    """A run that was waited for did not succeed."""
-
-    code = "run-failed"
 
 
 class Workbench:
@@ -225,35 +217,12 @@ class Workbench:
         """
         line = ProgressLine(show_progress)
         try:
-            runs = self._ended(run_ids, timeout_s, line)
+            runs = until_ended(self.run, run_ids, timeout_s, line)
         finally:
             line.end()
         lost = [run for run in runs if run["state"] != "succeeded"]
         if lost:
-            raise RunFailed("; ".join(map(_why, lost)))
-
-    def _ended(
-        self, run_ids: Sequence[int], timeout_s: float | None, line: ProgressLine
-    ) -> list[dict[str, Any]]:
-        """Ask again and again until all have ended; a server that restarts is waited for."""
-        started = heard = time.monotonic()
-        pause = 0.05
-        runs: list[dict[str, Any]] = []
-        while not all(run["state"] in _ENDED for run in runs) or len(runs) < len(run_ids):
-            if timeout_s is not None and time.monotonic() - started > timeout_s:
-                raise TimeoutError(f"runs {_listed(run_ids)} have not ended in {timeout_s:g} s")
-            time.sleep(pause if runs else 0.0)
-            pause = min(1.2 * pause, 1.0)
-            try:
-                runs = [self.run(number) for number in run_ids]
-                heard = time.monotonic()
-            except Unreachable:
-                if time.monotonic() - heard > _PATIENCE_S:
-                    raise
-                time.sleep(1.0)
-                continue
-            line.show(runs)
-        return runs
+            raise RunFailed("; ".join(map(why, lost)))
 
     def cancel(self, run_id: int) -> None:
         """Stop a run that has not ended."""
@@ -272,7 +241,7 @@ class Workbench:
         exported = self.get(f"runs/{run_id}/export")
         result = exported["run"]["result"]
         if result is None:
-            raise RunFailed(_why(exported["run"]))
+            raise RunFailed(why(exported["run"]))
         return matrix(exported["covariance"], [part["name"] for part in result["parameters"]])
 
     def comparison(
@@ -362,12 +331,3 @@ class Workbench:
     def numbers(self, kind: str, **query: Any) -> pandas.DataFrame:
         """Numbers of a figure: a row per point with curve, axes, x, y and error."""
         return read_csv(self._connection.get(f"figures/{kind}", {**query, "format": "csv"}))
-
-
-def _listed(run_ids: Iterable[int]) -> str:
-    return ", ".join(map(str, run_ids))
-
-
-def _why(run: dict[str, Any]) -> str:
-    why = "" if run["error"] is None else f": {run['error']['message']}"
-    return f"run {run['id']} {run['state']}{why}"

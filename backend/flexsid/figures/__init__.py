@@ -4,6 +4,7 @@ from flexsid.figures.bode import View, bode
 from flexsid.figures.closed_loop import closed_loop_margins, closed_loop_roots
 from flexsid.figures.derivatives import derivatives
 from flexsid.figures.envelope import envelope
+from flexsid.figures.equivalent_modes import equivalent_modes
 from flexsid.figures.excitation import (
     design_history,
     design_signal,
@@ -11,13 +12,7 @@ from flexsid.figures.excitation import (
     design_worth,
 )
 from flexsid.figures.fit import fit
-from flexsid.figures.flutter import (
-    equivalent_modes,
-    flutter_forecast,
-    flutter_map,
-    root_locus,
-    v_omega_zeta,
-)
+from flexsid.figures.flutter import flutter_forecast, flutter_map
 from flexsid.figures.forest import forest
 from flexsid.figures.ground_test import ground_test
 from flexsid.figures.iterations import iterations
@@ -27,6 +22,7 @@ from flexsid.figures.plot_matrix import plot_matrix
 from flexsid.figures.poles import poles
 from flexsid.figures.reconstruction import reconstruction, reconstruction_lines
 from flexsid.figures.residual import residual
+from flexsid.figures.roots import root_locus, v_omega_zeta
 from flexsid.figures.search import search_path, search_stability
 from flexsid.figures.signal_to_noise import signal_to_noise
 from flexsid.figures.spectrum import spectrum

@@ -1,0 +1,56 @@
+"""Universal files (.uff, .unv): nodes, coordinate systems, mode shapes, lines, functions.
+
+Data sets 15, 18, 55, 58 (text and binary), 82, 151, 164, 2411, 2412 and 2414 are read.
+Numbers are taken by their shape rather than by column, as writers keep to columns loosely
+and let negative numbers touch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from flexsid.errors import UnreadableFile
+from flexsid.importers.source import Content, Field
+from flexsid.importers.universal.blocks import Refused, data_sets
+from flexsid.importers.universal.fields import fields_of
+from flexsid.importers.universal.kinds import READERS, Found
+
+
+def recognises(head: bytes) -> bool:
+    """Tell whether the first line that is not empty opens a data set."""
+    first = next((line.strip() for line in head.splitlines() if line.strip()), b"")
+    return first == b"-1"
+
+
+def read(path: Path) -> Content:
+    """Read the data sets of a universal file.
+
+    Raises
+    ------
+    UnreadableFile
+        If no data set can be used; the message says what each of them is.
+    """
+    return Content(_fields(path))
+
+
+def _fields(path: Path) -> Iterator[Field]:
+    found = Found()
+    for place, block in enumerate(data_sets(path), start=1):
+        reader = READERS.get(block.kind)
+        if reader is None:
+            found.refused.append(f"data set {place} is of kind {block.kind}, which is not read")
+            continue
+        try:
+            reader(found, block)
+        except (Refused, ValueError, IndexError) as error:
+            found.refused.append(f"data set {place} (kind {block.kind}): {error}")
+    content = list(fields_of(found))
+    if not any(f.path.split("/")[0] in ("grid", "shape", "function", "frf") for f in content):
+        raise UnreadableFile(
+            "no data set of this file can be used: "
+            + ("; ".join(found.refused) or "it holds none")
+            + ".",
+            code="nothing-usable",
+        )
+    yield from content

@@ -1,0 +1,213 @@
+"""What each kind of data set adds to what was found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from flexsid.importers.modal_files import EXACT
+from flexsid.importers.universal.blocks import (
+    Block,
+    Function,
+    Refused,
+    integers_in,
+    numbers_in,
+    read_function,
+)
+
+_BEAMS = {11, 21, 22, 23, 24}
+_MODES = {2: "normal", 3: "complex", 7: "complex"}
+_COMPLEX = {5, 6}
+
+
+@dataclass(slots=True)
+class Shape:
+    """One mode: its values at nodes, three displacements and three rotations each."""
+
+    number: int
+    frequency_hz: float
+    damping: float
+    mass: float
+    values: dict[int, list[complex]]
+
+
+@dataclass(slots=True)
+class Found:
+    """What the data sets of a file hold together, in the file's own labels and units."""
+
+    grids: dict[int, tuple[int, int, tuple[float, ...]]] = field(default_factory=dict)
+    frames: dict[int, tuple[int, int, tuple[float, ...]]] = field(default_factory=dict)
+    shapes: list[Shape] = field(default_factory=list)
+    lines: list[int] = field(default_factory=list)
+    elements: list[list[int]] = field(default_factory=list)
+    functions: list[Function] = field(default_factory=list)
+    units: dict[str, float] = field(default_factory=dict)
+    header: list[str] = field(default_factory=list)
+    refused: list[str] = field(default_factory=list)
+
+
+def _nodes_15(found: Found, block: Block) -> None:
+    lines = block.lines
+    for line in lines:
+        if line.strip():
+            label, cp, cd = (int(line[10 * i : 10 * i + 10]) for i in range(3))
+            found.grids[label] = (cp, cd, _three(numbers_in(line[40:])))
+
+
+def _nodes_2411(found: Found, block: Block) -> None:
+    lines = block.lines
+    for head, place in zip(lines[::2], lines[1::2], strict=True):
+        label, cp, cd = integers_in(head)[:3]
+        found.grids[label] = (cp, cd, _three(numbers_in(place)))
+
+
+def _three(numbers: list[float]) -> tuple[float, ...]:
+    if len(numbers) < 3:
+        raise Refused(f"three coordinates are expected, {len(numbers)} are there")
+    return tuple(numbers[:3])
+
+
+def _frames_18(found: Found, block: Block) -> None:
+    lines = block.lines
+    for row in range(0, len(lines) - 3, 4):
+        number, kind, reference = integers_in(lines[row])[:3]
+        o, x, p = np.array(numbers_in(lines[row + 2]) + numbers_in(lines[row + 3]))[:9].reshape(
+            3, 3
+        )
+        along, in_plane = x - o, p - o
+        normal = np.cross(np.cross(along, in_plane), along)  # z, in the plane of x and p
+        points = np.concatenate([o, o + normal, x])
+        found.frames[number] = (kind + 1, reference, tuple(map(float, points)))
+
+
+def _lines_82(found: Found, block: Block) -> None:
+    lines = block.lines
+    count = integers_in(lines[0])[1]
+    nodes = [node for line in lines[2:] for node in integers_in(line)]
+    found.lines += [0, *nodes[:count]]
+
+
+def _elements_2412(found: Found, block: Block) -> None:
+    lines = block.lines
+    row = 0
+    while row < len(lines):
+        head = integers_in(lines[row])
+        row += 2 if head[1] in _BEAMS else 1
+        nodes: list[int] = []
+        while len(nodes) < head[5]:
+            nodes += integers_in(lines[row])
+            row += 1
+        found.elements.append(nodes)
+
+
+def _shape_55(found: Found, block: Block) -> None:
+    lines = block.lines
+    kinds = integers_in(lines[5])
+    _, analysis, _, _, data_type, count = kinds[:6]
+    integers = integers_in(lines[6])
+    numbers = numbers_in(lines[7])
+    mode = integers[3] if len(integers) > 3 else 0
+    _append_shape(found, analysis, data_type, count, mode, numbers, lines[8:])
+
+
+def _shape_2414(found: Found, block: Block) -> None:
+    lines = block.lines
+    location = integers_in(lines[2])[0]
+    if location != 1:
+        raise Refused("it holds data on elements, data at nodes are expected")
+    _, analysis, _, _, data_type, count = integers_in(lines[8])[:6]
+    mode = (integers_in(lines[9]) + [0] * 6)[5]
+    times = (numbers_in(lines[11]) + [0.0] * 6)[:6]
+    eigen = (numbers_in(lines[12]) + [0.0] * 6)[:6]
+    _, frequency, _, mass, viscous, hysteretic = times
+    numbers = [frequency, mass, viscous, hysteretic]
+    if _MODES.get(analysis) == "complex" and any(eigen[:2]):
+        numbers = eigen
+    for line in lines[3:8]:
+        if line.startswith(EXACT):
+            exact = [float(part) for part in line.removeprefix(EXACT).split()]
+            if len(exact) == 3 and np.isclose(exact[0], frequency, rtol=1e-4):
+                numbers = [exact[0], exact[2], exact[1], 0.0]
+    _append_shape(found, analysis, data_type, count, mode, numbers, lines[13:])
+
+
+def _append_shape(
+    found: Found,
+    analysis: int,
+    data_type: int,
+    count: int,
+    mode: int,
+    numbers: list[float],
+    lines: list[str],
+) -> None:
+    if analysis not in _MODES:
+        raise Refused(f"its analysis is of type {analysis}; mode shapes (2, 3, 7) are expected")
+    if count not in (3, 6):
+        raise Refused(f"it has {count} values at each node, 3 or 6 are expected")
+    if _MODES[analysis] == "complex" and len(numbers) >= 6:
+        eigenvalue = complex(numbers[0], numbers[1])
+        size = abs(eigenvalue)
+        frequency, damping, mass = (
+            size / (2.0 * np.pi),
+            (-eigenvalue.real / size if size > 0 else 0.0),
+            0.0,
+        )
+    else:
+        frequency, mass, viscous, hysteretic = (numbers + [0.0] * 4)[:4]
+        damping = viscous or 0.5 * hysteretic
+    is_complex = data_type in _COMPLEX
+    values: dict[int, list[complex]] = {}
+    wanted = count * (2 if is_complex else 1)
+    row = 0
+    while row < len(lines):
+        if not lines[row].strip():
+            row += 1
+            continue
+        node = integers_in(lines[row])[0]
+        row += 1
+        read: list[float] = []
+        while len(read) < wanted:
+            read += numbers_in(lines[row])
+            row += 1
+        parts = np.array(read[:wanted])
+        shape = parts[::2] + 1j * parts[1::2] if is_complex else parts.astype(complex)
+        values[node] = [*map(complex, shape), *[0j] * (6 - count)]
+    if not values:
+        raise Refused("it holds no node")
+    found.shapes.append(Shape(mode, float(frequency), float(damping), float(mass), values))
+
+
+def _header_151(found: Found, block: Block) -> None:
+    lines = block.lines
+    found.header += [line.strip() for line in lines[:2] if line.strip() not in ("", "NONE")]
+
+
+def _units_164(found: Found, block: Block) -> None:
+    lines = block.lines
+    factors = [number for line in lines[1:] for number in numbers_in(line)]
+    length, force = factors[:2]
+    if length > 0 and force > 0:  # in file units per SI unit
+        found.units = {"length": 1.0 / length, "force": 1.0 / force}
+
+
+def _skip(found: Found, block: Block) -> None:
+    """Data sets that tell nothing of modes."""
+
+
+def _function_58(found: Found, block: Block) -> None:
+    found.functions.append(read_function(block))
+
+
+READERS = {
+    15: _nodes_15,
+    18: _frames_18,
+    55: _shape_55,
+    58: _function_58,
+    82: _lines_82,
+    151: _header_151,
+    164: _units_164,
+    2411: _nodes_2411,
+    2412: _elements_2412,
+    2414: _shape_2414,
+}
