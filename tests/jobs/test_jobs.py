@@ -119,6 +119,31 @@ def test_a_killed_worker_costs_an_attempt_not_the_run(
     assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 2)
 
 
+@pytest.mark.parametrize("error", [BrokenPipeError("broken pipe"), ValueError("no such task")])
+def test_a_task_that_no_worker_took_ends_its_run_all_the_same(
+    store: Store,
+    add_run: AddRun,
+    dispatcher: Dispatcher,
+    until: Until,
+    monkeypatch: pytest.MonkeyPatch,
+    error: Exception,
+) -> None:
+    """So it is where a worker is killed between its start and its first task."""
+    run = add_run(author="compute")
+    submit = dispatcher._workers.submit
+    left = [error]
+
+    def refuse_once(*task: Any) -> None:
+        if left:
+            raise left.pop()
+        submit(*task)
+
+    monkeypatch.setattr(dispatcher._workers, "submit", refuse_once)
+    dispatcher.start()
+    retried = isinstance(error, OSError)
+    assert until(run).state is (RunState.SUCCEEDED if retried else RunState.FAILED)
+
+
 def test_cancelling_stops_the_work_at_once(
     store: Store,
     add_run: AddRun,

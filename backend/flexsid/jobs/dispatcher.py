@@ -181,6 +181,7 @@ class Dispatcher:
                 self._stopping.wait(_POLL_S)
             except Exception:
                 _log.exception("the dispatcher goes on after an error")
+                self._interrupted = True  # a run may stand as started that nobody carries out
                 self._stopping.wait(_POLL_S)
 
     def _turn(self) -> None:
@@ -245,7 +246,12 @@ class Dispatcher:
         ready = self._ready.popleft()
         self._limits[ready.key] = ready.limits.time_s or _LONGEST_S
         self._deadlines[ready.key] = time.monotonic() + self._limits[ready.key] + _START_S
-        self._workers.submit(ready.key, ready.task, ready.limits.memory_mb)
+        try:
+            self._workers.submit(ready.key, ready.task, ready.limits.memory_mb)
+        except OSError as error:  # the worker was killed before it took the task
+            self._news.append((ready.key, Died(str(error))))
+        except Exception as error:
+            self._news.append((ready.key, unexpected(error)))
 
     def _take(self, key: Key, news: News) -> None:
         run_id, attempt = key

@@ -154,6 +154,8 @@ def _make_ready(ready: Path, target: Path) -> None:
             "UPDATE leases SET holder = NULL, status = NULL, beats = 0, epoch = max(epoch, ?) + 1",
             (epoch,),
         )
+        # Whoever carried a run out when the backup was made does so no more, alive or not.
+        restored.execute("UPDATE runs SET owner = NULL WHERE state = 'running'")
         restored.execute("PRAGMA journal_mode = DELETE")
         restored.execute(f"PRAGMA page_size = {size}")
         restored.execute("VACUUM")
