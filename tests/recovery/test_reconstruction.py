@@ -18,13 +18,14 @@ from flexsid.workflow.estimation import compute, prepare
 from flexsid.workflow.reconstruction import reconstruct
 
 CASES = [(0.65, 2.0, 11), (1.05, 1.2, 12)]
+EXCITED = [(*case, fta) for case in CASES for fta in (503, 506)]
 KINDS = ("eta", "etadot", "etaddot")
 
 
-def true_motion(ratio: float, peak_deg: float) -> dict[str, np.ndarray]:
+def true_motion(ratio: float, peak_deg: float, fta: int) -> dict[str, np.ndarray]:
     """What truly moved, at the rate of the simulation, by name."""
     truth = load_truth()
-    multisine = design(506, peak_deg)
+    multisine = design(fta, peak_deg)
     n = round((TRIM_S + multisine.period_s + SETTLE_S) * RATE_HZ)
     excitation = np.zeros((n, 5))
     first, count = round(TRIM_S * RATE_HZ), round(multisine.period_s * RATE_HZ)
@@ -49,26 +50,28 @@ def flight_id(store: Store) -> int:
     return kept.id
 
 
-@pytest.mark.parametrize(("ratio", "peak_deg", "seed"), CASES)
+@pytest.mark.parametrize(("ratio", "peak_deg", "seed", "fta"), EXCITED)
 def test_modal_motion_is_reconstructed_with_honest_errors(
-    store: Store, flight_id: int, ratio: float, peak_deg: float, seed: int
+    store: Store, flight_id: int, ratio: float, peak_deg: float, seed: int, fta: int
 ):
-    flown = fly(airspeed_ratio=ratio, fuel=0.5, fta=506, peak_deg=peak_deg, seed=seed)
+    """The lines of FTA 503 end at half the frequency of the second mode."""
+    flown = fly(airspeed_ratio=ratio, fuel=0.5, fta=fta, peak_deg=peak_deg, seed=seed)
     maneuver = add_maneuver(store, flown, flight_id)
     assert maneuver.id is not None
-    names = ["alpha", "q", *(f"{kind}{mode}" for mode in (7, 9) for kind in KINDS)]
-    found = reconstruct(store, maneuver.id, names)
+    modal = [f"{kind}{mode}" for mode in (7, 9) for kind in KINDS]
+    found = reconstruct(store, maneuver.id, ["alpha", "q", *modal])
     assert np.all(found.rank == found.n_motions)
     assert np.all(np.isfinite(found.condition))
-    truth = true_motion(ratio, peak_deg)
+    truth = true_motion(ratio, peak_deg, fta)
     covered = []
     for trace in found.traces:
         clock = np.arange(truth[trace.name].size) / RATE_HZ
         true = np.interp(found.time_s, clock, truth[trace.name])
         error = trace.values - true
-        assert 1.0 - np.sum(error**2) / np.sum(true**2) > 0.98, trace.name
-        covered.append(np.mean(np.abs(error) < 2.0 * trace.std))
-        assert covered[-1] > 0.88, trace.name
+        assert 1.0 - np.sum(error**2) / np.sum(true**2) > 0.99, trace.name
+        if trace.name in modal:
+            covered.append(np.mean(np.abs(error) < 2.0 * trace.std))
+            assert covered[-1] > 0.8, trace.name
     assert 0.90 < np.mean(covered) < 0.99
 
 

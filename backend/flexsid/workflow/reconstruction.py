@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,15 +14,19 @@ from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import Motion, observability
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import coefficients
-from flexsid.sysid.preparation.motion_filter import FilteredMotion, filter_motion
-from flexsid.sysid.preparation.resampling import resample
-from flexsid.workflow.models import output_instrument
+from flexsid.sysid.preparation.motion_filter import Deflections, FilteredMotion, filter_motion
+from flexsid.sysid.preparation.resampling import Response, resample
+from flexsid.workflow.measurement import MeasuredLines
+from flexsid.workflow.models import input_correction, output_instrument
 from flexsid.workflow.recording import trim_removed
 from flexsid.workflow.sensing import Sensing, motion_of, sense
 from flexsid.workflow.transforms import load_channels
 
 _OVERSAMPLED = 10.0  # samples per cycle of the highest line
-_BELOW = 0.8  # of the lowest line: slower motion is drift
+_SEEN = 5.0  # times the highest line: above, sensors have noise alone
+_DRIVEN = 2.0  # times the highest line: above, deflections have
+_INPUT_NOISE = 0.01  # of the deflections, at least where nobody knows it
+_SHORTEST_TRIM_S = 0.25
 _DRAWN = ("CZ", "etaddot")
 
 
@@ -79,51 +84,97 @@ def smooth(
     """Filter and smooth all sensors of a maneuver on one clock; its times come first. [s]"""
     maneuver = sensing.maneuver
     top_hz = float(motion.omega[-1]) / (2.0 * np.pi)
-    band = (_BELOW * float(motion.omega[0]) / (2.0 * np.pi), 0.5 * _OVERSAMPLED * top_hz)
+    band = (0.0, _SEEN * top_hz)
     rate_hz = _OVERSAMPLED * top_hz
-    start_s, stop_s = _common(store, maneuver, model.outputs)
-    count = int((stop_s - start_s) * rate_hz)
-    samples = _on_one_clock(store, sensing, (start_s, rate_hz, count), band)
-    smoothed = filter_motion(model, samples, rate_hz, motion, sensing.duration_s)
-    return start_s + np.arange(count) / rate_hz, smoothed
+    start_s, stop_s = _common(store, maneuver, (*model.outputs, *model.inputs))
+    clock = _Clock(start_s, rate_hz, int((stop_s - start_s) * rate_hz))
+    lines = sensing.measured
+    inputs = Deflections(
+        _surfaces_on(clock, store, sensing, (band[0], _DRIVEN * top_hz)),
+        lines.inputs.pick(model.inputs).values,
+        _input_noise(lines),
+    )
+    samples = _sensors_on(clock, store, sensing, band)
+    smoothed = filter_motion(
+        model, samples, rate_hz, motion, sensing.duration_s, inputs, _trim(maneuver)
+    )
+    return start_s + np.arange(clock.count) / rate_hz, smoothed
 
 
 def _common(store: Store, maneuver: Maneuver, names: Sequence[str]) -> tuple[float, float]:
-    """First and last time that all sensors were recorded. [s]"""
+    """First and last time that all channels were recorded. [s]"""
     channels = [c for c in store.channels.find(maneuver_id=maneuver.id) if c.name in names]
     start_s = max(c.start_s for c in channels)
     return start_s, min(c.start_s + c.n_samples / c.rate_hz for c in channels)
 
 
-def _on_one_clock(
-    store: Store,
-    sensing: Sensing,
-    clock: tuple[float, float, int],
-    band_hz: tuple[float, float],
+@dataclass(frozen=True, slots=True)
+class _Clock:
+    start_s: float
+    rate_hz: float
+    count: int
+
+
+def _sensors_on(
+    clock: _Clock, store: Store, sensing: Sensing, band_hz: tuple[float, float]
 ) -> np.ndarray:
     """Samples of all sensors, instruments undone."""
-    maneuver = sensing.maneuver
+    instruments = {o.name: output_instrument(sensing.aircraft, o) for o in sensing.outputs}
+    undone = {name: instrument.response for name, instrument in instruments.items()}
+    return _on_one_clock(clock, store, sensing.maneuver, undone, band_hz)
+
+
+def _surfaces_on(
+    clock: _Clock, store: Store, sensing: Sensing, band_hz: tuple[float, float]
+) -> np.ndarray:
+    """Deflections, potentiometers undone."""
+
+    def undone(name: str) -> Response:
+        return lambda omega: 1.0 / input_correction(sensing.aircraft, name, omega)
+
+    undoing = {name: undone(name) for name in sensing.model.inputs}
+    return _on_one_clock(clock, store, sensing.maneuver, undoing, band_hz)
+
+
+def _trim(maneuver: Maneuver) -> float:
+    """How long a record was flown in trim, whose mean was taken off. [s]"""
+    if maneuver.excitation is None:
+        return maneuver.duration_s
+    trim_s = maneuver.excitation.start_s - maneuver.start_s
+    return trim_s if trim_s > _SHORTEST_TRIM_S else maneuver.duration_s
+
+
+def _input_noise(lines: MeasuredLines) -> np.ndarray:
+    """Standard deviation of the noise of each surface's lines. [rad s]"""
+    size = np.sqrt(np.mean(np.abs(lines.inputs.values) ** 2, axis=0))
+    if lines.input_noise is None:
+        return _INPUT_NOISE * size
+    return np.maximum(np.sqrt(np.mean(lines.input_noise, axis=0)), 1e-6 * size)
+
+
+def _on_one_clock(
+    clock: _Clock,
+    store: Store,
+    maneuver: Maneuver,
+    responses: dict[str, Response],
+    band_hz: tuple[float, float],
+) -> np.ndarray:
+    """Samples of channels, what lies between them and the truth undone."""
     assert maneuver.id is not None
-    start_s, rate_hz, count = clock
-    columns = []
-    names = [output.name for output in sensing.outputs]
-    for output, (channel, values) in zip(
-        sensing.outputs, load_channels(store, maneuver.id, names), strict=True
-    ):
-        instrument = output_instrument(sensing.aircraft, output)
-        columns.append(
-            resample(
-                trim_removed(values, channel.rate_hz, channel.start_s, maneuver),
-                channel.rate_hz,
-                channel.start_s,
-                rate_hz,
-                start_s,
-                count,
-                instrument.response,
-                (band_hz[0], min(band_hz[1], 0.5 * channel.rate_hz)),
-            )
+    columns = [
+        resample(
+            trim_removed(values, channel.rate_hz, channel.start_s, maneuver),
+            channel.rate_hz,
+            channel.start_s,
+            clock.rate_hz,
+            clock.start_s,
+            clock.count,
+            responses[channel.name],
+            (band_hz[0], min(band_hz[1], 0.5 * channel.rate_hz)),
         )
-    return np.stack(columns, axis=1)
+        for channel, values in load_channels(store, maneuver.id, list(responses))
+    ]
+    return np.reshape(np.array(columns), (len(columns), clock.count)).T
 
 
 def _offered(model: AeroelasticModel) -> tuple[str, ...]:

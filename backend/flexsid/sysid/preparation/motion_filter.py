@@ -1,10 +1,10 @@
 """Rigid and modal motion in time: Kalman filter and Rauch-Tung-Striebel smoother.
 
 Beside the reconstruction line by line: the state is [alpha, q, theta], [eta, etadot] of every
-mode, and the aerodynamic coefficients that move them, C_Z, C_m and C_Qi. Kinematics and the
-structure in vacuo are known; coefficients are white noise through a Butterworth filter; every
-sensor is a linear row of the state. How large coefficients are and how noisy the sensors is
-taken from the reconstruction line by line, so that nothing is tuned.
+mode, the surfaces, and what the aerodynamic coefficients C_Z, C_m and C_Qi do besides following
+motion and surfaces. Kinematics and the structure in vacuo are known; how coefficients follow is
+fitted to the lines; surfaces and what is left are white noise through a Butterworth filter, as
+large as the lines tell; every sensor is a linear row of the state.
 """
 
 from __future__ import annotations
@@ -12,19 +12,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Complex, Float
 from scipy import linalg
 
 from flexsid.errors import NotIdentifiable
-from flexsid.sysid.estimation.equation_error import aerodynamic_coefficients
 from flexsid.sysid.estimation.reconstruction import Motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.derivatives import DerivativeTable, coefficients
+from flexsid.sysid.model.derivatives import coefficients
 from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE
+from flexsid.sysid.preparation.driving import fit_driving
 
 _SETTLED = 1e-9  # relative change of a covariance that ends its recursion
+_CORNER = 0.5  # of the highest line: coefficients that follow leave slow errors
 _START = 3.0  # of the level of each state: knows little of where the record begins
-_ROUNDS = 20  # of weights that rest on the density sought
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +51,8 @@ def filter_motion(
     rate_hz: float,
     motion: Motion,
     duration_s: float,
+    inputs: Deflections,
+    trim_s: float,
 ) -> FilteredMotion:
     """Estimate motion from all sensors, forwards and then backwards.
 
@@ -67,6 +69,10 @@ def filter_motion(
         The same maneuver line by line: tells noise of sensors and size of coefficients.
     duration_s
         Length of the record that the lines were transformed from. [s]
+    inputs
+        Surfaces of the model on the same clock, potentiometers undone.
+    trim_s
+        How long the stretch was whose mean was taken off as trim. [s]
 
     Raises
     ------
@@ -78,17 +84,28 @@ def filter_motion(
     Source: Kalman 1960; Rauch, Tung and Striebel 1965. A line of a transform of white
     samples has variance sigma^2 T / rate, which brings the noise of lines to samples.
     """
-    system = _System.of(model, motion, duration_s)
-    noise = motion.noise * np.sqrt(rate_hz / duration_s)
+    system = _System.of(model, motion, duration_s, inputs)
+    noise = np.concatenate([motion.noise, inputs.noise]) * np.sqrt(rate_hz / duration_s)
     H = system.outputs(model) / noise[:, None]
+    seen = np.concatenate([samples, inputs.samples], axis=1) / noise
     F, W = system.step(1.0 / rate_hz)
-    states, predicted, filtered = _forward(F, W, H.T @ H, (samples / noise) @ H)
-    values, covariance = _backward(F, states, predicted, filtered)
+    rows = system.told()
+    states, predicted, filtered = _forward(F, W, H.T @ H, seen @ H)
+    values, spread = _backward(F, states, predicted, filtered, rows)
     if not np.all(np.isfinite(values)):
         raise NotIdentifiable("the sensors leave the motion open", code="unobservable")
-    rows = system.told()
-    spread = np.einsum("ij,kjl,il->ki", rows, covariance, rows, optimize=True)
+    # What the mean of the trim was wrong by stays all the time.
+    spread += np.sum((rows @ system.held(H, rate_hz)) ** 2, axis=1) / (rate_hz * trim_s)
     return FilteredMotion(rate_hz, system.names, values @ rows.T, np.sqrt(np.maximum(spread, 0.0)))
+
+
+@dataclass(frozen=True, slots=True)
+class Deflections:
+    """Surfaces on the clock of the samples [rad], at the lines and their noise there [rad s]."""
+
+    samples: Float[np.ndarray, "n_samples n_u"]
+    lines: Complex[np.ndarray, "n_omega n_u"]
+    noise: Float[np.ndarray, " n_u"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,72 +114,104 @@ class _System:
 
     names: tuple[str, ...]
     A: Float[np.ndarray, "n_x n_x"]
-    W: Float[np.ndarray, " n_x"]
+    W: Float[np.ndarray, "n_x n_x"]
     level: Float[np.ndarray, " n_x"]
     extra: Float[np.ndarray, "n_extra n_x"]
+    n_inputs: int
 
     @classmethod
-    def of(cls, model: AeroelasticModel, motion: Motion, duration_s: float) -> _System:
-        """Known dynamics with coefficients as states, scaled by what the lines tell."""
+    def of(
+        cls,
+        model: AeroelasticModel,
+        motion: Motion,
+        duration_s: float,
+        inputs: Deflections,
+    ) -> _System:
+        """Dynamics with surfaces and what is left of the coefficients as states.
+
+        Scaled by what the lines tell.
+        """
         c, numbers = model.condition, model.modes.numbers
-        n = len(numbers)
+        n, n_u = len(numbers), len(model.inputs)
         n_r = 2 + n
-        empty = DerivativeTable(numbers, model.inputs, np.zeros((n_r, n_r + n + len(model.inputs))))
-        known = model.state_space(empty)
-        n_k = known.A.shape[0]
-        A = np.zeros((n_k + 2 * n_r, n_k + 2 * n_r))
+        corner = _CORNER * float(motion.omega[-1])
+        shape = duration_s / (motion.omega**4 + corner**4)
+        driving = fit_driving(model, motion, inputs.lines, shape)
+        known = model.state_space(driving.derivatives)
+        n_k, n_v = known.A.shape[0], n_r + n_u
+        A = np.zeros((n_k + 2 * n_v, n_k + 2 * n_v))
         A[:n_k, :n_k] = known.A
         forced = np.r_[0, 1, 3 + n : 3 + 2 * n]
-        value, slope = n_k + np.arange(n_r), n_k + n_r + np.arange(n_r)
-        A[forced, value] = model.row_factors()
-        corner = float(motion.omega[-1])
-        density = _driving(model, motion, duration_s, corner)
+        value, slope = n_k + np.arange(n_v), n_k + n_v + np.arange(n_v)
+        factors = model.row_factors()
+        A[forced, value[:n_r]] = factors
+        A[:n_k, value[n_r:]] = known.B
         A[value, slope] = 1.0
         A[slope, value] = -(corner**2)
         A[slope, slope] = -np.sqrt(2.0) * corner
-        W = np.zeros(len(A))
-        W[slope] = density
-        size = np.sqrt(density / (2.0 * np.sqrt(2.0) * corner**3))
+        density = np.zeros((n_v, n_v))
+        density[:n_r, :n_r] = driving.density
+        density[n_r:, n_r:] = np.diag(np.mean(np.abs(inputs.lines) ** 2 / shape[:, None], axis=0))
+        W = np.zeros_like(A)
+        W[np.ix_(slope, slope)] = density
+        size = np.sqrt(np.diag(density) / (2.0 * np.sqrt(2.0) * corner**3))
         level = np.concatenate([_levels(motion, duration_s), size, size * corner])
-        # a_z = V (alpha-dot - q) and what thrust and gravity take: V k_Z C_Z
-        extra = np.zeros((n_r, len(A)))
-        extra[0, n_k] = c.airspeed * model.row_factors()[0]
-        extra[1:] = A[forced[1:]]
+        # coefficients; a_z = V (alpha-dot - q) and what thrust and gravity take: V k_Z C_Z
+        extra = np.zeros((2 * n_r, len(A)))
+        moved = np.r_[0, 1, 3 : 3 + 2 * n, value[n_r:]]
+        table = driving.derivatives.values * model.column_factors()
+        extra[:n_r, moved] = table
+        extra[np.arange(n_r), value[:n_r]] = 1.0
+        extra[n_r] = c.airspeed * factors[0] * extra[0]
+        extra[n_r + 1 :] = A[forced[1:]]
         names = (
             *known.states,
             *coefficients(numbers),
-            *(f"{name}_rate" for name in coefficients(numbers)),
             "normal",
             "qdot",
             *(f"etaddot{number}" for number in numbers),
         )
-        return cls(names, A, W, level, extra)
+        return cls(names, A, W, level, extra, n_u)
 
     def step(self, step_s: float) -> tuple[np.ndarray, np.ndarray]:
         """Transition over one sample and covariance of what drives it, both exact."""
         A = self.A / self.level[:, None] * self.level
-        W = np.diag(self.W / self.level**2)
+        W = self.W / np.outer(self.level, self.level)
         n_x = A.shape[0]
         joined = linalg.expm(np.block([[-A, W], [np.zeros_like(A), A.T]]) * step_s)
         F = joined[n_x:, n_x:].T
         return F, F @ joined[:n_x, n_x:]
 
     def outputs(self, model: AeroelasticModel) -> Float[np.ndarray, "n_y n_x"]:
-        """Sensor rows on the scaled states; rates are rows of A."""
+        """Rows of sensors, then of surfaces, on the scaled states; rates are rows of A."""
         P = model.sensors.polynomial
-        n = len(model.modes.numbers)
-        H = np.zeros((P.shape[1], self.A.shape[0]))
-        H[:, np.r_[0, 1, 3 : 3 + n]] = P[POSITION]
-        H[:, 2] = P[INTEGRAL, :, 1]
+        n, n_y, n_u = len(model.modes.numbers), P.shape[1], self.n_inputs
+        H = np.zeros((n_y + n_u, self.A.shape[0]))
+        H[:n_y, np.r_[0, 1, 3 : 3 + n]] = P[POSITION]
+        H[:n_y, 2] = P[INTEGRAL, :, 1]
         etadot = np.arange(3 + n, 3 + 2 * n)
-        H[:, etadot] += P[RATE, :, 2:]
+        H[:n_y, etadot] += P[RATE, :, 2:]
         weights = np.concatenate([P[RATE, :, :2], P[ACCELERATION, :, 2:]], axis=1)
-        H += weights @ self.A[np.r_[0, 1, etadot]]
+        H[:n_y] += weights @ self.A[np.r_[0, 1, etadot]]
+        first = 3 + 2 * n + 2 + n
+        H[n_y + np.arange(n_u), first + np.arange(n_u)] = 1.0
         return H * self.level
 
+    def held(self, H: Float[np.ndarray, "n_y n_x"], rate_hz: float) -> Float[np.ndarray, "n_x n_y"]:
+        """Scaled states that a constant offset of each sensor, in its noise, is taken for."""
+        A = self.A / self.level[:, None] * self.level
+        W = self.W / np.outer(self.level, self.level)
+        pushed = np.diag(W) > 0.0
+        still = linalg.null_space(A[~pushed])
+        left = A[pushed] @ still
+        seen = H @ still
+        normal = rate_hz * seen.T @ seen + left.T @ np.linalg.solve(W[np.ix_(pushed, pushed)], left)
+        return still @ np.linalg.solve(normal, rate_hz * seen.T)
+
     def told(self) -> Float[np.ndarray, "n_names n_x"]:
-        """States and further quantities from scaled states."""
-        return np.concatenate([np.eye(self.A.shape[0]), self.extra]) * self.level
+        """Motion and further quantities from scaled states."""
+        n_k = len(self.names) - len(self.extra)
+        return np.concatenate([np.eye(n_k, self.A.shape[0]), self.extra]) * self.level
 
 
 def _levels(motion: Motion, duration_s: float) -> Float[np.ndarray, " n_known"]:
@@ -172,27 +221,6 @@ def _levels(motion: Motion, duration_s: float) -> Float[np.ndarray, " n_known"]:
     power = np.sum(np.abs(np.concatenate(columns, axis=1)) ** 2, axis=0)
     rms = np.sqrt(2.0 * power) / duration_s
     return np.maximum(rms, 1e-12)
-
-
-def _driving(
-    model: AeroelasticModel, motion: Motion, duration_s: float, corner: float
-) -> Float[np.ndarray, " n_r"]:
-    """Driving density of each coefficient's process, so that its lines are as large as seen.
-
-    Lines count by how much they say: the noise that they carry is taken out, and where
-    nothing is left the process is as large as may hide in the noise of all lines.
-    """
-    values = aerodynamic_coefficients(model, motion)
-    through = model.known_dynamics(motion.omega) / model.row_factors()[:, None]
-    spread = np.real(np.einsum("kij,kjl,kil->ki", through, motion.covariance, through.conj()))
-    shape = (motion.omega[:, None] ** 4 + corner**4) / duration_s
-    noise, signal = spread * shape, (np.abs(values) ** 2 - spread) * shape
-    density = np.mean(np.abs(values) ** 2 * shape, axis=0)
-    for _ in range(_ROUNDS):
-        weight = 1.0 / (density + noise) ** 2
-        hidden = 1.0 / np.sqrt(np.sum(weight, axis=0))
-        density = np.maximum(np.sum(weight * signal, axis=0) / np.sum(weight, axis=0), hidden)
-    return density
 
 
 def _forward(
@@ -233,24 +261,33 @@ def _root(P: np.ndarray) -> np.ndarray:
 
 
 def _backward(
-    F: np.ndarray, states: np.ndarray, predicted: list[np.ndarray], filtered: list[np.ndarray]
+    F: np.ndarray,
+    states: np.ndarray,
+    predicted: list[np.ndarray],
+    filtered: list[np.ndarray],
+    rows: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Smoothed states with the covariance of every sample."""
-    n, last = len(states), len(filtered) - 1
+    """Smoothed states of every sample, and the variance of what the rows tell."""
+    last = len(filtered) - 1
     values = states.copy()
-    covariance = np.empty((n, *F.shape))
-    covariance[-1] = filtered[min(n - 1, last)]
-    settled_gain = None
-    gain = F
-    for k in range(n - 2, -1, -1):
-        place = min(k, last)
-        if place < last or settled_gain is None:
-            gain = np.linalg.solve(predicted[place + 1], F @ filtered[place]).T
-            if place == last:
-                settled_gain = gain
-        else:
-            gain = settled_gain
+    covariance = filtered[last]
+    spread = np.empty((len(states), len(rows)))
+    spread[-1] = _variance(rows, covariance)
+    gain, settled = np.linalg.solve(predicted[last + 1], F @ filtered[last]).T, False
+    for k in range(len(states) - 2, -1, -1):
+        if k < last:
+            gain, settled = np.linalg.solve(predicted[k + 1], F @ filtered[k]).T, False
         values[k] += gain @ (values[k + 1] - F @ states[k])
-        change = gain @ (covariance[k + 1] - predicted[place + 1]) @ gain.T
-        covariance[k] = filtered[place] + 0.5 * (change + change.T)
-    return values, covariance
+        if settled:
+            spread[k] = spread[k + 1]
+            continue
+        place = min(k, last)
+        change = gain @ (covariance - predicted[place + 1]) @ gain.T
+        covariance = filtered[place] + 0.5 * (change + change.T)
+        spread[k] = _variance(rows, covariance)
+        settled = bool(k >= last and np.allclose(spread[k], spread[k + 1], rtol=1e-7, atol=0.0))
+    return values, spread
+
+
+def _variance(rows: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    return np.maximum(np.sum((rows @ covariance) * rows, axis=1), 0.0)
