@@ -218,6 +218,50 @@ def test_no_flutter_is_a_sentence_and_not_a_number():
         predict_flutter(found, (50.0, 40.0))
 
 
+def test_what_is_already_unstable_is_said_before_what_crosses_later():
+    late = predict_flutter(Identified(flex28(4), everything(flex28(4), 0.01)), (70.0, 120.0))
+    assert late.sentence.startswith("Already unstable at 70.0 m/s in mode 7; look at lower speeds.")
+    assert "Flutter of" in late.sentence
+
+
+def test_an_error_as_large_as_the_speed_is_called_not_known():
+    aircraft = flex28(4)
+    blurred = predict_flutter(Identified(aircraft, everything(aircraft, 5.0)), (25.0, 80.0))
+    assert "these runs do not tell it" in blurred.sentence
+    assert blurred.interval is not None
+    assert blurred.interval[0] == 0.0
+    known = everything(aircraft, 0.01)
+    for wrong in (np.nan, np.inf):
+        nowhere = replace(known, covariance=np.full_like(known.covariance, wrong))
+        told = predict_flutter(Identified(aircraft, nowhere), (25.0, 80.0))
+        assert told.interval is None
+        assert "with unknown error" in told.sentence
+
+
+@pytest.mark.parametrize(
+    ("speeds", "density", "mass", "words"),
+    [
+        ([], None, 1.0, "positive"),
+        ([60.0, 50.0], None, 1.0, "rise"),
+        ([-5.0, 50.0], None, 1.0, "positive"),
+        ([40.0, 50.0], 0.0, 1.0, "density of 0"),
+        ([40.0, 50.0], None, 0.0, "mode 7 has a generalised mass of 0"),
+    ],
+)
+def test_what_cannot_be_flown_is_refused(speeds, density, mass, words):
+    aircraft = flex28(2)
+    aircraft = replace(aircraft, modes=replace(aircraft.modes, mass=mass * aircraft.modes.mass))
+    with pytest.raises(BadInput, match=words):
+        follow_roots(aircraft, np.array(speeds), density)
+
+
+def test_derivatives_that_are_no_numbers_are_refused():
+    aircraft = flex28(2)
+    table = replace(aircraft.derivatives, values=np.nan * aircraft.derivatives.values)
+    with pytest.raises(NotIdentifiable, match="no number"):
+        follow_roots(replace(aircraft, derivatives=table), SPEEDS)
+
+
 @pytest.mark.parametrize("stiffness", [0.05, 0.1, 0.2])
 def test_divergence_is_told_from_flutter_and_stands_where_statics_put_it(stiffness):
     """A mode that nothing but its own displacement drives loses its stiffness."""

@@ -11,6 +11,7 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.storage.store import Store
+from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.sysid.stability.prediction import (
     Identified,
     Prediction,
@@ -30,6 +31,7 @@ from flexsid.workflow.flutter_parts import (
     modes_of,
     with_fewer,
 )
+from flexsid.workflow.identified import result_of
 from flexsid.workflow.memory import contents_of_runs, remembered
 from flexsid.workflow.models import flight_condition
 from flexsid.workflow.modes import AircraftModes
@@ -195,7 +197,7 @@ def _models(store: Store, question: Question) -> Answered:
     fused: list[tuple[list[Flown], Identified, str]] = []
     for same in structures:
         found, note = _fused(store, same, at, fuel)
-        fused.append((same, found, f"{_of_others(same[-1])}{refused}{note}"))
+        fused.append((same, found, f"{_of_others(same[-1])}{refused}{note}{_of_ends(same)}"))
     groups = _foretold(fused, at)
     return Answered(at, groups, groups[0], fuel)
 
@@ -280,6 +282,18 @@ def _of_others(part: Flown) -> str:
             " response where it was flown."
         )
     return told
+
+
+def _of_ends(parts: Sequence[Flown]) -> str:
+    """Sentence on runs whose estimate did not end well."""
+    ends: dict[str, list[int]] = {}
+    for part in parts:
+        ends.setdefault(result_of(part.run).fit.outcome, []).append(part.run.id or 0)
+    return "".join(
+        f" {'Run' if len(ids) == 1 else 'Runs'} {_listed(ids)} ended with {outcome}."
+        for outcome, ids in ends.items()
+        if outcome != Outcome.CONVERGED
+    )
 
 
 def _listed(numbers: Sequence[int]) -> str:

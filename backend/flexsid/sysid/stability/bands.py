@@ -143,7 +143,8 @@ def crossing_error(
     Notes
     -----
     On the axis Re lambda(V, theta) = 0, so that dV = -Re(lambda_theta) / Re(lambda_V). A root
-    that diverges where attitude integrates has no eigenvector of its own: the errors are NaN.
+    that diverges where attitude integrates has no eigenvector of its own: the errors are NaN,
+    as they are with a covariance that holds what is no number.
     """
     speed = crossing.airspeed
     near = speed * (1.0 + _STEP * np.array([-1.0, 0.0, 1.0]))
@@ -154,7 +155,8 @@ def crossing_error(
     left, right = modal.left[1, :, root], modal.right[1, :, root]
     by_speed = left.conj() @ (family.A[2] - family.A[0]) @ right / (near[2] - near[0])
     by_theta = slopes(family, modal, uncertain.rows, uncertain.columns)[1, root]
-    if not (np.isfinite(by_theta).all() and np.isfinite(by_speed) and np.real(by_speed)):
+    known = np.isfinite(uncertain.covariance).all() and np.isfinite(by_theta).all()
+    if not (known and np.isfinite(by_speed) and np.real(by_speed)):
         return CrossingError(np.nan, np.nan, np.full(by_theta.shape, np.nan))
     gradient = -np.real(by_theta) / np.real(by_speed)
     frequency = np.imag(by_theta) + np.imag(by_speed) * gradient

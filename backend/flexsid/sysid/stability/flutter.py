@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 from scipy.optimize import brentq, linear_sum_assignment
 
+from flexsid.errors import BadInput
 from flexsid.sysid.stability.speeds import (
     Aeroelastic,
     Modal,
@@ -88,7 +89,16 @@ def follow_roots(
         Rising, close enough that shapes change little from one to the next. [m/s]
     density
         Of the air; that of the known condition by default. [kg/m3]
+
+    Raises
+    ------
+    BadInput
+        If the airspeeds do not rise, or are not positive.
+    NotIdentifiable
+        If a derivative is no number.
     """
+    if not (np.diff(airspeed) > 0.0).all():
+        raise BadInput("airspeeds must rise from one to the next", code="bad-airspeed")
     return follow_family(
         lambda speeds: state_family(aircraft, speeds, density), airspeed, aircraft.motions
     )

@@ -18,6 +18,7 @@ _POINTS = 120
 _SIGMAS = 1.96
 _LINE = 3  # dynamic pressures that a straight line through derivatives needs
 _SPAN = 0.1  # of the largest dynamic pressure that they must spread over
+_UNTOLD = 0.3  # of a flutter speed: with a larger error it is not known
 _TURNS = 30  # of repeated prediction
 
 
@@ -51,7 +52,7 @@ class Prediction:
         reach = _SIGMAS * float(np.hypot(self.airspeed_std, self.spread))
         if self.crossing is None or not np.isfinite(reach):
             return None
-        return self.crossing.airspeed - reach, self.crossing.airspeed + reach
+        return max(0.0, self.crossing.airspeed - reach), self.crossing.airspeed + reach
 
 
 def predict_flutter(
@@ -80,17 +81,17 @@ def predict_flutter(
     ------
     BadInput
         If the band is empty.
+    NotIdentifiable
+        If a derivative is no number.
     """
     low, high = band
     names = {name: _called(name) for name in found.aircraft.motions} | dict(called or {})
-    if not 0.0 < low < high:
+    if not 0.0 < low < high < np.inf:
         raise BadInput(
             f"airspeeds from {low:g} to {high:g} m/s are no band; the lowest must be positive "
             "and come first",
             code="bad-airspeed",
         )
-    if not np.all(np.isfinite(found.aircraft.derivatives.values)):
-        raise NotIdentifiable("the model holds a derivative that is no number; choose other runs")
     locus = follow_roots(found.aircraft, np.linspace(low, high, _POINTS), density)
     growing = np.flatnonzero(np.real(locus.roots[0]) > 0.0)
     crossing = locus.flutter
@@ -112,13 +113,14 @@ def predict_flutter(
     leading = sorted(crossing.participation, key=crossing.participation.__getitem__)[::-1][:2]
     moving = " with ".join(names[name] for name in leading)
     reach = 2.0 * float(np.hypot(error.airspeed_std, spread))
-    sentence = f"{crossing.mechanism.value.capitalize()} of {moving} at {crossing.airspeed:.2f}"
+    sentence = f"{already} " if already else ""
+    sentence += f"{crossing.mechanism.value.capitalize()} of {moving} at {crossing.airspeed:.2f}"
     sentence += f" ± {reach:.2f} m/s" if np.isfinite(reach) else " m/s, with unknown error"
     sentence += f", {crossing.frequency:.2f} rad/s." if crossing.frequency else "."
     if crossing.recovers_at is not None:
         sentence += f" It is a hump: stable again from {crossing.recovers_at:.2f} m/s."
-    if already:
-        sentence += f" {already}"
+    if np.isfinite(reach) and reach > _UNTOLD * crossing.airspeed:
+        sentence += " So large an error means that these runs do not tell it."
     return Prediction(locus, crossing, error.airspeed_std, error.frequency_std, spread, sentence)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.errors import BadInput
+from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.modes.shapes import StructuralModes
@@ -62,7 +62,9 @@ def state_family(
     Raises
     ------
     BadInput
-        If an airspeed is not positive.
+        If an airspeed, the density or a generalised mass is not positive.
+    NotIdentifiable
+        If a derivative is no number.
 
     Notes
     -----
@@ -70,11 +72,24 @@ def state_family(
     thrust balances the drag, whose zero-lift part is that of the known condition.
     """
     V = np.asarray(airspeed, dtype=float)
-    if not (V > 0.0).all():
+    if V.size == 0 or not (np.isfinite(V) & (V > 0.0)).all():
         raise BadInput("airspeeds must be positive", code="bad-airspeed")
     c, modes = aircraft.condition, aircraft.modes
+    air = c.density if density is None else density
+    if not 0.0 < air < np.inf:
+        raise BadInput(f"an air density of {air:g} kg/m3 is not positive", code="bad-density")
+    for number, mass in zip(modes.numbers, modes.mass.tolist(), strict=True):
+        if not 0.0 < mass < np.inf:
+            raise BadInput(
+                f"mode {number} has a generalised mass of {mass:g}; the modal table must give a"
+                " positive one",
+                code="bad-mass",
+                mode=number,
+            )
+    if not np.isfinite(aircraft.derivatives.values).all():
+        raise NotIdentifiable("the model holds a derivative that is no number; choose other runs")
     n = len(modes.numbers)
-    force = 0.5 * (c.density if density is None else density) * V**2 * c.area
+    force = 0.5 * air * V**2 * c.area
     weight = c.mass * GRAVITY * np.cos(c.gamma)
     known = c.dynamic_pressure * c.area
     clean = (c.thrust - c.induced_drag * weight**2 / known) / known
