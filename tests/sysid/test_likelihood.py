@@ -89,6 +89,28 @@ def test_full_density_with_few_lines_is_shrunk_and_agrees(make_case):
     assert np.sqrt(np.mean(apart**2)) < 1.0
 
 
+@pytest.mark.parametrize("n_lines", [30, 45, 65, 150])
+def test_a_full_density_comes_to_rest_however_few_the_lines(make_case, n_lines):
+    case = make_case(1, n_outputs=8)
+    omega = np.linspace(OMEGA[0], OMEGA[-1], n_lines)
+    for seed in range(5):
+        u, y = case.spectra(seed, omega)
+        z = add_noise(y, 0.03, np.random.default_rng(seed))
+        found = maximize(
+            [case.experiment(u, z, omega)], case.free(off=0.1), FitSettings(noise="full")
+        )
+        assert found.outcome is Outcome.CONVERGED
+        assert len(found.steps) - 1 <= 15
+
+
+def test_a_full_density_bears_with_lines_without_noise(make_case):
+    case = make_case(4)
+    omega = np.linspace(OMEGA[0], OMEGA[-1], 250)
+    u, y = case.spectra(5, omega)
+    found = maximize([case.experiment(u, y, omega)], case.free(), FitSettings(noise="full"))
+    assert np.allclose(found.values, case.truth.values.ravel(), rtol=1e-5)
+
+
 @pytest.mark.parametrize("ratio", [0.65, 0.95])
 def test_a_full_density_bears_with_modes_that_were_left_out(make_case, ratio):
     """What they do to all sensors at once counts as noise there, and hardly biases the rest."""

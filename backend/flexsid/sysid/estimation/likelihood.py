@@ -163,7 +163,7 @@ class _Problem:
         outcome = Outcome.ITERATION_LIMIT
         for iteration in range(1, self.settings.max_iterations + 1):
             near, slow = steps[-1].step < _NEAR, iteration > _QUICK
-            weights = [S.inverse() for S in state.densities]
+            weights = [noise.likelihood_weights(S) for S in state.densities]
             leaping = iteration == 1 and self._is_lost(state)
             around = self.expand(state, weights, measured=leaping)
             found = self._leap(state, around) if leaping else None
@@ -307,7 +307,9 @@ class _Problem:
         n_theta = state.theta.size
         n_data = sum(2 * e.measured.size for e in self.experiments)
         inflation = n_data / (n_data - n_theta)
-        around = self.expand(state, [S.scaled(inflation).inverse() for S in state.densities])
+        around = self.expand(
+            state, [noise.likelihood_weights(S.scaled(inflation)) for S in state.densities]
+        )
         lines = [
             FinalLines(form, sensitivity, nu, W, state.theta)
             for form, sensitivity, nu, W in zip(

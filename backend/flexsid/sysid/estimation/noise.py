@@ -10,6 +10,7 @@ from jaxtyping import Complex, Float
 
 _SEGMENT = 5  # lines
 _NEIGHBOURS = 2  # segments on either side
+_LEAST_SHRINKAGE = 1e-6  # keeps the density of noise-free data from being singular
 _RELATIVE_FLOOR = 1e-20  # of the measured power: keeps weights finite on noise-free data
 
 
@@ -33,8 +34,11 @@ class LineMatrix:
         """The weights that belong to a density."""
         if self.is_diagonal:
             return LineMatrix(1.0 / self.blocks, self.block)
-        identity = np.broadcast_to(np.eye(self.blocks.shape[1]), self.blocks.shape)
-        return LineMatrix(np.linalg.solve(self.blocks, identity), self.block)
+        size = np.sqrt(np.real(np.einsum("bii->bi", self.blocks)))
+        outer = size[:, :, None] * size[:, None, :]
+        identity = np.broadcast_to(np.eye(size.shape[1]), outer.shape)
+        inverse = np.linalg.solve(self.blocks / outer, identity) / outer
+        return LineMatrix(0.5 * (inverse + inverse.conj().transpose(0, 2, 1)), self.block)
 
     def scaled(self, factor: float) -> LineMatrix:
         """Every matrix multiplied."""
@@ -118,7 +122,7 @@ def residual_density(
     -------
     tuple
         The density S, and the negative log likelihood, constants dropped: the sum
-        over lines of nu^H S^-1 nu + ln |S| (Eq. 19).
+        over lines of nu^H S^-1 nu + ln |S| (Eq. 19), with the covariance shrunk as S is.
     """
     n_groups, n_y = measured_power.shape
     power = group_powers(residuals, group, n_groups)
@@ -130,12 +134,31 @@ def residual_density(
     blocks = np.empty((n_groups, n_y, n_y), dtype=complex)
     for g in range(n_groups):
         nu = residuals[group == g]
-        blocks[g] = (1.0 - shrinkage(nu.shape[0], n_y)) * (nu.T @ nu.conj()) / nu.shape[0]
+        kept = 1.0 - max(shrinkage(nu.shape[0], n_y), _LEAST_SHRINKAGE)
+        blocks[g] = kept * (nu.T @ nu.conj()) / nu.shape[0]
         blocks[g][np.diag_indices(n_y)] = diagonal[g]
-    density = LineMatrix(blocks, group)
-    weighted = density.inverse().times(residuals[:, :, None])[:, :, 0]
-    cost = np.vdot(residuals, weighted).real + counts @ np.linalg.slogdet(blocks)[1]
-    return density, float(cost)
+    cost = counts @ (n_y + np.linalg.slogdet(blocks)[1])
+    return LineMatrix(blocks, group), float(cost)
+
+
+def likelihood_weights(density: LineMatrix) -> LineMatrix:
+    """Weights under which the sum of squares falls as the likelihood with this density does.
+
+    Notes
+    -----
+    Of a density that was shrunk, S = (1 - l) C + l diag C of the residuals' covariance C,
+    ln |S| falls as nu^H [(1 - l) S^-1 + l diag S^-1] nu does: with S^-1 alone a fit would
+    follow another slope than that of its cost, and never come to rest.
+    """
+    inverse = density.inverse()
+    if density.is_diagonal:
+        return inverse
+    n_y = density.blocks.shape[1]
+    share = np.array([shrinkage(int(n), n_y) for n in np.bincount(density.block)])
+    own = np.arange(n_y)
+    weights = (1.0 - share)[:, None, None] * inverse.blocks
+    weights[:, own, own] = inverse.blocks[:, own, own]
+    return LineMatrix(weights, density.block)
 
 
 def shrinkage(n_lines: int, n_y: int) -> float:
