@@ -15,6 +15,7 @@ from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.estimation.record_edges import without_edges
+from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.reduction import residualize
 from flexsid.sysid.signals import FrequencyData
 
@@ -211,8 +212,26 @@ def test_iteration_limit_and_cancellation_are_told(make_case):
     def cancel(iteration: int, cost: float) -> None:
         raise Cancelled("enough")
 
-    with pytest.raises(Cancelled):
-        maximize([experiment], case.free(off=0.3), report=cancel)
+    ended = maximize([experiment], case.free(off=0.3), report=cancel)
+    assert ended.outcome is Outcome.CANCELLED
+    assert len(ended.steps) - 1 == 1
+    assert "after 1 iterations" in ended.message
+
+
+def test_a_pole_without_damping_on_a_line_is_told(make_case):
+    """Short period and modes without any aerodynamics: K is singular at the mode itself."""
+    case = make_case(1)
+    modes = replace(case.model.modes, zeta=np.zeros(1))
+    model = replace(case.model, modes=modes)
+    omega = np.array([5.0, float(modes.omega[0]), 40.0])
+    none = DerivativeTable.from_names(modes.numbers, model.inputs, {})
+    with pytest.raises(BadInput, match="pole without damping"):
+        model.response(none, omega)
+    lines = replace(case, model=model)
+    u, z = np.ones((3, 5), dtype=complex), np.ones((3, 20), dtype=complex)
+    parameters = select_parameters(none, ("Cm_q",), model.outputs)
+    with pytest.raises(NotIdentifiable, match="no finite response"):
+        maximize([lines.experiment(u, z, omega)], parameters)
 
 
 def test_requests_without_an_answer_are_refused(make_case):

@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 
 from flexsid import __version__
-from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.errors import BadInput, Cancelled, NotIdentifiable
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import Method, Progress, RunSettings
 from flexsid.sysid.estimation.delays import find_delays
@@ -296,7 +296,10 @@ def likeliest(
                 )
             )
 
-        return parameters, name, maximize(experiments, parameters, settings, tell)
+        estimate = maximize(experiments, parameters, settings, tell)
+        if estimate.outcome is Outcome.CANCELLED:
+            raise Cancelled(estimate.message)
+        return parameters, name, estimate
 
     def best_of(
         ends: list[tuple[Parameters, str, Estimate]],

@@ -28,7 +28,7 @@ class Elimination:
     ) -> Complex[np.ndarray, "n_omega n_r n_r"]:
         """Invert the matrix of every line."""
         if not self._worth:
-            return np.linalg.inv(K)
+            return _pivoted(K)
         rows, taken = self._rows, self._taken
         rows[:] = K.transpose(1, 2, 0)
         kept = np.ones(len(K), dtype=bool)
@@ -47,7 +47,20 @@ class Elimination:
                 np.subtract(rows, taken, out=rows)
         inverse = np.ascontiguousarray(rows.transpose(2, 0, 1))
         if not kept.all():
-            inverse[~kept] = np.linalg.inv(K[~kept])
+            inverse[~kept] = _pivoted(K[~kept])
+        return inverse
+
+
+def _pivoted(
+    K: Complex[np.ndarray, "n_omega n_r n_r"],
+) -> Complex[np.ndarray, "n_omega n_r n_r"]:
+    """Inverses; not a number where a pole without damping lies on a line."""
+    try:
+        return np.linalg.inv(K)
+    except np.linalg.LinAlgError:
+        regular = np.linalg.matrix_rank(K) == K.shape[1]
+        inverse = np.full_like(K, np.nan)
+        inverse[regular] = np.linalg.inv(K[regular])
         return inverse
 
 

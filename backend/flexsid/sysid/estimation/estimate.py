@@ -16,6 +16,7 @@ class Outcome(StrEnum):
     ITERATION_LIMIT = "iteration limit"
     SINGULAR_INFORMATION = "singular information"
     DIVERGED = "diverged"
+    CANCELLED = "cancelled"
 
 
 @dataclass(frozen=True, slots=True)

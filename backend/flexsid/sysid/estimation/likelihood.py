@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from flexsid.errors import NotIdentifiable
+from flexsid.errors import Cancelled, NotIdentifiable
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.covariance import FinalLines, covariance
 from flexsid.sysid.estimation.estimate import Estimate, FittedLines, Outcome, Step
@@ -93,8 +93,8 @@ def maximize(
     settings
         Limits, noise model, priors.
     report
-        Called with iteration and cost after every accepted step; an exception
-        it raises (``Cancelled``) ends the fit.
+        Called with iteration and cost after every accepted step; where it raises
+        ``Cancelled`` the fit ends with what it has reached.
 
     Returns
     -------
@@ -178,7 +178,11 @@ class _Problem:
             size = size_in_std_errors(around.N, trial.theta - state.theta)
             state = trial
             steps.append(Step(iteration, state.cost, size))
-            report(iteration, state.cost)
+            try:
+                report(iteration, state.cost)
+            except Cancelled:
+                outcome = Outcome.CANCELLED
+                break
             if _left_to_go(steps) < self.settings.tolerance and damping <= 1e-3:
                 outcome = Outcome.CONVERGED
                 break
@@ -352,6 +356,10 @@ _MESSAGES = {
     Outcome.ITERATION_LIMIT: (
         "Stopped at the limit of {iterations} iterations before the steps became small; "
         "raise the limit or start closer."
+    ),
+    Outcome.CANCELLED: (
+        "Cancelled after {iterations} iterations; values are those reached by then, not those of "
+        "the optimum."
     ),
     Outcome.DIVERGED: (
         "No step lowers the cost although the gradient is not zero ({iterations} iterations); "

@@ -128,6 +128,11 @@ class AeroelasticModel:
             Of exactly this model's modes and inputs.
         omega
             Angular frequencies above zero. [rad/s]
+
+        Raises
+        ------
+        BadInput
+            If a pole without damping lies on a frequency.
         """
         return self.sensors.response(omega) @ self.motion(derivatives, omega)
 
@@ -141,7 +146,14 @@ class AeroelasticModel:
         K = self.known_dynamics(omega) - forces[:, :n_r]
         K[:, :, 2:] -= s[:, None, None] * forces[:, n_r : 2 * n_r - 2]
         load = np.broadcast_to(forces[:, 2 * n_r - 2 :], (s.size, n_r, len(self.inputs)))
-        return np.linalg.solve(K, load)
+        try:
+            return np.linalg.solve(K, load)
+        except np.linalg.LinAlgError:
+            raise BadInput(
+                "the model has a pole without damping exactly at one of the frequencies, where "
+                "its response has no bounds; move the frequency or the damping",
+                code="pole-on-line",
+            ) from None
 
     def state_space(self, derivatives: DerivativeTable) -> StateSpace:
         """Assemble A, B, C, D for these derivatives; instruments are not included.
