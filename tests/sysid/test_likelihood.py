@@ -247,6 +247,13 @@ def test_requests_without_an_answer_are_refused(make_case):
     dead[:, 3] = 0.0
     with pytest.raises(BadInput, match=f"'{case.model.outputs[3]}' carries no signal"):
         case.experiment(u, dead)
+    with pytest.raises(BadInput, match="held at nan"):
+        select_parameters(case.truth, None, case.model.outputs, fixed={"Cm_q": np.nan})
+    for prior in ({"Cm_x": (0.0, 1.0)}, {"Cm_q": (0.0, 0.0)}, {"Cm_q": (np.nan, 1.0)}):
+        with pytest.raises(BadInput, match="prior of"):
+            maximize([case.experiment(u, y)], case.free(), FitSettings(priors=prior))
+    with pytest.raises(BadInput, match="0 Hz"):
+        maximize([case.experiment(u, y, OMEGA - OMEGA[0])], case.free())
     broken = y.copy()
     broken[2, 1] = np.nan
     with pytest.raises(BadInput, match="not finite"):

@@ -70,16 +70,23 @@ def check_signal(values: np.ndarray, names: tuple[str, ...]) -> None:
     """
     if np.isfinite(values).all() and all(np.count_nonzero(values, axis=0).tolist()):
         return
+    check_finite(values, names)
     for column, name in enumerate(names):
-        if not np.isfinite(values[:, column]).all():
-            raise BadInput(
-                f"the spectrum of '{name}' is not finite; check the recording for gaps",
-                code="not-finite",
-                channel=name,
-            )
         if not values[:, column].any():
             raise BadInput(
                 f"channel '{name}' carries no signal at the lines of the fit; leave it out",
                 code="no-signal",
                 channel=name,
             )
+
+
+def check_finite(values: np.ndarray, names: tuple[str, ...]) -> None:
+    """Refuse channels with numbers that are none, naming the first (BadInput)."""
+    finite = np.isfinite(values).all(axis=0)
+    if not finite.all():
+        name = names[int(np.argmin(finite))]
+        raise BadInput(
+            f"the spectrum of '{name}' is not finite; check the recording for gaps",
+            code="not-finite",
+            channel=name,
+        )

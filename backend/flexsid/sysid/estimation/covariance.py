@@ -92,7 +92,8 @@ def covariance(
     against the fit to the other lines. Where the information is singular residuals tell
     nothing: there the floor of the information is the only bound.
     """
-    scale = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
+    own = np.diag(information)
+    scale = np.sqrt(np.where(own > np.finfo(float).tiny, own, 1.0))
     outer = np.outer(scale, scale)
     known, unknown, lacking = _invert(information / outer)
     known, unknown = known / outer, unknown / outer
@@ -127,7 +128,7 @@ def _invert(
         if np.abs(scaled).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max() < _SAFE:
             return inverse, np.zeros_like(inverse), np.empty((scaled.shape[0], 0))
     values, vectors = np.linalg.eigh(scaled)
-    floor = _WEAKEST * values[-1]
+    floor = _WEAKEST * max(values[-1], 1.0)
     lacks = values < floor
     told, lacking = vectors[:, ~lacks], vectors[:, lacks]
     lost = np.where(np.abs(lacking) < _PART, 0.0, lacking)

@@ -13,7 +13,7 @@ from jaxtyping import Complex, Float
 from flexsid.sysid.estimation.equation_error import aerodynamic_coefficients, regressors
 from flexsid.sysid.estimation.reconstruction import Motion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.signals import FrequencyData, check_signal
 
 _ITERATIONS = 40
 _LARGEST_STEP_RAD = 0.3  # at the highest line: beyond that a delay may slip by a whole turn
@@ -35,6 +35,13 @@ def find_delays(
     model, inputs, outputs, instruments
         As for equation error.
 
+    Raises
+    ------
+    BadInput
+        If a channel carries no signal, or a spectrum is not finite.
+    NotIdentifiable
+        If the sensors cannot tell the motions apart.
+
     Notes
     -----
     Departure: the paper converges the derivatives first and restarts with delays;
@@ -45,6 +52,8 @@ def find_delays(
     """
     some = slice(None, None, max(1, outputs.omega.size // _ENOUGH_LINES))
     omega = outputs.omega[some]
+    check_signal(outputs.pick(model.outputs).values, model.outputs)
+    check_signal(inputs.pick(model.inputs).values, model.inputs)
     z = FrequencyData(omega, outputs.pick(model.outputs).values[some], model.outputs)
     u = FrequencyData(omega, inputs.values[some], inputs.names)
     relative = relative_delays(model, z, instruments[some])

@@ -12,7 +12,7 @@ from flexsid.sysid.estimation.reconstruction import Motion
 from flexsid.sysid.estimation.regression import Disturbance, regress
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import coefficients
-from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.signals import FrequencyData, check_finite
 
 
 def aerodynamic_coefficients(
@@ -76,6 +76,7 @@ def equation_error(
             "parameters need OE or FRE",
             code="not-in-method",
         )
+    check_finite(inputs.pick(model.inputs).values, model.inputs)
     X = regressors(model, motion, inputs)
     z = aerodynamic_coefficients(model, motion)
     disturbances = MotionNoise(model, motion.coloured()) if compensate else None

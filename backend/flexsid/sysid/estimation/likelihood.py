@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from flexsid.errors import Cancelled, NotIdentifiable
+from flexsid.errors import BadInput, Cancelled, NotIdentifiable
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.covariance import FinalLines, covariance
 from flexsid.sysid.estimation.estimate import Estimate, FittedLines, Outcome, Step
@@ -103,6 +103,8 @@ def maximize(
 
     Raises
     ------
+    BadInput
+        If a prior is of no free parameter or has no spread.
     NotIdentifiable
         If there are more parameters than independent measured numbers.
     """
@@ -374,6 +376,19 @@ def _prior(
     mean = parameters.start.copy()
     information = np.zeros_like(mean)
     for name, (value, sigma) in (settings.priors or {}).items():
+        if name not in parameters.names:
+            raise BadInput(
+                f"the prior of '{name}' has no free parameter to act on",
+                code="unknown-parameter",
+                name=name,
+            )
+        if not (np.isfinite(value) and sigma > 0.0):
+            raise BadInput(
+                f"the prior of '{name}' is {value:g} with standard deviation {sigma:g}; give a "
+                "finite value and a deviation above zero",
+                code="bad-prior",
+                name=name,
+            )
         index = parameters.names.index(name)
         mean[index] = value
         information[index] = 0.5 / sigma**2

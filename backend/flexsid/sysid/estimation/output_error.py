@@ -47,6 +47,7 @@ def output_error(
     z = outputs.pick(model.outputs).values
     check_signal(u, model.inputs)
     check_signal(z, model.outputs)
+    check_signal(np.asarray(instruments), model.outputs)
     return Experiment(
         name=name,
         model=model,

@@ -101,6 +101,11 @@ def select_parameters(
                 code="unknown-derivative",
                 name=name,
             )
+    for name, value in fixed.items():
+        if not np.isfinite(value):
+            raise BadInput(
+                f"'{name}' is to be held at {value}; give a number", code="not-finite", name=name
+            )
     chosen = [name for name in (free if free is not None else places) if name not in fixed]
     values = start.values.copy()
     for name, value in fixed.items():

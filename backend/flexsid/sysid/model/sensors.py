@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexsid.errors import BadInput
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 
 INTEGRAL, POSITION, RATE, ACCELERATION = range(4)
@@ -29,8 +30,20 @@ class SensorRows:
     def response(
         self, omega: Float[np.ndarray, " n_omega"]
     ) -> Complex[np.ndarray, "n_omega n_y n_r"]:
-        """Output per unit motion at each frequency. [output unit]"""
+        """Output per unit motion at each frequency. [output unit]
+
+        Raises
+        ------
+        BadInput
+            If a frequency is not above zero.
+        """
         w = np.asarray(omega, dtype=float)
+        if not np.all(w > 0.0):
+            raise BadInput(
+                "a line lies at 0 Hz or below, where motion has no transfer function; begin the "
+                "band above it",
+                code="line-at-zero",
+            )
         powers = np.stack([1.0 / w, np.ones_like(w), w, w * w], axis=1)
         turned = np.array([-1j, 1.0, 1j, -1.0])[:, None] * self.polynomial.reshape(4, -1)
         answer = (powers @ turned.view(float)).view(complex)
