@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import struct
 import zipfile
 import zlib
 from pathlib import Path
@@ -164,6 +165,10 @@ def test_a_zip_bomb_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
         ("flight.mat", b"t_s,q\n0,1\n", "does not start like a MATLAB file"),
         ("flight.npz", b"t_s,q\n0,1\n", "does not start like a NumPy archive file"),
         ("flight.csv", b"PK\x03\x04\x00\x00", "does not start like a text file"),
+        ("flight.mat", struct.pack("<5i", 0, 2, 1, 0, 2) + b"q\0" + bytes(16), "MATLAB 4.*-v7"),
+        ("flight.mat", struct.pack(">5i", 1000, 2, 1, 0, 2) + b"q\0" + bytes(16), "MATLAB 4"),
+        ("flight.csv", b't_s,al"pha\n0,1\n', 'row 1, column 2: a quotation mark in al"pha'),
+        ("flight.csv", b't_s,"q\n0,1\n', "row 1, column 2: a quotation mark"),
         ("flight.xls", b"whatever", "files of kind '.xls' cannot be read"),
         ("flight.npz", b"PK\x03\x04" + zlib.compress(b"x" * 100), "the archive is damaged"),
     ],

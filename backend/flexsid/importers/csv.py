@@ -119,6 +119,7 @@ def _layout(head: Sequence[tuple[int, str]]) -> _Layout:
     lines = [line for _, line in rows]
     delimiter = _delimiter(header)
     width = None if delimiter is not None else _width(lines)
+    _check_quotes(header, delimiter, row)
     names = _split(header, delimiter, width)
     symbols: list[str] = []
     comma = delimiter == ";" and any(_is_decimal_comma(c) for c in _split(lines[-1], ";", None))
@@ -208,6 +209,20 @@ def _are_units(cells: Sequence[str]) -> bool:
         except BadInput:
             return False
     return any(cell not in ("", "-", "1") for cell in cells)
+
+
+def _check_quotes(header: str, delimiter: str | None, row: int) -> None:
+    """Refuse a header whose quotation marks do not enclose whole cells."""
+    for number, cell in enumerate(header.split(delimiter), start=1):
+        name = cell.strip()
+        whole = len(name) > 1 and name[0] == name[-1] == '"'
+        if '"' in (name[1:-1] if whole else name):
+            raise UnreadableFile(
+                f"row {row}, column {number}: a quotation mark in {name[:40]} does not enclose the "
+                "whole cell; a name holds neither quotation mark nor delimiter.",
+                row=row,
+                column=number,
+            )
 
 
 def _check_names(names: Sequence[str], row: int) -> None:

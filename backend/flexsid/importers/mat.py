@@ -20,11 +20,33 @@ from flexsid.importers.source import LARGEST_CONTENT, Content, Field
 DEEPEST = 16
 
 _COMPRESSED = 15
+_V4_KINDS = {
+    1000 * machine + 10 * number + matrix
+    for machine in range(5)
+    for number in range(6)
+    for matrix in range(3)
+}
 
 
 def recognises(head: bytes) -> bool:
-    """Tell both kinds of MATLAB file by their magic."""
-    return hdf5.recognises(head) or head[126:128] in (b"IM", b"MI")
+    """Tell all kinds of MATLAB file by how they begin."""
+    return hdf5.recognises(head) or _is_v5(head) or _is_v4(head)
+
+
+def _is_v5(head: bytes) -> bool:
+    return head[126:128] in (b"IM", b"MI")
+
+
+def _is_v4(head: bytes) -> bool:
+    """Tell a file without magic by its first matrix: kind, rows, columns, complex, name."""
+    if len(head) < 21:
+        return False
+    for order in "<>":
+        kind, rows, columns, is_complex, length = struct.unpack_from(order + "5i", head)
+        plausible = kind in _V4_KINDS and rows >= 0 and columns >= 0 and is_complex in (0, 1)
+        if plausible and 1 < length <= 64 and head[20:21].isalpha():
+            return True
+    return False
 
 
 def read(path: Path) -> Content:
@@ -40,6 +62,11 @@ def read(path: Path) -> Content:
         head = file.read(1024)
     if hdf5.recognises(head):
         return hdf5.read_matlab(path)
+    if not _is_v5(head):
+        raise UnreadableFile(
+            "the file is of MATLAB 4 (save -v4), which is not read; load it in MATLAB and save it "
+            "with -v7 or -v7.3."
+        )
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as raw:
         _bound_v5(raw)
     return Content(_read_v5(path))
