@@ -61,7 +61,9 @@ def find_closed_loop(
     def work(report: Report) -> None:
         workflow.find_closed_loop(context.store, question, controller_id, report)
 
-    begun = context.tasks.begin("closed-loop", work)
+    known = len(question.run_ids)
+    title = f"{known} run{'' if known == 1 else 's'}"
+    begun = context.tasks.begin("closed-loop", title, work)
     return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
 
 
