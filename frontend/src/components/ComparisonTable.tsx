@@ -3,6 +3,7 @@ import type { Comparison, ComparisonRow } from "../api/types";
 import { fixed, withError } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
+import { UnitOf } from "./UnitOf";
 
 interface Props extends Pick<Comparison, "sources" | "rows"> {
   /** Place of the source that the others are held against. */
@@ -11,8 +12,18 @@ interface Props extends Pick<Comparison, "sources" | "rows"> {
 
 /** The same derivatives as the bars, as numbers; with a baseline, how far each is from it. */
 export function ComparisonTable({ sources, rows, baseline }: Props) {
+  const names = rows.map((row) => row.name);
   const columns: Column<ComparisonRow>[] = [
-    { key: "name", header: "Derivative", render: (row) => <DerivativeName name={row.name} /> },
+    {
+      key: "name",
+      header: "Derivative",
+      render: (row) => (
+        <>
+          <DerivativeName name={row.name} />
+          <UnitOf name={row.name} among={names} />
+        </>
+      ),
+    },
     {
       key: "difference",
       header: (

@@ -10,8 +10,8 @@ export function GroundTestAlarm() {
   return alarms.map((test) => (
     <Alert
       key={test.flight_id}
-      color="red"
-      variant="light"
+      variant="default"
+      className="alarm"
       role="alert"
       mb="md"
       title={`Structure changed in flight ${test.flight_number}`}

@@ -3,18 +3,25 @@ import type { Parameter } from "../api/types";
 import { fixed, relativeError, significant, withError } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
+import { UnitOf } from "./UnitOf";
 
 /** Less than two standard errors away from zero: its sign is not known. */
 const isWeak = (parameter: Parameter): boolean =>
   parameter.std_error == null || Math.abs(parameter.value) < 2 * parameter.std_error;
 
-const columns: Column<Parameter>[] = [
-  {
-    key: "name",
-    header: "Parameter",
-    sort: "name",
-    render: (one) => <DerivativeName name={one.name} />,
-  },
+const nameColumn = (names: readonly string[]): Column<Parameter> => ({
+  key: "name",
+  header: "Parameter",
+  sort: "name",
+  render: (one) => (
+    <>
+      <DerivativeName name={one.name} />
+      <UnitOf name={one.name} among={names} />
+    </>
+  ),
+});
+
+const NUMBERS: Column<Parameter>[] = [
   {
     key: "value",
     header: "Value",
@@ -112,7 +119,7 @@ export function ParameterTable({ parameters, sort, onSort }: Props) {
       <DataTable
         label="Parameters"
         testId="parameter-table"
-        columns={columns}
+        columns={[nameColumn(parameters.map((one) => one.name)), ...NUMBERS]}
         rows={sortParameters(parameters, sort)}
         rowKey={(one) => one.name}
         sort={sort}

@@ -61,6 +61,7 @@ const columns: Column<QualityItem>[] = [
   },
   {
     key: "signal",
+    onlyIf: (one) => one.figures?.signal_to_noise_db != null,
     header: <span title="Median of all outputs over all lines">Signal/noise</span>,
     unit: "dB",
     sort: "signal_to_noise_db",
@@ -69,6 +70,7 @@ const columns: Column<QualityItem>[] = [
   },
   {
     key: "coherence",
+    onlyIf: (one) => one.figures?.least_coherence != null,
     header: <span title="Least coherence of a sensor with the others">Coherence</span>,
     sort: "least_coherence",
     numeric: true,
@@ -76,6 +78,7 @@ const columns: Column<QualityItem>[] = [
   },
   {
     key: "skew",
+    onlyIf: (one) => one.figures?.largest_skew_s != null,
     header: "Largest skew",
     unit: "ms",
     sort: "largest_skew_s",
@@ -87,6 +90,7 @@ const columns: Column<QualityItem>[] = [
   },
   {
     key: "artefacts",
+    onlyIf: (one) => one.figures?.n_stretches != null,
     header: <span title="Spikes, dropouts and saturated stretches">Artefacts</span>,
     sort: "n_stretches",
     numeric: true,
@@ -94,6 +98,7 @@ const columns: Column<QualityItem>[] = [
   },
   {
     key: "inputs",
+    onlyIf: (one) => one.figures?.max_input_correlation != null,
     header: <span title="Largest pairwise correlation of the inputs">Input corr.</span>,
     sort: "max_input_correlation",
     numeric: true,
@@ -101,6 +106,7 @@ const columns: Column<QualityItem>[] = [
   },
   {
     key: "drift",
+    onlyIf: (one) => one.figures?.airspeed_drift != null,
     header: "Airspeed drift",
     unit: "%",
     sort: "airspeed_drift",
@@ -109,6 +115,7 @@ const columns: Column<QualityItem>[] = [
   },
   {
     key: "summary",
+    onlyIf: (one) => one.summary != null,
     header: "In words",
     wraps: true,
     render: (one) => (

@@ -16,7 +16,7 @@ import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { StateBadge } from "../components/RunBadge";
 import { Section } from "../components/Section";
-import { count, dateTime } from "../lib/format";
+import { count, dateMinute } from "../lib/format";
 
 const LINES = 6;
 
@@ -27,6 +27,7 @@ export function StartPage() {
   const inState = (state: string) =>
     runs.data?.choices.state?.find((choice) => choice.value === state)?.count ?? 0;
   const total = maneuvers.data?.total ?? 0;
+  const failed = inState("failed");
 
   return (
     <>
@@ -39,7 +40,7 @@ export function StartPage() {
         <Step to="/decisions" name="Decide" fact="which structure holds where" />
         <Step to="/flutter" name="Flutter" fact="what the next test point risks" />
       </ol>
-      <div className="halves">
+      <div className="two">
         <div className="stack">
           <Section title="What runs" note={activity(inState("running"), inState("queued"))}>
             <Runs filters={{ state: "running" }} sort="-id" none="Nothing is being estimated." />
@@ -59,7 +60,10 @@ export function StartPage() {
           </Section>
         </div>
         <div className="stack">
-          <Section title="What is wrong" note={count(inState("failed"), "run") + " failed"}>
+          <Section
+            title="What is wrong"
+            note={failed > 0 ? `${count(failed, "run")} failed` : undefined}
+          >
             <Runs filters={{ state: "failed" }} sort="-finished_at" none="No run has failed." />
           </Section>
           <Section title="What changed" note="Estimated last">
@@ -75,8 +79,8 @@ export function StartPage() {
   );
 }
 
-function activity(running: number, queued: number): string {
-  return `${running} running, ${queued} queued`;
+function activity(running: number, queued: number): string | undefined {
+  return running + queued === 0 ? undefined : `${running} running, ${queued} queued`;
 }
 
 interface StepProps {
@@ -178,7 +182,7 @@ function Runs({ filters, sort, none }: RunsProps) {
               run.finished_at === null ? (
                 <StateBadge state={run.state} />
               ) : (
-                dateTime(run.finished_at)
+                dateMinute(run.finished_at)
               ),
           }))}
         />
@@ -204,7 +208,7 @@ function Proposals() {
                 <span className="quiet">{one.structure_name}</span>
               </>
             ),
-            when: dateTime(one.created_at),
+            when: dateMinute(one.created_at),
           }))}
         />
       )}
@@ -229,7 +233,7 @@ function NewManeuvers() {
                 <span className="quiet">{count(one.n_runs, "run")}</span>
               </>
             ),
-            when: dateTime(one.created_at),
+            when: dateMinute(one.created_at),
           }))}
         />
       )}

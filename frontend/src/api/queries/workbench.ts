@@ -21,6 +21,21 @@ export const meaningQuery = (name: string) =>
     staleTime: Infinity,
   });
 
+/** Units of parameters by name; those of pure numbers are left out. */
+export const unitsQuery = (names: readonly string[]) =>
+  queryOptions({
+    queryKey: ["nomenclature", "units", names],
+    queryFn: async ({ signal }) => {
+      const query = { names: names.join(",") };
+      const found = await items(api.GET("/api/v1/nomenclature", { params: { query }, signal }));
+      return Object.fromEntries<string>(
+        found.flatMap(({ unit }, place) => (unit === "1" ? [] : [[names[place] ?? "", unit]])),
+      );
+    },
+    staleTime: Infinity,
+    enabled: names.length > 0,
+  });
+
 export const glossaryQuery = queryOptions({
   queryKey: ["nomenclature"],
   queryFn: ({ signal }) => items(api.GET("/api/v1/nomenclature", { signal })),
