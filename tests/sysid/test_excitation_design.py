@@ -147,6 +147,7 @@ def bad(**changes: object) -> Wish:
     [
         (bad(duration_s=40.011), "samples; take 40.02 s"),
         (bad(rate_hz=5.0), r"is 3\.\d+ Hz, not below the Nyquist frequency 2\.5 Hz"),
+        (bad(rate_hz=99_000.0), r"samples; a design has at most 100000"),
         (bad(inputs=(InputWish(name="bfs", harmonics=()),)), "bfs has no harmonics"),
         (bad(inputs=()), "moves no input"),
         (

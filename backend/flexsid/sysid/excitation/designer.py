@@ -27,6 +27,7 @@ from flexsid.sysid.excitation.phase_search import (
 
 EFFORTS: dict[str, Effort] = {"quick": QUICK, "thorough": THOROUGH, "patient": PATIENT}
 
+_MOST_SAMPLES = 100_000  # in a period: what export and figures write within a second
 _LEAST_POINTS = 64  # of the grid on which the largest deflection is found
 
 
@@ -128,6 +129,12 @@ def check_wish(wish: Wish) -> None:
     if not (0.0 < wish.duration_s < 1e5 and 0.0 < wish.rate_hz <= 1e5):
         raise BadInput(
             f"{wish.duration_s:g} s at {wish.rate_hz:g} Hz is no design; both must be positive"
+        )
+    samples = wish.duration_s * wish.rate_hz
+    if samples > _MOST_SAMPLES:
+        raise BadInput(
+            f"{wish.duration_s:g} s at {wish.rate_hz:g} Hz are {samples:.3g} samples;"
+            f" a design has at most {_MOST_SAMPLES} in its period"
         )
     if not 0.0 < wish.peaks[0] <= wish.peaks[1] <= wish.peaks[2]:
         raise BadInput(f"amplitudes {wish.peaks} must be positive and rise from low to high")
