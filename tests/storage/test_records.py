@@ -217,7 +217,10 @@ def test_get_many_names_what_is_missing(store: Store) -> None:
         store.arrays.get_many([names[0], "nothing"])
 
 
-@pytest.mark.parametrize("url", ["nonsense", "sqlite://", "sqlite:///:memory:", "klingon:///a.db"])
+@pytest.mark.parametrize(
+    "url",
+    ["nonsense", "sqlite://", "sqlite:///:memory:", "klingon:///a.db", "mysql://host/flexsid"],
+)
 def test_an_address_that_is_none_is_refused(url: str) -> None:
     with pytest.raises(BadInput):
         Database(url)

@@ -17,10 +17,11 @@ from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.quality import Verdict
 from flexsid.storage.store import Store
 from flexsid.sysid.preparation.resampling import resample
+from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow import views
 from flexsid.workflow.conditioning import take_steps, undo_step
-from flexsid.workflow.quality import is_assessed, quality
-from flexsid.workflow.transforms import maneuver_spectra
+from flexsid.workflow.quality import quality
+from flexsid.workflow.transforms import maneuver_lines, spectra_of
 
 Change = Callable[[str, np.ndarray, float], np.ndarray]
 
@@ -56,14 +57,17 @@ def late(samples: np.ndarray, rate_hz: float, delay_s: float) -> np.ndarray:
     return resample(samples, rate_hz, 0.0, rate_hz, -delay_s, samples.size, None, band)
 
 
+def front_spectrum(store: Store, maneuver: Maneuver) -> FrequencyData:
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    return spectra_of(store, maneuver, aircraft, ("az_ofr",), maneuver_lines(maneuver))
+
+
 def test_a_sound_maneuver_is_good_and_looked_at_once(store: Store, keep):
     maneuver = keep(lambda name, x, rate_hz: x)
-    assert not is_assessed(store, maneuver)
     first = quality(store, maneuver.id)
     assert first.verdict is Verdict.GOOD
     assert "dB above noise" in first.summary
     assert first.figures.n_stretches == 0
-    assert is_assessed(store, maneuver)
     assert quality(store, maneuver.id) == first
     condition = first.report.condition
     assert condition.time_invariant
@@ -126,7 +130,7 @@ def test_skews_scale_factors_and_biases_on_every_channel_come_back(store: Store,
         assert abs(c.scale - scale) < 3.0 * c.scale_std < 0.05
         assert abs(c.bias - bias) < 3.0 * c.bias_std + 1e-4
 
-    before = maneuver_spectra(store, maneuver.id, ["az_ofr"])
+    before = front_spectrum(store, maneuver)
     steps = take_steps(
         store,
         maneuver.id,
@@ -146,10 +150,9 @@ def test_skews_scale_factors_and_biases_on_every_channel_come_back(store: Store,
         ],
         author="Eva",
     )
-    assert not is_assessed(store, maneuver)
     corrected = quality(store, maneuver.id)
     assert corrected.verdict is Verdict.GOOD, corrected.summary
-    after = maneuver_spectra(store, maneuver.id, ["az_ofr"])
+    after = front_spectrum(store, maneuver)
     turned = np.exp(1j * after.omega * (channels["az_ofr"].delay_s or 0.0))[:, None]
     assert np.allclose(after.values, before.values * turned)
     (trace,) = views.read_channels(store, maneuver, ["alpha"])
@@ -158,7 +161,7 @@ def test_skews_scale_factors_and_biases_on_every_channel_come_back(store: Store,
     for step in steps:
         undone = undo_step(store, maneuver.id, step.id or 0, author="Max")
         assert undone.undone_by == "Max"
-    assert np.array_equal(maneuver_spectra(store, maneuver.id, ["az_ofr"]).values, before.values)
+    assert np.array_equal(front_spectrum(store, maneuver).values, before.values)
     assert len(store.conditioning.find(maneuver_id=maneuver.id)) == len(steps)
     with pytest.raises(Conflict, match="undone already"):
         undo_step(store, maneuver.id, steps[0].id or 0)

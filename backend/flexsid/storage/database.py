@@ -51,6 +51,11 @@ def parse_url(url: str) -> URL:
         raise BadInput(
             f"{url!r} is not a database address; expected one like sqlite:///var/flexsid.db"
         ) from error
+    if parsed.get_backend_name() not in ("sqlite", "postgresql"):
+        raise BadInput(
+            f"flexsid keeps its data in SQLite or PostgreSQL, not in {parsed.get_backend_name()}; "
+            "name a database like sqlite:///var/flexsid.db or postgresql://user@host/flexsid"
+        )
     if parsed.get_backend_name() == "sqlite" and parsed.database in (None, "", ":memory:"):
         raise BadInput("a database in memory cannot be shared with the workers; name a file")
     return parsed

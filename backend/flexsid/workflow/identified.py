@@ -9,7 +9,7 @@ import numpy as np
 from flexsid.errors import Conflict
 from flexsid.records.run import EstimationRun, RunResult
 from flexsid.storage.store import Store
-from flexsid.sysid.model.aeroelastic import AeroelasticModel, StateSpace
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyResponse
 from flexsid.workflow.estimation import prepare
@@ -79,9 +79,3 @@ def result_of(run: EstimationRun) -> RunResult:
             run_id=run.id,
         )
     return run.result
-
-
-def identified_model(store: Store, run: EstimationRun) -> StateSpace:
-    """A, B, C, D of the estimate, without instruments and delays."""
-    found = identified(store, run)
-    return found.model.state_space(found.derivatives)

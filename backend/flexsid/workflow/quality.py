@@ -56,12 +56,6 @@ def quality(store: Store, maneuver_id: int) -> ManeuverQuality:
     return _keep(store, assess(store, maneuver, content))
 
 
-def is_assessed(store: Store, maneuver: Maneuver) -> bool:
-    """Whether what was found about a maneuver still holds."""
-    known = store.qualities.find(maneuver_id=maneuver.id)
-    return bool(known) and known[0].content_hash == content_hash(store, maneuver)
-
-
 def content_hash(store: Store, maneuver: Maneuver) -> str:
     """Name of everything that the quality of a maneuver rests on."""
     channels = store.channels.find(maneuver_id=maneuver.id)

@@ -14,7 +14,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyData
 from flexsid.units import to_si
 from flexsid.workflow.conditioning import conditioning_of
-from flexsid.workflow.recording import Lines, Recording, maneuver_lines
+from flexsid.workflow.recording import Lines, Recording
 
 
 def load_channels(
@@ -47,21 +47,6 @@ def load_channels(
             values = correct(np.asarray(values, dtype=float), channel.rate_hz)
         result.append((channel, values))
     return result
-
-
-def maneuver_spectra(
-    store: Store,
-    maneuver_id: int,
-    names: Sequence[str] | None = None,
-    band_hz: tuple[float, float] | None = None,
-) -> FrequencyData:
-    """Spectra of channels and symmetric combinations as recorded, at the maneuver's lines."""
-    maneuver = store.maneuvers.get(maneuver_id)
-    aircraft = store.aircraft.get(maneuver.aircraft_id)
-    lines = maneuver_lines(maneuver, band_hz)
-    if names is None:
-        names = [c.name for c in store.channels.find(maneuver_id=maneuver_id)]
-    return spectra_of(store, maneuver, aircraft, tuple(names), lines)
 
 
 def spectra_of(

@@ -191,10 +191,6 @@ def _units_164(found: Found, block: Block) -> None:
         found.units = {"length": 1.0 / length, "force": 1.0 / force}
 
 
-def _skip(found: Found, block: Block) -> None:
-    """Data sets that tell nothing of modes."""
-
-
 def _function_58(found: Found, block: Block) -> None:
     found.functions.append(read_function(block))
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.errors import BadInput
 from flexsid.sysid.excitation.designer import peak_factors
 from flexsid.sysid.excitation.multisine import Multisine
 
@@ -99,28 +98,3 @@ def check_design(multisine: Multisine, rate_hz: float, actuator: ActuatorLimits)
             )
         )
     return DesignChecks(correlation=float(correlation), inputs=tuple(rows))
-
-
-def require_within_limits(checks: DesignChecks, actuator: ActuatorLimits) -> None:
-    """Refuse a design that the actuators cannot follow.
-
-    Raises
-    ------
-    BadInput
-        With the first input that is outside, and by how much to reduce it.
-    """
-    named = (
-        ("deflection", "deflection_peak", actuator.position),
-        ("rate", "rate_peak", actuator.rate),
-        ("acceleration", "acceleration_peak", actuator.acceleration),
-    )
-    for row in checks.inputs:
-        for word, field, limit in named:
-            reached = getattr(row, field)
-            if limit is not None and reached > limit:
-                raise BadInput(
-                    f"{row.name} would need a {word} of {reached:.4g}, the actuator has"
-                    f" {limit:.4g}; reduce its amplitude by {limit / reached:.3g} or end its"
-                    " band lower",
-                    code="actuator-too-slow" if word != "deflection" else "deflection-limit",
-                )
