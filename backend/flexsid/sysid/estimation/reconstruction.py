@@ -22,6 +22,7 @@ from flexsid.sysid.signals import FrequencyData, check_signal
 _WORST_CONDITION = 1e8
 _ITERATIONS = 20
 _LEAST_FREEDOM = 0.05  # of a sensor, below which its own noise is not known
+_CHECKED = 0.15  # of a sensor, below which others do not tell its noise from motion
 _BEST_SENSOR = 1e-3  # of its signal: keeps a few sensors from being fitted exactly
 
 
@@ -114,7 +115,7 @@ def reconstruct_motion(
         sigma = update
         if change < 0.01:
             break
-    exact = np.flatnonzero(sensors.freedom(sigma) <= _LEAST_FREEDOM)
+    exact = np.flatnonzero(sensors.freedom(sigma) < _CHECKED)
     return Motion(
         outputs.omega,
         *sensors.solve(sigma),
