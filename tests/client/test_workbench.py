@@ -62,9 +62,16 @@ def test_lists_come_page_by_page(workbench: Workbench, monkeypatch) -> None:
     first = workbench.submit(1, "EE", [7])
     second = workbench.submit(1, "EE", [9])
     workbench.wait(first, second, timeout_s=60)
+    whole = workbench.get
+    monkeypatch.setattr(workbench, "get", lambda path, **query: whole(path, **{"limit": 1} | query))
     monkeypatch.setattr("flexsid.client.workbench._PAGE", 1)
     assert {1, first, second} <= set(workbench.runs().index)
     assert list(workbench.runs(limit=2, maneuver_id=1).index) == [second, first]
+
+
+def test_a_run_that_is_not_there_is_not_waited_for(workbench: Workbench) -> None:
+    with pytest.raises(Refused, match="99"):
+        workbench.wait(1, 99, timeout_s=60)
 
 
 def test_a_run_is_submitted_waited_for_and_read(workbench: Workbench) -> None:

@@ -21,7 +21,7 @@ class RunFailed(FlexsidError):
 
 
 def until_ended(
-    ask: Callable[[int], dict[str, Any]],
+    ask: Callable[[Sequence[int]], list[dict[str, Any]]],
     run_ids: Sequence[int],
     timeout_s: float | None,
     line: ProgressLine,
@@ -45,7 +45,7 @@ def until_ended(
         time.sleep(pause if runs else 0.0)
         pause = min(1.2 * pause, 1.0)
         try:
-            runs = [ask(number) for number in run_ids]
+            runs = ask(run_ids)
             heard = time.monotonic()
         except Unreachable:
             if time.monotonic() - heard > _PATIENCE_S:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +31,7 @@ _REQUEST = frozenset(
     }
 )
 _PAGE = 1000  # most items of one answer
+_AT_ONCE = 500  # ids in one address
 
 
 class Workbench:
@@ -217,12 +218,22 @@ class Workbench:
         """
         line = ProgressLine(show_progress)
         try:
-            runs = until_ended(self.run, run_ids, timeout_s, line)
+            runs = until_ended(self._jobs, run_ids, timeout_s, line)
         finally:
             line.end()
         lost = [run for run in runs if run["state"] != "succeeded"]
         if lost:
             raise RunFailed("; ".join(map(why, lost)))
+
+    def _jobs(self, run_ids: Sequence[int]) -> list[dict[str, Any]]:
+        """How far runs are, with as few questions as addresses may be long."""
+        found: dict[int, dict[str, Any]] = {}
+        for first in range(0, len(run_ids), _AT_ONCE):
+            part = run_ids[first : first + _AT_ONCE]
+            items = self.get("jobs", ids=part, limit=_AT_ONCE)["items"]
+            found |= {job["id"]: job for job in items}
+        # One that there is not is asked for alone, and refused by its name.
+        return [found.get(number) or self.run(number) for number in run_ids]
 
     def cancel(self, run_id: int) -> None:
         """Stop a run that has not ended."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any
@@ -61,6 +61,7 @@ def page(
     *,
     state: RunState | None = None,
     batch_id: int | None = None,
+    ids: Sequence[int] | None = None,
     limit: int = 100,
     after: str | None = None,
 ) -> Page[Job]:
@@ -71,6 +72,8 @@ def page(
     if batch_id is not None:
         members = sa.select(batch_runs.c.run_id).where(batch_runs.c.batch_id == batch_id)
         query = query.where(runs.c.id.in_(members))
+    if ids is not None:
+        query = query.where(runs.c.id.in_(ids))
     if after is not None:
         query = query.where(runs.c.id < read_cursor(after))
     found = _read(store, query)

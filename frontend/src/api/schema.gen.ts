@@ -12740,6 +12740,8 @@ export interface operations {
             query?: {
                 state?: components["schemas"]["RunState"] | null;
                 batch_id?: number | null;
+                /** @description Only these, separated by commas. */
+                ids?: string | null;
                 /** @description Most items to answer. */
                 limit?: number;
                 /** @description `next` of the page before. */

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
-from fastapi import APIRouter, status
+from fastapi import APIRouter, Query, status
 
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.wire import After, Identity, Json, Limit, Reference
+from flexsid.api.wire import After, Identity, Json, Limit, Reference, split_ids
 from flexsid.records.batch import RunEvent
 from flexsid.records.run import RunState
 from flexsid.storage import job_list, leases, queue, run_log
@@ -57,11 +58,17 @@ def list_jobs(
     store: TheStore,
     state: RunState | None = None,
     batch_id: Reference = None,
+    ids: Annotated[
+        str | None, Query(max_length=20_000, description="Only these, separated by commas.")
+    ] = None,
     limit: Limit = 100,
     after: After = None,
 ) -> Json:
     """List jobs, newest first."""
-    return Json(job_list.page(store, state=state, batch_id=batch_id, limit=limit, after=after))
+    only = None if ids is None else split_ids(ids, "ids")
+    return Json(
+        job_list.page(store, state=state, batch_id=batch_id, ids=only, limit=limit, after=after)
+    )
 
 
 @router.get("/status", response_model=QueueStatus)
