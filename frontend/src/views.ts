@@ -319,7 +319,6 @@ export const importView = view((search) => ({
   form: oneOf(search.form, IMPORT_FORMS),
   channels: words(search.channels),
 }));
-export type ImportView = ReturnType<typeof importView>;
 
 export const modelStructuresView = view((search) => ({ aircraft: integer(search.aircraft) }));
 

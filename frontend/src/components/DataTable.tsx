@@ -31,7 +31,7 @@ interface Props<Row> {
   maxHeight?: number;
 }
 
-export function nextSort(current: string | undefined, column: string): string {
+function nextSort(current: string | undefined, column: string): string {
   return current === column ? `-${column}` : column;
 }
 

@@ -95,7 +95,7 @@ const KEYS: Record<string, (one: Parameter) => number | string> = {
   relative: (one) => relativeError(one.value, one.std_error) ?? Infinity,
 };
 
-export function sortParameters(parameters: Parameter[], sort: string | undefined): Parameter[] {
+function sortParameters(parameters: Parameter[], sort: string | undefined): Parameter[] {
   const key = KEYS[sort?.replace(/^-/, "") ?? ""];
   if (key === undefined) return parameters; // the model's own order
   const sign = sort?.startsWith("-") === true ? -1 : 1;

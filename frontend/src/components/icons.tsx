@@ -23,6 +23,4 @@ export const SunIcon = icon(
 );
 export const MoonIcon = icon("M13 9.5A5.5 5.5 0 0 1 6.5 3 5.5 5.5 0 1 0 13 9.5z");
 export const DownloadIcon = icon("M8 2v8M4.5 7 8 10.5 11.5 7M2.5 13.5h11");
-export const PlusIcon = icon("M8 3v10M3 8h10");
-export const CloseIcon = icon("M4 4l8 8M12 4l-8 8");
 export const SearchIcon = icon("M7 2.5a4.5 4.5 0 1 0 0 9 4.5 4.5 0 0 0 0-9M10.5 10.5l3 3");

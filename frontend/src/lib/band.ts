@@ -21,10 +21,10 @@ export interface Span {
   to?: number;
 }
 
-export const spanWindow = ({ from, to }: Span): [number, number] | undefined =>
+const spanWindow = ({ from, to }: Span): [number, number] | undefined =>
   from !== undefined && to !== undefined && to > from ? [from, to] : undefined;
 
-export const spanOf = (window: [number, number] | null): Span => ({
+const spanOf = (window: [number, number] | null): Span => ({
   from: window?.[0],
   to: window?.[1],
 });
