@@ -21,7 +21,8 @@ from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow import views
 from flexsid.workflow.conditioning import take_steps, undo_step
 from flexsid.workflow.quality import quality
-from flexsid.workflow.transforms import maneuver_lines, spectra_of
+from flexsid.workflow.recording import maneuver_lines
+from flexsid.workflow.transforms import spectra_of
 
 Change = Callable[[str, np.ndarray, float], np.ndarray]
 
@@ -165,6 +166,19 @@ def test_skews_scale_factors_and_biases_on_every_channel_come_back(store: Store,
     assert len(store.conditioning.find(maneuver_id=maneuver.id)) == len(steps)
     with pytest.raises(Conflict, match="undone already"):
         undo_step(store, maneuver.id, steps[0].id or 0)
+
+
+@pytest.mark.parametrize("sensor", ["q", "az_ofl", "theta"])
+def test_a_sign_that_is_wrong_is_named_and_turned(store: Store, keep, sensor: str):
+    maneuver = keep(lambda name, x, rate_hz: -x if name == sensor else x)
+    found = quality(store, maneuver.id)
+    assert found.verdict is Verdict.BAD
+    (told,) = [f for f in found.report.findings if f.about == "sign"]
+    assert told.channel == sensor
+    take_steps(
+        store, maneuver.id, [Correction(channel=sensor, kind=StepKind.CALIBRATION, scale=-1.0)]
+    )
+    assert quality(store, maneuver.id).verdict is Verdict.GOOD
 
 
 def test_spikes_dropouts_and_saturation_are_told_and_repaired(store: Store, keep):

@@ -117,10 +117,11 @@ def _check(one: Correction, samples: np.ndarray, rate_hz: float) -> None:
                 channel=name,
             )
     elif one.kind is StepKind.CALIBRATION:
-        if not (_SCALES[0] <= one.scale <= _SCALES[1] and math.isfinite(one.bias)):
+        if not (_SCALES[0] <= abs(one.scale) <= _SCALES[1] and math.isfinite(one.bias)):
             raise BadInput(
                 f"'{name}': scale factor {one.scale:g} with bias {one.bias:g} is impossible; "
-                f"scale factors from {_SCALES[0]:g} to {_SCALES[1]:g} are expected",
+                f"scale factors from {_SCALES[0]:g} to {_SCALES[1]:g}, below zero where a sign is "
+                "wrong, are expected",
                 code="bad-calibration",
                 channel=name,
             )

@@ -136,7 +136,13 @@ def _of_redundancy(channels: Sequence[ChannelQuality], reference: str | None) ->
                 f" late on {reference}; a delay takes that out."
             )
             yield _finding(_DOUBTFUL, "skew", text, c.name)
-        if c.scale is not None and _stands_out(c.scale - 1.0, c.scale_std, _SCALE):
+        if c.scale is not None and c.scale < 0.0:
+            text = (
+                f"{c.name} has the opposite sign: turned, it agrees with the others. Turn it "
+                "in the mapping, or by a calibration with scale factor -1."
+            )
+            yield _finding(_BAD, "sign", text, c.name)
+        elif c.scale is not None and _stands_out(c.scale - 1.0, c.scale_std, _SCALE):
             text = f"{c.name} reads {c.scale:.3f} ± {c.scale_std or 0.0:.3f} of what it should."
             yield _finding(_DOUBTFUL, "scale", text, c.name)
         if _stands_out(c.bias, c.bias_std, 0.0):

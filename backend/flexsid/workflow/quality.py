@@ -242,7 +242,7 @@ def _channel(
         return quality
     k = faults.faults.names.index(channel.name)
     told = faults.told(channel.name)
-    free = faults.faults.scale_std[k] > 0
+    free = faults.faults.scale_std[k] > 0 or faults.faults.scale[k] < 0
     return replace(
         quality,
         coherence=finite_or_none(faults.coherence[k]),

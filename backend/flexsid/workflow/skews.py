@@ -24,6 +24,8 @@ _CALIBRATED = (SensorKind.GYRO, SensorKind.VANE)
 _MORE_MODES = 2  # beyond the choice: what they would change widens the errors
 _NEAR_BAND = 2.6  # of the highest line: modes further above follow the others at once
 _SETTLED_S = 0.5  # without a known excitation, so much of the record is trim
+_DEPARTS = 20.0  # times its known noise: worth a try with the sign turned
+_AGREES = 0.1  # of that is left where the sign was wrong
 _HEARD = 2.0  # times its known noise
 _TELLING = 0.05  # [s]: a standard error above says that nothing is known
 
@@ -45,14 +47,31 @@ class SensorFaults:
 def sensor_faults(sensing: Sensing) -> SensorFaults:
     """Find delays of all sensors, and scale factors of gyros and vanes.
 
-    Modes are chosen when the delays are undone, for a delay looks like a mode left out;
-    what more modes would give widens the standard errors.
+    A sensor that departs from the others and would not with its sign turned has a scale
+    factor below zero. Modes are chosen when the delays are undone, for a delay looks like a
+    mode left out; what more modes would give widens the standard errors.
 
     Raises
     ------
     NotIdentifiable
         If the sensors are not redundant.
     """
+    found = _faults(sensing)
+    names = found.faults.names
+    if np.nanmax(np.nan_to_num(found.noise_excess)) < _DEPARTS:
+        return found
+    worst = int(np.argmax(np.nan_to_num(found.noise_excess)))
+    sign = np.where(np.arange(len(names)) == worst, -1.0, 1.0)
+    outputs = sensing.measured.outputs
+    values = outputs.pick(names).values * sign
+    turned = replace(sensing.measured, outputs=FrequencyData(outputs.omega, values, names))
+    other = _faults(replace(sensing, measured=turned))
+    if not other.noise_excess[worst] < _AGREES * found.noise_excess[worst]:
+        return found
+    return replace(other, faults=replace(other.faults, scale=other.faults.scale * sign))
+
+
+def _faults(sensing: Sensing) -> SensorFaults:
     lines = sensing.measured
     names = sensing.model.outputs
     kinds = {o.name: o.kind for o in sensing.outputs}
