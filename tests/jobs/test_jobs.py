@@ -355,9 +355,9 @@ def test_a_frozen_server_is_relieved_and_finds_out_when_it_thaws(
     tmp_path: Path,
 ) -> None:
     held = add_run(author=f"hold-once {tmp_path}/pid")
-    first = start_server(patience_s=1.5)
+    first = start_server(patience_s=4.0)
     frozen_worker = process_of(tmp_path / "pid")
-    start_server(patience_s=1.5)
+    start_server(patience_s=4.0)
     os.kill(first.pid, signal.SIGSTOP)  # type: ignore[attr-defined]
     others = [add_run(author="compute") for _ in range(5)]
     for run in (held, *others):
