@@ -99,6 +99,7 @@ const KINDS: Record<string, string> = {
   design: "Design",
   rehearsal: "Rehearsal",
   flutter: "Flutter",
+  "closed-loop": "Closed loop",
 };
 
 function work(task: Task): Work {
