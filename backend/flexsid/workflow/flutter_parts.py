@@ -43,7 +43,7 @@ class Flown:
     """One run put together again.
 
     ``source`` names the prediction that modes were carried from in a second fit, None of
-    the run as it is, and ``gain`` is how much likelier the data are with them (log
+    the run as it is, and ``gain`` is how much likelier a measured value is with them (log
     likelihood); ``left_out`` are the modes that a prediction knows beyond it. ``check`` is a
     second fit with one mode fewer.
     """
@@ -148,8 +148,10 @@ def _again(store: Store, alone: Flown, run: EstimationRun) -> Flown | None:
     values = computed.held | dict(zip(estimate.names, estimate.values.tolist(), strict=True))
     model = replace(fitted, modes=fitted.modes.tuned(values))
     table = DerivativeTable.from_names(model.modes.numbers, model.inputs, values)
-    before = result_of(alone.run).fit.cost
-    gain = 0.0 if before is None or not estimate.steps else before - estimate.steps[-1].cost
+    before = result_of(alone.run).fit
+    gain = 0.0
+    if before.cost is not None and estimate.steps:
+        gain = (before.cost - estimate.steps[-1].cost) / (before.n_lines * len(before.r_squared))
     return replace(
         alone,
         found=_identified(model, table, estimate.names, estimate.corrected_covariance),
