@@ -14,15 +14,21 @@ from fastapi.testclient import TestClient
 from tests.api.team import Act
 
 from flexsid.api.app import create_app
+from flexsid.jobs import apart
 from flexsid.settings import Settings
 
 Serve = Callable[[str], AbstractContextManager[TestClient]]
 
 
 @pytest.fixture(scope="session")
-def app() -> FastAPI:
-    """The application, made once: its hundred routes take longer than most tests."""
-    return create_app(Settings())
+def app() -> Iterator[FastAPI]:
+    """The application, made once: its hundred routes take longer than most tests.
+
+    So does the start of a dispatcher, which therefore is not there before it is asked for.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(apart, "_SETTLE_S", 10.0)
+        yield create_app(Settings())
 
 
 @pytest.fixture
