@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import socket
 import sys
 from types import FrameType
@@ -16,14 +15,13 @@ from flexsid.cli.saying import say_next
 from flexsid.demo import campaign
 from flexsid.demo.aircraft import NAME as DEMO_AIRCRAFT
 from flexsid.errors import FlexsidError
+from flexsid.jobs.prompt import be_prompt
 from flexsid.settings import Settings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 
 _LOOPBACK = "127.0.0.1"  # there is no log-in, so nobody else is answered
 _GRACE_S = 1
-_OLD_GENERATION = 200
-_SWITCH_S = 5e-4  # or a page waits 5 ms for each step that another thread is in the middle of
 
 
 class _Server(uvicorn.Server):
@@ -38,11 +36,7 @@ class _Server(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
-        # Looking through all that is loaded takes a tenth of a second, in which no page is
-        # answered: what is there now stays, and the rest is looked through less often.
-        gc.collect()
-        gc.freeze()
-        gc.set_threshold(*gc.get_threshold()[:2], _OLD_GENERATION)
+        be_prompt()
         if self.started:
             url = f"http://{_LOOPBACK}:{self.config.port}"
             words = f"flexsid serves on {url} (Ctrl-C stops it)"
@@ -51,7 +45,6 @@ class _Server(uvicorn.Server):
 
 def serve(settings: Settings, *, as_json: bool = False) -> int:
     """Serve until told to stop."""
-    sys.setswitchinterval(_SWITCH_S)
     with _taken(settings.port) as port:
         upgrade(settings.database)  # what is no database is said so, before the server starts
         return _serve_on(port, settings, as_json)

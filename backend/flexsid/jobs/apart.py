@@ -22,6 +22,7 @@ from flexsid.errors import FlexsidError
 from flexsid.jobs.child import Program
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.executors import make_workers
+from flexsid.jobs.prompt import be_prompt
 from flexsid.jobs.steps import Steps
 from flexsid.storage.store import Store
 
@@ -169,6 +170,7 @@ def main(arguments: list[str]) -> None:
         _log.warning("the dispatcher cannot start: %s", error.message)
         sys.exit(1)
     dispatcher = Dispatcher(store, steps, workers, on_change=lambda: _ring(connection))
+    be_prompt()
     _ring(connection)
     dispatcher.start()
     try:
