@@ -48,6 +48,9 @@ _UNITS: dict[str, Unit] = {
     "in2": Unit(_INCH**2, "area"),
     "s": Unit(1.0, "time"),
     "ms": Unit(1e-3, "time"),
+    "us": Unit(1e-6, "time"),
+    "ns": Unit(1e-9, "time"),
+    "min": Unit(60.0, "time"),
     "Hz": Unit(1.0, "frequency"),
     "kg": Unit(1.0, "mass"),
     "lb": Unit(_POUND, "mass"),
@@ -108,6 +111,32 @@ _ALIASES = {
 }
 
 SYMBOLS: tuple[str, ...] = tuple(_UNITS)
+
+LARGEST: dict[str, float] = {
+    "number": 1e12,  # counts of a recorder with 32 bits, and derivatives of any form
+    "length": 1e8,
+    "area": 1e8,
+    "time": 1e11,  # seconds since 1970 have ten digits; milliseconds read as seconds have 13
+    "frequency": 1e9,
+    "mass": 1e8,
+    "inertia": 1e12,
+    "force": 1e9,
+    "speed": 1e5,
+    "acceleration": 1e6,
+    "angle": 1e6,
+    "angular rate": 1e6,
+    "angular acceleration": 1e8,
+    "pressure": 1e10,
+    "density": 1e5,
+    "strain": 1e3,
+    "temperature": 1e6,
+    "voltage": 1e9,
+}
+"""Size in SI beyond which a number is no quantity of a flight or ground test.
+
+Far above what any aircraft reaches: it keeps computations from overflowing, while
+``importers.plausibility`` asks about values that are merely unusual.
+"""
 
 _SI_UNITS = {
     unit.dimension: symbol
@@ -194,6 +223,24 @@ def factor(unit: str, dimension: str) -> float:
             f"Unit '{unit}' has an offset and cannot be a factor; use K.", code="wrong-dimension"
         )
     return found.factor
+
+
+def check_size(value: float, dimension: str) -> float:
+    """Return an SI value that may be a physical quantity.
+
+    Raises
+    ------
+    BadInput
+        If it is not finite or larger than ``LARGEST`` of its dimension.
+    """
+    largest = LARGEST[dimension]
+    if not abs(value) <= largest:
+        raise BadInput(
+            f"{value:.3g} {_SI_UNITS.get(dimension, '')} is no {dimension}; at most {largest:g} is "
+            "accepted. Is the unit right?",
+            code="out-of-range",
+        )
+    return value
 
 
 def to_si(values: ArrayLike, unit: str) -> np.ndarray:

@@ -11,6 +11,7 @@ from tests.sysid.conftest import OMEGA, add_noise
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.estimation.batch import regress_batch
 from flexsid.sysid.estimation.equation_error import equation_error
+from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.fusion import fuse, with_priors
 from flexsid.sysid.estimation.real_time import RealTimeEquationError, RecursiveTransform
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
@@ -68,7 +69,7 @@ def test_sensors_that_nothing_checks_are_named(make_case):
     case = make_case(2)
     u, y = case.spectra(2)
     z = FrequencyData(OMEGA, add_noise(y, 0.03, np.random.default_rng(2)), case.model.outputs)
-    assert reconstruct_motion(case.model, z, np.ones_like(y)).taken_as_exact == ()
+    assert reconstruct_motion(case.model, z, np.ones_like(y)).assumed == ()
     rigid = ("alpha", "theta", "q", "az_egi", "az_cf", "az_ca")
     names = (*rigid, "az_ofs")
     kept = [case.model.outputs.index(name) for name in names]
@@ -77,7 +78,7 @@ def test_sensors_that_nothing_checks_are_named(make_case):
     few = replace(case.model.with_modes(1), sensors=SensorRows(names, rows.polynomial[:, :, :3]))
     seen = (few.response(make_case(1).truth, OMEGA) @ u[:, :, None])[:, :, 0]
     z = FrequencyData(OMEGA, add_noise(seen, 0.03, np.random.default_rng(3)), names)
-    assert reconstruct_motion(few, z, np.ones_like(seen)).taken_as_exact == ("az_ofs",)
+    assert reconstruct_motion(few, z, np.ones_like(seen)).assumed == ("az_ofs",)
 
 
 @pytest.mark.parametrize("n_lines", [5, 6, 7])
@@ -196,3 +197,23 @@ def test_fusion_and_priors_weigh_by_information(make_case):
     assert {block.name for block in both.lines} == {"a CZ", "a Cm", "b CZ", "b Cm"}
     held = with_priors(both, {"Cm_q": (7.0, 1e-9)})
     assert held.values[held.names.index("Cm_q")] == pytest.approx(7.0)
+
+
+def test_fusing_ill_conditioned_estimates_keeps_their_digits():
+    """Powers of x from 3 to 9 as regressors: correlations of 1 - 1e-9 and beyond."""
+    x = np.linspace(3.0, 9.0, 80)
+    A = np.stack([x**k for k in range(11)], axis=1)
+    r = np.linalg.qr(A / np.linalg.norm(A, axis=0), mode="r")
+    root = np.linalg.solve(r, np.eye(11))
+    C = 1e-6 * root @ root.T
+    names = tuple(f"CZ_{k}" for k in range(11))
+    apart = 1e-3 * root @ np.ones(11)  # one standard error in every direction
+    both = [
+        Estimate(names, values, values, C, C, (), (), Outcome.CONVERGED, "")
+        for values in (np.ones(11), 1.0 + apart)
+    ]
+    fused = fuse(both, ["a", "b"])
+    std = np.sqrt(np.diag(C))
+    assert (fused.values - 1.0) / std == pytest.approx(0.5 * apart / std, abs=1e-4)
+    assert np.diag(fused.corrected_covariance) == pytest.approx(0.5 * np.diag(C), rel=1e-4)
+    assert np.diag(fused.covariance) == pytest.approx(0.5 * np.diag(C), rel=1e-4)

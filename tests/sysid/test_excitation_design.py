@@ -12,9 +12,16 @@ from scipy import io as matlab
 
 from flexsid.errors import BadInput
 from flexsid.sysid.excitation.allotment import allot_band
-from flexsid.sysid.excitation.catalogue import CATALOGUE
+from flexsid.sysid.excitation.catalogue import CATALOGUE, FlightTestAid
 from flexsid.sysid.excitation.checks import ActuatorLimits, check_design
-from flexsid.sysid.excitation.designer import InputWish, Wish, design, from_phases, peak_factors
+from flexsid.sysid.excitation.designer import (
+    InputWish,
+    Wish,
+    design,
+    from_phases,
+    peak_factors,
+    search_time_s,
+)
 from flexsid.sysid.excitation.export import (
     from_recipe,
     sample_period,
@@ -44,7 +51,7 @@ def wish(number: int = 521) -> Wish:
 
 def test_a_design_has_the_size_asked_and_is_orthogonal_at_its_rate():
     made = design(wish())
-    checks = check_design(made, 50.0, ActuatorLimits(natural_frequency=200.0, damping=0.7))
+    checks = check_design(made, 200.0, ActuatorLimits(natural_frequency=200.0, damping=0.7))
     assert checks.correlation < 1e-12
     for place, row in enumerate(checks.inputs):
         assert row.command_peak == pytest.approx(0.5 * (1.0 - 0.05 * place), rel=0.02)
@@ -130,6 +137,45 @@ def test_flown_multisines_are_recognised_and_can_be_flown_with_lower_peaks():
         lines = Lines(found.harmonics, found.amplitudes)
         flown = judged_peak_factor(lines, found.phases)
         assert search_phases(lines, THOROUGH).peak_factor < flown - 0.03, file.name
+
+
+@pytest.mark.parametrize("first", [1, 6])
+@pytest.mark.parametrize("aid", [aid for aid in CATALOGUE.values() if aid.periods == 4])
+def test_a_row_of_4t_spans_the_band_of_its_targets(aid: FlightTestAid, first: int):
+    """Its harmonics are those of Table 1 in number, spread to where the row of one T ends."""
+    brief = next(
+        one
+        for one in CATALOGUE.values()
+        if (one.periods, one.axis, one.elastic_targets) == (1, aid.axis, aid.elastic_targets)
+    )
+    dealt = aid.harmonics(first)
+    surfaces, _ = aid.input_names()
+    assert {dealt[name].size for name in surfaces} == {aid.harmonics_per_input}
+    every = np.concatenate(list(dealt.values()))
+    assert np.unique(every).size == every.size
+    assert every.max() / 4 == pytest.approx(np.concatenate(list(brief.harmonics().values())).max())
+    for name in surfaces:
+        assert np.diff(dealt[name]).max() <= np.diff(dealt[name]).min() + len(surfaces)
+
+
+def test_harmonics_reach_what_they_are_asked_to_and_stay_those_of_the_row_in_number():
+    aid = CATALOGUE[503]
+    assert aid.harmonics(6)["wf2s"][-1] == 130
+    reached = aid.harmonics(6, 200)
+    assert reached["wf2s"][-1] == 200
+    assert {own.size for own in reached.values()} == {25}
+    assert aid.harmonics(6, 20)["wf2s"][-1] == 130, "there is no room for fewer"
+
+
+def test_the_time_of_a_search_grows_with_harmonics_band_and_effort():
+    known = wish(503)
+    assert search_time_s(known) < 1.0
+    patient = search_time_s(replace(known, effort="patient"))
+    assert patient > 10.0 * search_time_s(known)
+    own = InputWish(name="u", harmonics=tuple(range(1, 500)))
+    assert search_time_s(replace(known, inputs=(own,))) > 3.0 * search_time_s(known)
+    high = InputWish(name="u", harmonics=(20_000,))
+    assert search_time_s(replace(known, inputs=(high,))) > search_time_s(known)
 
 
 def test_a_band_is_filled_evenly():

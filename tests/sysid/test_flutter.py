@@ -21,9 +21,11 @@ from flexsid.sysid.stability.bands import (
     crossing_error,
     root_bands,
 )
+from flexsid.sysid.stability.flight_evidence import FlownPoint
 from flexsid.sysid.stability.flutter import Mechanism, follow_roots
 from flexsid.sysid.stability.prediction import (
     Identified,
+    StiffnessError,
     fuse_identified,
     fuse_with_trend,
     predict_flutter,
@@ -224,6 +226,90 @@ def test_what_is_already_unstable_is_said_before_what_crosses_later():
     assert "Flutter of" in late.sentence
 
 
+def flown_at(
+    speed: float, growth: float, std: float, *, root: complex = 18j, hz: float = 20.0, **changes
+) -> FlownPoint:
+    """A run that identified one root at a speed."""
+    band = (0.25 * 2.0 * np.pi, hz * 2.0 * np.pi)
+    roots = np.array([growth + root])
+    return FlownPoint(speed, roots, np.array([std]), band, "run 7", **changes)
+
+
+def test_a_crossing_below_a_speed_flown_stable_is_contradicted_and_no_prediction():
+    found = Identified(flex28(4), everything(flex28(4), 0.01))
+    told = predict_flutter(found, (25.0, 80.0), flown=[flown_at(62.0, -0.4, 0.05)])
+    assert told.crossing is None
+    assert told.interval is None
+    assert told.sentence.startswith("No flutter speed is predicted. Flutter of mode 7 with the")
+    assert "is contradicted by flight: run 7 was flown at 62.0 m/s" in told.refusal
+    assert "-0.40 ± 0.10 rad/s" in told.refusal
+    assert "mode 7 and the short period" in told.refusal
+
+
+def test_a_maneuver_flown_in_closed_loop_beyond_flutter_agrees_with_the_crossing():
+    found = Identified(flex28(4), everything(flex28(4), 0.01))
+    alone = predict_flutter(found, (25.0, 80.0))
+    told = predict_flutter(found, (25.0, 80.0), flown=[flown_at(62.0, 0.5, 0.05)])
+    assert told.crossing == alone.crossing
+    assert "a control loop held it" in told.sentence
+    before = predict_flutter(found, (25.0, 80.0), flown=[flown_at(50.0, -2.0, 0.05)])
+    assert before.sentence == alone.sentence, "it lies ahead of what was flown"
+
+
+@pytest.mark.parametrize(
+    ("point", "words"),
+    [
+        (flown_at(62.0, 0.1, 0.2), "+0.10 ± 0.40 rad/s, which may be stable"),
+        (flown_at(62.0, -0.1, np.nan), "with unknown error"),
+        (flown_at(62.0, 1.0, 0.01, hz=4.5, root=200j), "may be stable"),
+        (flown_at(62.0, -0.4, 0.01, hz=2.0), "lies outside the band of their data, 0.25 to 2 Hz"),
+        (flown_at(50.0, -0.4, 0.01, hz=2.0), "Leave the mode out of the model"),
+    ],
+)
+def test_a_root_that_the_data_do_not_determine_is_no_prediction(point: FlownPoint, words: str):
+    found = Identified(flex28(4), everything(flex28(4), 0.01))
+    told = predict_flutter(found, (25.0, 80.0), flown=[point])
+    assert told.crossing is None
+    assert words in told.refusal
+
+
+def test_another_fuel_weight_contradicts_nothing():
+    found = Identified(flex28(4), everything(flex28(4), 0.01))
+    told = predict_flutter(
+        found, (25.0, 80.0), flown=[flown_at(62.0, -0.4, 0.05, comparable=False)]
+    )
+    assert told.crossing is not None
+    assert "with another fuel weight" in told.sentence
+
+
+def test_an_error_of_a_modal_frequency_moves_flutter_by_what_the_interval_counts():
+    """The derivative makes up for the frequency where it was flown, not where flutter is."""
+    aircraft = flex28(4)
+    c, modes = aircraft.condition, aircraft.modes
+    truth = predict_flutter(Identified(aircraft, everything(aircraft, 1e-6)), (25.0, 80.0))
+    assert truth.crossing is not None
+    share = 1e-3
+    relative = np.array([share, 0.0, 0.0, 0.0])
+    omega = modes.omega * (1.0 + relative)
+    values = aircraft.derivatives.values.copy()
+    lift = c.dynamic_pressure * c.area * c.chord
+    values[2, 2] += (omega[0] ** 2 - modes.omega[0] ** 2) * modes.mass[0] / lift
+    wrong = replace(
+        aircraft,
+        modes=replace(modes, omega=omega, zeta=modes.zeta * modes.omega / omega),
+        derivatives=replace(aircraft.derivatives, values=values),
+    )
+    found = Identified(wrong, everything(wrong, 1e-6), StiffnessError(relative, c.dynamic_pressure))
+    told = predict_flutter(found, (25.0, 80.0))
+    assert told.crossing is not None
+    off = told.crossing.airspeed - truth.crossing.airspeed
+    assert told.modal_std == pytest.approx(abs(off), rel=0.02)
+    assert told.interval is not None
+    assert told.interval[0] < truth.crossing.airspeed < told.interval[1]
+    exact = replace(found, stiffness=None)
+    assert predict_flutter(exact, (25.0, 80.0)).modal_std == 0.0
+
+
 def test_an_error_as_large_as_the_speed_is_called_not_known():
     aircraft = flex28(4)
     blurred = predict_flutter(Identified(aircraft, everything(aircraft, 5.0)), (25.0, 80.0))
@@ -326,6 +412,14 @@ def test_a_hump_is_left_again_where_frequencies_part():
     assert found.crossing.airspeed == pytest.approx(edges[0], rel=2e-3)
     assert found.crossing.recovers_at == pytest.approx(edges[1], rel=2e-3)
     assert f"stable again from {found.crossing.recovers_at:.2f} m/s" in found.sentence
+    passed = predict_flutter(
+        Identified(humped, everything(humped, 0.01)),
+        (30.0, 90.0),
+        flown=[flown_at(75.0, -0.5, 0.01)],
+    )
+    assert passed.crossing is None
+    assert not passed.refusal, "nothing that was flown contradicts the model"
+    assert "it was passed and is not the flutter speed ahead" in passed.sentence
 
 
 def test_a_trend_carries_derivatives_that_drift_to_the_pressure_asked_for():

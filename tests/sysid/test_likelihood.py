@@ -11,10 +11,12 @@ from tests.sysid.conftest import OMEGA, add_noise
 
 from flexsid.errors import BadInput, Cancelled, NotIdentifiable
 from flexsid.sysid.estimation.delays import find_delays
-from flexsid.sysid.estimation.estimate import Outcome
-from flexsid.sysid.estimation.likelihood import FitSettings, maximize
+from flexsid.sysid.estimation.diagnostics import parameter_quality
+from flexsid.sysid.estimation.estimate import Outcome, Step
+from flexsid.sysid.estimation.likelihood import FitSettings, describe_outcome, maximize
+from flexsid.sysid.estimation.limits import at_limits
 from flexsid.sysid.estimation.parameters import select_parameters
-from flexsid.sysid.estimation.record_edges import without_edges
+from flexsid.sysid.estimation.record_edges import edge_responses, settle_edges, without_edges
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.reduction import residualize
 from flexsid.sysid.signals import FrequencyData
@@ -68,6 +70,80 @@ def test_a_model_gone_astray_has_no_states_at_the_edges_of_a_record(make_case):
     astray = parameters.start.copy()
     astray[parameters.names.index("Cm_q")] = 1e7
     assert without_edges(lines, parameters, astray) is lines
+
+
+def cut_short(case, seed: int, off: float = 0.3):
+    """A record that ends while the aircraft moves, and a fit that knows nothing of that."""
+    u, y = case.spectra(seed)
+    delays = np.zeros(y.shape[1])
+    E = edge_responses(case.model, case.truth, OMEGA, (20.0,), delays)
+    size = np.sqrt(np.mean(np.abs(y) ** 2)) / np.sqrt(np.mean(np.abs(E) ** 2))
+    state = size * np.random.default_rng(seed).normal(size=E.shape[2])
+    noisy = add_noise(y + E @ state, 0.02, np.random.default_rng(seed))
+    lines = replace(case.experiment(u, noisy), edges_s=(20.0,))
+    parameters = case.free(off=off)
+    return lines, parameters, maximize([lines], parameters)
+
+
+def test_the_history_is_that_of_all_fits_to_a_record_that_ends_in_motion(make_case):
+    lines, parameters, first = cut_short(make_case(1), 4)
+    told: list[int] = []
+    _, ended = settle_edges(
+        [lines], parameters, first, FitSettings(), lambda iteration, cost: told.append(iteration)
+    )
+    assert ended.outcome is Outcome.CONVERGED
+    assert ended.steps[: len(first.steps)] == first.steps
+    stages = [step.stage for step in ended.steps]
+    assert stages == sorted(stages)
+    assert set(stages) == set(range(stages[-1] + 1))
+    assert stages[-1] > 0
+    total = ended.steps[-1].iteration
+    assert told == list(range(first.steps[-1].iteration + 1, total + 1))
+    later = total - first.steps[-1].iteration
+    assert ended.message.startswith(f"Converged in {total} iterations ({later} of them in ")
+    np.testing.assert_array_equal(ended.start, parameters.start)
+
+
+def test_a_fit_can_be_cancelled_while_the_ends_of_the_record_are_corrected(make_case):
+    lines, parameters, first = cut_short(make_case(1), 4)
+
+    def cancel(iteration: int, cost: float) -> None:
+        raise Cancelled("enough")
+
+    _, ended = settle_edges([lines], parameters, first, FitSettings(), cancel)
+    assert ended.outcome is Outcome.CANCELLED
+    assert ended.steps[-1].iteration == first.steps[-1].iteration + 1
+
+
+@pytest.mark.parametrize(("count", "words"), [(1, "1 iteration."), (2, "2 iterations.")])
+def test_one_iteration_is_no_iterations(count, words):
+    steps = [Step(k, 1.0, 0.1) for k in range(count + 1)]
+    assert describe_outcome(Outcome.CONVERGED, steps) == f"Converged in {words}"
+
+
+def test_nothing_has_a_standard_error_of_zero(make_case):
+    case = make_case(1)
+    u, y = case.spectra(3)
+    found = maximize(
+        [case.experiment(u, add_noise(y, 0.02, np.random.default_rng(3)))], case.free()
+    )
+    nothing = np.zeros_like(found.covariance)
+    rounded = replace(found, covariance=nothing, corrected_covariance=-1e-20 * np.eye(len(nothing)))
+    assert np.isnan(rounded.std_errors).all()
+    assert np.isnan([one.cramer_rao for one in parameter_quality(rounded)]).all()
+    some = np.arange(len(found.names)) < 2
+    quality = parameter_quality(found.without_errors(some))
+    assert np.isnan([one.std_error for one in quality[:2]]).all()
+    assert np.isfinite([one.insensitivity for one in quality[2:]]).all()
+
+
+def test_values_that_no_instrument_or_structure_can_have_are_at_their_limit(make_case):
+    names = ("delay_q", "scale_alpha", "zeta_7", "omega_7", "shape_q_7")
+    parameters = make_case(1).free(names)
+    possible = np.append(parameters.start[:-5], [-0.03, 0.8, 1.5, 1.1, -2.0])
+    assert not at_limits(parameters, possible).any()
+    beyond = np.append(parameters.start[:-5], [0.2, -1.0, 0.0, np.nan, -2.0])
+    assert at_limits(parameters, beyond)[-5:].tolist() == [True, True, True, True, False]
 
 
 def test_cost_never_rises_and_noise_free_lines_give_the_truth(make_case):
@@ -215,7 +291,7 @@ def test_iteration_limit_and_cancellation_are_told(make_case):
     ended = maximize([experiment], case.free(off=0.3), report=cancel)
     assert ended.outcome is Outcome.CANCELLED
     assert len(ended.steps) - 1 == 1
-    assert "after 1 iterations" in ended.message
+    assert "after 1 iteration;" in ended.message
 
 
 def test_a_pole_without_damping_on_a_line_is_told(make_case):

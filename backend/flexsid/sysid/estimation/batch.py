@@ -30,8 +30,8 @@ def regress_batch(
 
     Notes
     -----
-    Columns are scaled before the normal equations are formed, which keeps their
-    condition at the square of that of the correlation between regressors.
+    By the triangular factor of the scaled columns, whose condition is that of the
+    correlation between regressors; that of the normal equations would be its square.
     """
     scale = np.sqrt(
         np.einsum("bmp,bmp->bp", np.real(X), np.real(X))
@@ -39,16 +39,12 @@ def regress_batch(
     )
     stacked = np.concatenate([np.real(X), np.imag(X)], axis=1) / scale[:, None, :]
     target = np.concatenate([np.real(z), np.imag(z)], axis=1)
-    transposed = stacked.transpose(0, 2, 1)
-    normal = transposed @ stacked
-    p = X.shape[2]
-    right = np.concatenate([transposed @ target, np.broadcast_to(np.eye(p), normal.shape)], axis=2)
-    solved = np.linalg.solve(normal, right)
-    n_c = z.shape[2]
-    theta, inverse = solved[:, :, :n_c], solved[:, :, n_c:]
-    explained = np.einsum("bpc,bpc->bc", theta, right[:, :, :n_c])
-    freedom = X.shape[1] - 0.5 * p
-    rest = np.maximum(np.einsum("bnc,bnc->bc", target, target) - explained, 0.0) / freedom
-    spread = np.diagonal(inverse, axis1=1, axis2=2)
+    q, r = np.linalg.qr(stacked)
+    projected = q.transpose(0, 2, 1) @ target
+    inverse = np.linalg.solve(r, np.broadcast_to(np.eye(X.shape[2]), r.shape))
+    theta = inverse @ projected
+    freedom = X.shape[1] - 0.5 * X.shape[2]
+    rest = np.sum((target - stacked @ theta) ** 2, axis=1) / freedom
+    spread = np.sum(inverse**2, axis=2)
     errors = np.sqrt(0.5 * rest[:, :, None] * spread[:, None, :]) / scale[:, None, :]
     return theta.transpose(0, 2, 1) / scale[:, None, :], errors

@@ -13,7 +13,7 @@ from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.left_out import left_out
-from flexsid.sysid.estimation.line_model import LineModel, Sensitivity
+from flexsid.sysid.estimation.line_model import Sensitivity
 
 _WEAKEST = 1e-13  # of the strongest direction of the scaled information
 _PART = 1e-3  # least share of a parameter in a direction; rounding leaves less
@@ -49,7 +49,6 @@ class FinalLines:
     sensitivity: Sensitivity
     residuals: np.ndarray
     weights: noise.LineMatrix
-    theta: Float[np.ndarray, " n_theta"]
 
     @property
     def shares_noise(self) -> bool:
@@ -140,21 +139,33 @@ def score_covariance(final: FinalLines) -> Float[np.ndarray, "n_theta n_theta"]:
     experiment = final.form.model.experiment
     if experiment.source is not None and experiment.gain is not None:
         return _shared(final, experiment.source, experiment.gain)
-    density = _density(experiment, final.residuals)
-    middle = density.between(final.weights)
+    middle = _density(experiment, final.residuals).between(final.weights)
     return final.form.matrix(final.sensitivity, middle)
 
 
 def _shared(
     final: FinalLines, source: Experiment, gain: np.ndarray
 ) -> Float[np.ndarray, "n_theta n_theta"]:
-    """The same where lines share the noise of source lines."""
-    model = final.form.model
-    weighted = final.weights.times(model.jacobian(final.sensitivity))
+    """The same where lines share the noise of source lines.
+
+    Notes
+    -----
+    A residual of a response, times the deflection of its input at the same line, is what
+    the outputs there depart from the model when the motion due to all other inputs has
+    been taken off. Source lines of inputs that the model does not have take the density
+    of the lines about them.
+    """
+    experiment = final.form.model.experiment
+    weighted = final.weights.times(final.form.model.jacobian(final.sensitivity))
     n_y, n_theta = weighted.shape[1:]
     A = (gain.conj().T @ weighted.reshape(weighted.shape[0], -1)).reshape(-1, n_y, n_theta)
-    response = LineModel(source, model.parameters).respond(final.theta)
-    S = _density(source, source.measured - response.outputs)
+    order = np.argsort(experiment.omega, kind="stable")
+    omega = experiment.omega[order]
+    deflections = source.inputs[np.searchsorted(source.omega, omega)]
+    own = np.sum(experiment.inputs[order] * deflections, axis=1, keepdims=True)
+    found = noise.smoothed_density(final.residuals[order] * own, np.zeros(omega.size, int), 1)
+    nearest = np.searchsorted(0.5 * (omega[1:] + omega[:-1]), source.omega)
+    S = noise.LineMatrix(found.blocks, found.block[nearest])
     return np.real(A.reshape(-1, n_theta).conj().T @ S.times(A).reshape(-1, n_theta))
 
 

@@ -10,14 +10,17 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation.equation_error import aerodynamic_coefficients, regressors
+from flexsid.sysid.estimation.limits import LONGEST_DELAY_S
 from flexsid.sysid.estimation.reconstruction import Motion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import FrequencyData, check_signal
 
 _ITERATIONS = 40
 _LARGEST_STEP_RAD = 0.3  # at the highest line: beyond that a delay may slip by a whole turn
-_COMMON_S = np.arange(-0.02, 0.0801, 0.002)
+_STEP_S = 0.002
+_USUAL_S = (-0.02, 0.08)  # where a delay common to all sensors is scanned for first
 _ENOUGH_LINES = 100
 _RIDGE = 1e-12  # of a regressor's power: keeps collinear regressors solvable
 
@@ -40,7 +43,8 @@ def find_delays(
     BadInput
         If a channel carries no signal, or a spectrum is not finite.
     NotIdentifiable
-        If the sensors cannot tell the motions apart.
+        If the sensors cannot tell the motions apart, or no common delay within the limits
+        fits best.
 
     Notes
     -----
@@ -48,7 +52,8 @@ def find_delays(
     that fails where delays reach a large part of a period of the highest mode. A
     delay common to all sensors turns the reconstructed motion and nothing else, so
     that the scan costs one small regression for each delay tried. Some hundred lines
-    are enough for a start.
+    are enough for a start. Where the best is at an end of the scan, all that a recorder
+    can have is scanned.
     """
     some = slice(None, None, max(1, outputs.omega.size // _ENOUGH_LINES))
     omega = outputs.omega[some]
@@ -59,12 +64,22 @@ def find_delays(
     relative = relative_delays(model, z, instruments[some])
     shifted = instruments[some] * np.exp(-1j * np.outer(omega, relative))
     motion = reconstruct_motion(model, z, shifted, noise=_level(z))
-    costs = _unexplained(model, motion, u)
-    return relative + _parabola_minimum(_COMMON_S, costs)
+    for low, high in (_USUAL_S, (-LONGEST_DELAY_S, LONGEST_DELAY_S)):
+        common = np.arange(low, high + 0.5 * _STEP_S, _STEP_S)
+        costs = _unexplained(model, motion, u, common)
+        if 0 < np.argmin(costs) < common.size - 1:
+            return relative + _parabola_minimum(common, costs)
+    raise NotIdentifiable(
+        f"no delay common to all sensors within ±{LONGEST_DELAY_S:g} s fits best; look at the "
+        "timing of the inputs, or hold the delays"
+    )
 
 
 def _unexplained(
-    model: AeroelasticModel, motion: Motion, inputs: FrequencyData
+    model: AeroelasticModel,
+    motion: Motion,
+    inputs: FrequencyData,
+    common: Float[np.ndarray, " n_delays"],
 ) -> Float[np.ndarray, " n_delays"]:
     """Log of what the regressions leave of all coefficients, for every common delay.
 
@@ -77,8 +92,8 @@ def _unexplained(
     both = both / np.linalg.norm(both, axis=0)
     n_turned = both.shape[1] - n_u
     turned, still = both[:, :n_turned], both[:, n_turned:]
-    products = np.tile(np.real(both.conj().T @ both), (_COMMON_S.size, 1, 1))
-    turns = np.exp(-1j * np.outer(_COMMON_S, motion.omega))
+    products = np.tile(np.real(both.conj().T @ both), (common.size, 1, 1))
+    turns = np.exp(-1j * np.outer(common, motion.omega))
     mixed = (turned.conj()[:, :, None] * still[:, None, :]).reshape(len(turned), -1)
     cross = np.real(turns @ mixed).reshape(-1, n_turned, n_u)
     products[:, :n_turned, n_turned:] = cross

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
-from scipy import stats
+from jaxtyping import Complex, Float
+from scipy import linalg, stats
 
-from flexsid.sysid.estimation.estimate import Estimate, FittedLines
+from flexsid.sysid.estimation.estimate import Estimate, FittedLines, standard_errors
+
+_RIDGE = 1e-6  # of the power of a line
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,7 +18,8 @@ class OutputQuality:
     """Fit of one output.
 
     ``theil`` is Theil's inequality coefficient (0 perfect, 1 none); ``whiteness``
-    the probability that white residuals would be as much alike from line to line.
+    the probability that white noise in the record would leave residuals as much alike from
+    line to line, beyond what lines of one record are alike anyway.
     """
 
     output: str
@@ -43,6 +46,7 @@ class ParameterQuality:
 def output_quality(lines: FittedLines) -> tuple[OutputQuality, ...]:
     """Judge every output of a block of lines."""
     residuals = lines.measured - lines.fitted
+    white = whitened(residuals, lines.correlation)
     error = np.sqrt(np.mean(np.abs(residuals) ** 2, axis=0))
     size = np.sqrt(np.mean(np.abs(lines.measured) ** 2, axis=0)) + np.sqrt(
         np.mean(np.abs(lines.fitted) ** 2, axis=0)
@@ -52,7 +56,7 @@ def output_quality(lines: FittedLines) -> tuple[OutputQuality, ...]:
             output=name,
             r_squared=float(r2),
             theil=float(e / s) if s > 0 else 0.0,
-            whiteness=_whiteness(residuals[:, column]),
+            whiteness=whiteness(white[:, column]),
         )
         for column, (name, r2, e, s) in enumerate(
             zip(lines.outputs, lines.r_squared(), error, size, strict=True)
@@ -61,24 +65,45 @@ def output_quality(lines: FittedLines) -> tuple[OutputQuality, ...]:
 
 
 def parameter_quality(estimate: Estimate) -> tuple[ParameterQuality, ...]:
-    """Standard error, Cramer-Rao bound and insensitivity of every parameter."""
-    bound = np.sqrt(np.diag(estimate.covariance))
-    scale = np.where(bound > 0, bound, 1.0)
-    scaled = estimate.covariance / np.outer(scale, scale)
-    information = np.linalg.pinv(scaled, hermitian=True)
-    alone = scale / np.sqrt(np.maximum(np.diag(information), 1.0))
+    """Standard error, Cramer-Rao bound and insensitivity of every parameter; NaN for none."""
+    bound = standard_errors(estimate.covariance)
+    known = np.isfinite(bound)
+    scale = bound[known]
+    scaled = estimate.covariance[np.ix_(known, known)] / np.outer(scale, scale)
+    alone = np.full(bound.size, np.nan)
+    if known.any():
+        information = np.linalg.pinv(scaled, hermitian=True)
+        alone[known] = scale / np.sqrt(np.maximum(np.diag(information), 1.0))
     return tuple(
         ParameterQuality(name, float(error), float(b), float(a))
         for name, error, b, a in zip(estimate.names, estimate.std_errors, bound, alone, strict=True)
     )
 
 
-def _whiteness(residual: np.ndarray, lags: int = 10) -> float:
+def whitened(
+    residuals: Complex[np.ndarray, "n_omega n_y"],
+    correlation: Complex[np.ndarray, "n_omega n_omega"] | None,
+) -> Complex[np.ndarray, "n_omega n_y"]:
+    """Residuals in a combination in which white noise of the record is independent.
+
+    Notes
+    -----
+    With the known correlation C = L L^H between lines these are L^-1 nu, of unit correlation
+    where the noise was white. Lines closer than the record resolves add next to nothing: a
+    ridge keeps them from being blown up.
+    """
+    if correlation is None:
+        return residuals
+    factor = linalg.cholesky(correlation + _RIDGE * np.eye(len(correlation)), lower=True)
+    return linalg.solve_triangular(factor, residuals, lower=True)
+
+
+def whiteness(residual: Complex[np.ndarray, " n_omega"], lags: int = 10) -> float:
     """Ljung-Box test over lines; circular residuals have unit-variance complex correlations.
 
     Notes
     -----
-    For white circular residuals M |r_l|^2 of lag l is exponential with mean one, so
+    For independent circular residuals M |r_l|^2 of lag l is exponential with mean one, so
     that twice their sum is chi-square with 2 degrees of freedom per lag.
     """
     n = residual.size

@@ -133,6 +133,7 @@ class MotionNoise:
         self.regressors = np.real(self.spread @ self.regressor.conj().transpose(0, 2, 1))
         self.covariance = motion.covariance
         self.doubt = motion.doubt
+        self.disagreement = motion.disagreement
 
     def of_row(self, row: int, held: Float[np.ndarray, " n_w"], columns: np.ndarray) -> Disturbance:
         """Errors of the row's free regressors and dependent variable."""
@@ -144,4 +145,13 @@ class MotionNoise:
             np.real(cross[:, columns]),
             np.real(np.sum(dependent * own, axis=1)),
             self.doubt,
+            self._systematic(dependent, columns),
         )
+
+    def _systematic(
+        self, dependent: Complex[np.ndarray, "n_omega n_r"], columns: np.ndarray
+    ) -> Complex[np.ndarray, "n_omega n_y p_1"] | None:
+        if self.disagreement is None:
+            return None
+        rows = np.concatenate([self.regressor[:, columns], dependent[:, None, :]], axis=1)
+        return self.disagreement @ rows.transpose(0, 2, 1)

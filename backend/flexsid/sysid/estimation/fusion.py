@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
 from flexsid.sysid.estimation.estimate import Estimate
 
@@ -29,15 +30,14 @@ def fuse(estimates: Sequence[Estimate], labels: Sequence[str]) -> Estimate:
         return estimates[0]
     scale = np.sqrt(np.mean([np.diag(e.corrected_covariance) for e in estimates], axis=0))
     outer = np.outer(scale, scale)
-    identity = np.eye(scale.size)
-    information = np.zeros_like(outer)
-    moment = np.zeros_like(scale)
-    plain = np.zeros_like(outer)
-    for estimate in estimates:
-        weight = np.linalg.solve(estimate.corrected_covariance / outer, identity)
-        information += weight
-        moment += weight @ (estimate.values / scale)
-        plain += np.linalg.solve(estimate.covariance / outer, identity)
+    every = np.eye(scale.size)
+    values, covariance = estimates[0].values / scale, estimates[0].corrected_covariance / outer
+    plain = estimates[0].covariance / outer
+    for other in estimates[1:]:
+        values, covariance = _weigh(
+            values, covariance, every, other.values / scale, other.corrected_covariance / outer
+        )
+        plain = _weigh(values, plain, every, values, other.covariance / outer)[1]
     lines = tuple(
         replace(block, name=f"{label} {block.name}")
         for estimate, label in zip(estimates, labels, strict=True)
@@ -45,9 +45,9 @@ def fuse(estimates: Sequence[Estimate], labels: Sequence[str]) -> Estimate:
     )
     return replace(
         estimates[0],
-        values=np.linalg.solve(information, moment) * scale,
-        covariance=np.linalg.solve(plain, identity) * outer,
-        corrected_covariance=np.linalg.solve(information, identity) * outer,
+        values=values * scale,
+        covariance=plain * outer,
+        corrected_covariance=covariance * outer,
         lines=lines,
     )
 
@@ -58,26 +58,43 @@ def with_priors(estimate: Estimate, priors: Mapping[str, tuple[float, float]]) -
         return estimate
     scale = np.sqrt(np.diag(estimate.corrected_covariance))
     outer = np.outer(scale, scale)
-    identity = np.eye(scale.size)
-    mean = np.array(
-        [
-            priors[n][0] if n in priors else v
-            for n, v in zip(estimate.names, estimate.values, strict=True)
-        ]
+    place = [k for k, name in enumerate(estimate.names) if name in priors]
+    seen = np.eye(scale.size)[place]
+    mean, std = np.array([priors[estimate.names[k]] for k in place]).T / scale[place]
+    values, covariance = _weigh(
+        estimate.values / scale,
+        estimate.corrected_covariance / outer,
+        seen,
+        mean,
+        np.diag(std**2),
     )
-    weight = np.array(
-        [
-            scale[k] ** 2 / priors[n][1] ** 2 if n in priors else 0.0
-            for k, n in enumerate(estimate.names)
-        ]
-    )
-    information = np.linalg.solve(estimate.corrected_covariance / outer, identity)
-    total = information + np.diag(weight)
-    moment = information @ (estimate.values / scale) + weight * mean / scale
-    plain = np.linalg.solve(estimate.covariance / outer, identity) + np.diag(weight)
+    plain = _weigh(values, estimate.covariance / outer, seen, mean, np.diag(std**2))[1]
     return replace(
         estimate,
-        values=np.linalg.solve(total, moment) * scale,
-        covariance=np.linalg.solve(plain, identity) * outer,
-        corrected_covariance=np.linalg.solve(total, identity) * outer,
+        values=values * scale,
+        covariance=plain * outer,
+        corrected_covariance=covariance * outer,
     )
+
+
+def _weigh(
+    values: Float[np.ndarray, " n"],
+    covariance: Float[np.ndarray, "n n"],
+    seen: Float[np.ndarray, "n_seen n"],
+    others: Float[np.ndarray, " n_seen"],
+    their: Float[np.ndarray, "n_seen n_seen"],
+) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
+    """Mean by information of ``values`` and of ``others``, which are ``seen`` of the same.
+
+    Notes
+    -----
+    In the form of covariances, which may be as ill-conditioned as they are: information would
+    be their inverse, and that of an ill-conditioned one has no digit left. The symmetric
+    form of the covariance stays positive.
+    Source: R. S. Bucy and P. D. Joseph, Filtering for Stochastic Processes (1968).
+    """
+    cross = seen @ covariance
+    gain = np.linalg.lstsq(cross @ seen.T + their, cross, rcond=None)[0].T
+    left = np.eye(values.size) - gain @ seen
+    total = left @ covariance @ left.T + gain @ their @ gain.T
+    return values + gain @ (others - seen @ values), 0.5 * (total + total.T)

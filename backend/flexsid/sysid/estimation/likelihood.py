@@ -17,7 +17,13 @@ from jaxtyping import Float
 from flexsid.errors import BadInput, Cancelled, NotIdentifiable
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.covariance import FinalLines, covariance
-from flexsid.sysid.estimation.estimate import Estimate, FittedLines, Outcome, Step
+from flexsid.sysid.estimation.estimate import (
+    Estimate,
+    FittedLines,
+    Outcome,
+    Step,
+    count_iterations,
+)
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.line_model import LineModel, Response, Sensitivity
@@ -317,27 +323,39 @@ class _Problem:
             state, [noise.likelihood_weights(S.scaled(inflation)) for S in state.densities]
         )
         lines = [
-            FinalLines(form, sensitivity, nu, W, state.theta)
+            FinalLines(form, sensitivity, nu, W)
             for form, sensitivity, nu, W in zip(
                 self.forms, around.sensitivities, state.residuals, around.weights, strict=True
             )
         ]
         found = covariance(lines, around.N, self.prior_information, inflation)
         weak = found.weak_directions(self.parameters.names)
-        message = _MESSAGES[outcome].format(iterations=len(steps) - 1)
+        message = describe_outcome(outcome, steps)
         if weak:
-            if outcome is Outcome.CONVERGED:
-                outcome = Outcome.SINGULAR_INFORMATION
-            message = (
+            collinear = (
                 "The data do not tell these parameters apart: "
                 + "; ".join(weak)
                 + ". Hold some of them fixed, or give a prior."
             )
+            if outcome is Outcome.CONVERGED:
+                outcome, message = Outcome.SINGULAR_INFORMATION, collinear
+            else:
+                message = f"{message} {collinear}"
         fitted = tuple(
             FittedLines(
-                name, e.model.outputs, e.omega[pick], e.measured[pick], response.outputs[pick]
+                name,
+                e.model.outputs,
+                e.omega[pick],
+                e.measured[pick],
+                response.outputs[pick],
+                None if alike is None else alike[np.ix_(pick, pick)],
             )
-            for e, response in zip(self.experiments, state.responses, strict=True)
+            for e, response, alike in zip(
+                self.experiments,
+                state.responses,
+                (e.noise_correlation() for e in self.experiments),
+                strict=True,
+            )
             for name, pick in ((n, e.group == k) for k, n in enumerate(e.group_names))
         )
         return Estimate(
@@ -354,20 +372,40 @@ class _Problem:
 
 
 _MESSAGES = {
-    Outcome.CONVERGED: "Converged in {iterations} iterations.",
+    Outcome.CONVERGED: "Converged in {iterations}.",
     Outcome.ITERATION_LIMIT: (
-        "Stopped at the limit of {iterations} iterations before the steps became small; "
-        "raise the limit or start closer."
+        "Stopped at the limit of {limit} before the steps became small{in_all}; values are "
+        "those reached by then and have no standard errors: raise the limit or start closer."
     ),
     Outcome.CANCELLED: (
-        "Cancelled after {iterations} iterations; values are those reached by then, not those of "
-        "the optimum."
+        "Cancelled after {iterations}; values are those reached by then, not those of the optimum."
     ),
     Outcome.DIVERGED: (
-        "No step lowers the cost although the gradient is not zero ({iterations} iterations); "
-        "start closer, or free fewer parameters."
+        "No step lowers the cost although the gradient is not zero ({iterations}); values "
+        "have no standard errors: start closer, or free fewer parameters."
     ),
 }
+
+
+def describe_outcome(outcome: Outcome, steps: Sequence[Step]) -> str:
+    """How a fit ended, and after how many iterations of all its stages."""
+    if outcome is Outcome.SINGULAR_INFORMATION:
+        outcome = Outcome.CONVERGED
+    last = steps[-1]
+    words = count_iterations(last.iteration)
+    begun = next(step.iteration for step in steps if step.stage == last.stage)
+    if last.stage:
+        first = next(step.iteration for step in steps if step.stage)
+        again = "fit" if last.stage == 1 else "fits"
+        words += (
+            f" ({last.iteration - first} of them in {last.stage} {again} after correcting for "
+            "the ends of the record)"
+        )
+    return _MESSAGES[outcome].format(
+        iterations=words,
+        limit=count_iterations(last.iteration - begun),
+        in_all=f", {words} in all" if last.stage else "",
+    )
 
 
 def _prior(

@@ -16,6 +16,7 @@ def output_error(
     instruments: np.ndarray,
     name: str = "OE",
     edges_s: tuple[float, ...] = (),
+    window_s: tuple[float, float] | None = None,
 ) -> Experiment:
     """Set up output error for one maneuver.
 
@@ -33,6 +34,8 @@ def output_error(
         What to call the maneuver.
     edges_s
         When the record begins or ends, where the aircraft may move then. [s]
+    window_s
+        Begin and end of what was transformed; None takes lines as independent. [s]
 
     Raises
     ------
@@ -58,4 +61,5 @@ def output_error(
         group=np.zeros(outputs.omega.size, dtype=int),
         group_names=(name,),
         edges_s=edges_s,
+        window_s=window_s,
     )

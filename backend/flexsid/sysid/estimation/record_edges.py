@@ -15,15 +15,23 @@ import numpy as np
 from jaxtyping import Complex, Float
 from scipy import linalg
 
-from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.estimate import Estimate, Outcome, append_stage
 from flexsid.sysid.estimation.experiment import Experiment
-from flexsid.sysid.estimation.likelihood import FitSettings, maximize
+from flexsid.sysid.estimation.likelihood import (
+    FitSettings,
+    Report,
+    describe_outcome,
+    maximize,
+)
 from flexsid.sysid.estimation.line_model import LineModel, Response
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 
 _ROUNDS = 6
+_ROUNDING = 1e-6  # of a value: a smaller change is none, whatever its standard error
+_SETTLED = 0.1  # standard errors: less is no change worth another round
+_UNSETTLED = 1.0  # standard errors moved by the last round: the fit has found no end
 _RIDGE = 1e-12
 _BEYOND_USE = 30.0  # e-folds between the ends of two outputs: no aircraft, a fit gone astray
 _WORTH = 6.0  # what each state at an edge must take off the squared residuals, on average
@@ -149,27 +157,64 @@ def settle_edges(
     parameters: Parameters,
     estimate: Estimate,
     settings: FitSettings,
+    report: Report | None = None,
 ) -> tuple[list[Experiment], Estimate]:
     """Take the edges off the lines and fit again, in turn, until neither changes much.
+
+    Parameters
+    ----------
+    experiments, parameters, estimate, settings
+        A finished fit.
+    report
+        As for ``maximize``; iterations are counted on.
 
     Returns
     -------
     tuple
-        The lines without edges, and the estimate from them; both as they were where no
-        record begins or ends in motion.
+        The lines without edges, and the estimate from them with the history of all fits; both
+        as they were where no record begins or ends in motion. Where the last round still moves
+        a parameter by more than its standard error, the outcome is the iteration limit.
     """
     lines = list(experiments)
+    moved = 0.0
     for _ in range(_ROUNDS):
         corrected = [without_edges(one, parameters, estimate.values) for one in experiments]
         if all(new is old for new, old in zip(corrected, experiments, strict=True)):
             return lines, estimate
         before, lines = estimate, corrected
-        again = maximize(lines, replace(parameters, start=estimate.values), settings)
-        estimate = replace(again, start=estimate.start)
-        moved = np.abs(estimate.values - before.values)
-        if np.all(moved <= 0.1 * np.maximum(estimate.std_errors, 1e-300)):
-            break
+        begun = before.steps[-1].iteration
+
+        def report_on(iteration: int, cost: float, begun: int = begun) -> None:
+            if report is not None:
+                report(begun + iteration, cost)
+
+        again = maximize(lines, replace(parameters, start=before.values), settings, report_on)
+        estimate = _continued(before, again)
+        if estimate.outcome is Outcome.CANCELLED:
+            return lines, estimate
+        # A sigma of noise-free lines is smaller than what rounds can settle to.
+        least = np.maximum(_ROUNDING * np.abs(again.values), np.finfo(float).tiny)
+        change = np.abs(again.values - before.values) / np.fmax(again.std_errors, least)
+        moved = float(np.max(change))
+        if moved <= _SETTLED:
+            return lines, estimate
+    if moved > _UNSETTLED and estimate.outcome.is_optimum:
+        message = (
+            f"The correction for the ends of the record still moved a parameter by {moved:.2g} "
+            f"standard errors in the last of {_ROUNDS} rounds; values have no standard errors: "
+            "free fewer parameters, or use a record that ends at rest."
+        )
+        estimate = replace(estimate, outcome=Outcome.ITERATION_LIMIT, message=message)
     return lines, estimate
+
+
+def _continued(before: Estimate, again: Estimate) -> Estimate:
+    """A fit that continues another one, with the start and the history of both."""
+    steps = append_stage(before.steps, again.steps)
+    outcome = again.outcome
+    own, whole = (describe_outcome(outcome, history) for history in (again.steps, steps))
+    message = again.message.replace(own, whole)
+    return replace(again, start=before.start, steps=steps, message=message)
 
 
 def _delays(

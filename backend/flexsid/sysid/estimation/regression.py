@@ -24,12 +24,15 @@ class Disturbance:
 
     Of the regressors, of the dependent variable, and E[x z*] between the two; ``doubt`` is
     the relative standard deviation of all this where it was itself estimated.
+    ``systematic`` are errors that all lines share, one standard deviation of each cause:
+    of the regressors and, in the last column, of the dependent variable.
     """
 
     regressors: Float[np.ndarray, "n_omega p p"]
     cross: Float[np.ndarray, "n_omega p"]
     dependent: Float[np.ndarray, " n_omega"]
     doubt: float = 0.0
+    systematic: Complex[np.ndarray, "n_omega n_causes p_1"] | None = None
 
     def equation_variance(self, theta: Float[np.ndarray, " p"]) -> Float[np.ndarray, " n_omega"]:
         """Variance that these errors give to z - X theta at every line."""
@@ -51,12 +54,15 @@ class Weighing:
 class Certainty:
     """Inverse of the normal matrix of the motion alone, and how far its noise pulled the values.
 
-    ``untold`` is the covariance of what noise may have put along directions in which it is
-    more than the motion: part of its bias stays in there, for the dependent variable holds
-    the same noise, and the fit explains that. It explains no more than there is.
+    The inverse is ``directions`` diag(1 / ``motion``) ``directions``^T, where the columns of
+    ``directions`` make the weighted regressors orthonormal. ``untold`` is the covariance of
+    what noise may have put along directions in which it is more than the motion: part of its
+    bias stays in there, for the dependent variable holds the same noise, and the fit explains
+    that. It explains no more than there is.
     """
 
-    inverse: Float[np.ndarray, "p p"]
+    directions: Float[np.ndarray, "p p"]
+    motion: Float[np.ndarray, " p"]
     pulled: Float[np.ndarray, " p"]
     untold: Float[np.ndarray, "p p"]
 
@@ -113,20 +119,39 @@ def regress(
         raise NotIdentifiable(
             f"the variable of {quiet} does not move in this maneuver; hold it fixed", name=quiet
         )
-    q, r = np.linalg.qr(np.concatenate([np.real(X), np.imag(X)]) / scale)
+    stacked, target = _as_real(X) / scale, _as_real(z)
+    q, r = np.linalg.qr(stacked)
     if np.linalg.cond(r) > _WORST_CONDITION:
         raise NotIdentifiable(
             f"the regressors of {names[0].split('_')[0]} are collinear; hold some of "
             f"{', '.join(names)} fixed",
             code="collinear",
         )
-    theta = np.linalg.solve(r, q.T @ np.concatenate([np.real(z), np.imag(z)])) / scale
+    theta = linalg.solve_triangular(r, q.T @ target) / scale
     if disturbance is not None:
         weighing, certainty = compensate(X, z, theta, disturbance)
-        return _with_covariance(X, z, weighing, certainty, disturbance.doubt)
-    inverse = np.linalg.inv(r.T @ r) / np.outer(scale, scale)
+        return _with_covariance(X, z, weighing, certainty, disturbance)
+    inverse = inverse_of_triangular(r) / scale[:, None]
     plain = Weighing(theta, np.ones(n_lines), 0.0)
-    return _with_covariance(X, z, plain, Certainty(inverse, np.zeros(p), np.zeros((p, p))), 0.0)
+    certain = Certainty(inverse, np.ones(p), np.zeros(p), np.zeros((p, p)))
+    return _with_covariance(X, z, plain, certain)
+
+
+def inverse_of_triangular(r: Float[np.ndarray, "p p"]) -> Float[np.ndarray, "p p"]:
+    """R^-1 of an upper triangle.
+
+    Notes
+    -----
+    (A^T A)^-1 = R^-1 R^-T with A = Q R keeps the digits that forming A^T A loses: its
+    condition number is the square of that of A.
+    Source: Golub and Van Loan, Matrix Computations, 4th ed., sec. 5.3.
+    """
+    return linalg.solve_triangular(r, np.eye(len(r)))
+
+
+def _as_real(values: np.ndarray) -> np.ndarray:
+    """Real parts above imaginary parts."""
+    return np.concatenate([np.real(values), np.imag(values)])
 
 
 def compensate(
@@ -146,22 +171,24 @@ def compensate(
     n_lines, p = X.shape
     variance, keep = np.ones(n_lines), 1.0
     shares, directions, pulled = np.zeros(p), np.eye(p), np.zeros(p)
-    stacked = np.concatenate([np.real(X), np.imag(X)])
-    target = np.concatenate([np.real(z), np.imag(z)])
+    stacked, target = _as_real(X), _as_real(z)
     spread = disturbance.regressors.reshape(n_lines, -1)
     for _ in range(_ITERATIONS):
         variance = _line_variance(X, z, theta, disturbance)
         weight = 1.0 / variance
-        weighted = stacked.T * np.concatenate([weight, weight])
-        noisy = weighted @ stacked
+        root = np.sqrt(np.concatenate([weight, weight]))
+        weighted = stacked * root[:, None]
         bias = (weight @ spread).reshape(p, p)
         pull = weight @ disturbance.cross
-        scale = np.sqrt(np.diag(noisy))
-        outer = np.outer(scale, scale)
-        shares, directions = linalg.eigh(bias / outer, noisy / outer)
+        scale = np.linalg.norm(weighted, axis=0)
+        q, r = np.linalg.qr(weighted / scale)
+        inverse = inverse_of_triangular(r)
+        among = inverse.T @ (bias / np.outer(scale, scale)) @ inverse
+        shares, axes = np.linalg.eigh(0.5 * (among + among.T))
+        directions = inverse @ axes
         keep = min(1.0, 1.0 / max(_MARGIN * shares[-1], np.finfo(float).tiny))
-        right = (weighted @ target - keep * pull) / scale
-        update = directions @ ((directions.T @ right) / (1.0 - keep * shares)) / scale
+        right = axes.T @ (q.T @ (root * target)) - keep * (directions.T @ (pull / scale))
+        update = directions @ (right / (1.0 - keep * shares)) / scale
         moved = np.max(np.abs(update - theta) * scale) / np.max(np.abs(theta) * scale)
         theta = update
         directions /= scale[:, None]
@@ -170,10 +197,10 @@ def compensate(
             break
     doubt = np.hypot(disturbance.doubt, 1.0 / np.sqrt(n_lines))
     motion = np.maximum(1.0 - shares * (1.0 + 2.0 * doubt), _LEAST)
-    inverse = (directions / motion) @ directions.T
     left = directions * (1.0 - 1.0 / np.maximum(_MARGIN * shares, 1.0))
     untold = np.sum(np.abs(z) ** 2 / variance) * (left @ left.T)
-    return Weighing(theta, variance, keep), Certainty(inverse, inverse @ pulled, untold)
+    pulled = (directions / motion) @ (directions.T @ pulled)
+    return Weighing(theta, variance, keep), Certainty(directions, motion, pulled, untold)
 
 
 def _line_variance(
@@ -185,13 +212,13 @@ def _line_variance(
     """Variance of the equation: known errors, and a white rest (noise on the inputs)."""
     known = disturbance.equation_variance(theta)
     known = np.maximum(known, 1e-12 * known.max())
-    return known + _white_rest(known, np.abs(z - X @ theta) ** 2, X.shape[0] - 0.5 * X.shape[1])
+    return known + excess_variance(known, np.abs(z - X @ theta) ** 2, X.shape[0] - 0.5 * X.shape[1])
 
 
-def _white_rest(
+def excess_variance(
     known: Float[np.ndarray, " n_omega"], found: Float[np.ndarray, " n_omega"], freedom: float
 ) -> float:
-    """White variance that the residuals have beyond the known one.
+    """Variance beyond the known one, alike of all, that squared residuals ask for.
 
     Notes
     -----
@@ -215,17 +242,28 @@ def _with_covariance(
     z: Complex[np.ndarray, " n_omega"],
     weighing: Weighing,
     certainty: Certainty,
-    doubt: float,
+    disturbance: Disturbance | None = None,
 ) -> Regression:
     n_lines, p = X.shape
-    theta, variance, inverse = weighing.values, weighing.variance, certainty.inverse
+    theta, variance = weighing.values, weighing.variance
     nu = (z - X @ theta) / np.sqrt(variance)
     freedom = n_lines - 0.5 * p
     level = float(np.sum(np.abs(nu) ** 2)) / freedom
     one_group = np.zeros(n_lines, dtype=int)
     density = np.real(noise.smoothed_density(nu[:, None], one_group, 1).of_lines()[:, 0, 0])
     density *= n_lines / freedom
-    middle = np.real((X.conj() * (density / variance)[:, None]).T @ X)
-    corrected = 0.5 * inverse @ middle @ inverse
-    corrected += doubt**2 * np.outer(certainty.pulled, certainty.pulled) + certainty.untold
-    return Regression(theta, 0.5 * level * inverse, corrected)
+    directions = certainty.directions / certainty.motion
+    root = np.sqrt(np.maximum(density, 0.0) / variance)
+    scattered = _as_real(X * root[:, None]) @ certainty.directions
+    corrected = 0.5 * directions @ (scattered.T @ scattered) @ directions.T
+    if disturbance is not None:
+        corrected += disturbance.doubt**2 * np.outer(certainty.pulled, certainty.pulled)
+        corrected += certainty.untold
+        if disturbance.systematic is not None:
+            errors = disturbance.systematic @ np.append(-theta, 1.0)
+            moved = directions @ (
+                certainty.directions.T @ np.real((X.conj() / variance[:, None]).T @ errors)
+            )
+            corrected += moved @ moved.T
+    plain = 0.5 * level * (directions @ certainty.directions.T)
+    return Regression(theta, 0.5 * (plain + plain.T), 0.5 * (corrected + corrected.T))

@@ -8,6 +8,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy import stats
 
+from flexsid.sysid.estimation.regression import inverse_of_triangular
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trend:
@@ -89,8 +91,8 @@ def fit_trend(
     powers = np.vander((x - centre) / span, degree + 1, increasing=True) / std_errors[:, None]
     whitened = values / std_errors
     q, r = np.linalg.qr(powers)
-    coefficients = np.linalg.solve(r, q.T @ whitened)
-    inverse = np.linalg.solve(r, np.eye(degree + 1))
+    inverse = inverse_of_triangular(r)
+    coefficients = inverse @ (q.T @ whitened)
     chi_square = float(np.sum((whitened - powers @ coefficients) ** 2))
     freedom = x.size - degree - 1
     probability = float(stats.chi2.sf(chi_square, freedom)) if freedom else None

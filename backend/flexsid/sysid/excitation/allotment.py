@@ -95,14 +95,15 @@ def allot_bands(
         for index, (name, band) in enumerate(bands.items())
         for place in (_places(name, band) * duration_s).tolist()
     )
-    taken: set[int] = set()
+    highest = max((band.high_hz for band in bands.values()), default=0.0)
+    free = np.ones(int(np.floor(highest * duration_s + 1e-9)) + 1, dtype=bool)
     dealt: dict[str, list[int]] = {name: [] for name in bands}
     for place, _, name in places:
         band = bands[name]
         first = max(1, int(np.ceil(band.low_hz * duration_s - 1e-9)))
         last = int(np.floor(band.high_hz * duration_s + 1e-9))
-        free = [k for k in range(first, last + 1) if k not in taken]
-        if not free:
+        left = first + np.flatnonzero(free[first : last + 1])
+        if not left.size:
             raise BadInput(
                 f"{name} asks for {band.count} harmonics from {band.low_hz:g} to"
                 f" {band.high_hz:g} Hz; the band holds {max(0, last - first + 1)} of"
@@ -110,8 +111,8 @@ def allot_bands(
                 " band, or fly longer",
                 code="too-many-harmonics",
             )
-        chosen = min(free, key=lambda k: (abs(k - place), k))
-        taken.add(chosen)
+        chosen = int(left[np.argmin(np.abs(left - place))])
+        free[chosen] = False
         dealt[name].append(chosen)
     return {name: np.sort(np.array(own, dtype=int)) for name, own in dealt.items()}
 

@@ -1,4 +1,4 @@
-"""Flight test aids of Table 1: 24 designs, their inputs and their harmonics per input."""
+"""Flight test aids of Table 1: 24 designs, their inputs, targets and harmonics per input."""
 
 from __future__ import annotations
 
@@ -9,6 +9,10 @@ import numpy as np
 from jaxtyping import Int
 
 from flexsid.sysid.excitation.multisine import Multisine, allot_harmonics, design_multisine
+
+ELASTIC_GROUPS = {"LE": slice(0, 2), "HE": slice(2, 8)}
+"""Structural modes of LE and HE by their place in order of frequency: modes 7-8 and 9-14 of the
+X-56A's finite element model, whose first six are rigid (Sec. V.B)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,18 +47,53 @@ class FlightTestAid:
         throttles = {0: (), 1: ("throttle",), 2: ("throttle_l", "throttle_r")}[self.throttles]
         return surfaces, throttles
 
-    def harmonics(self, first: int = 1) -> dict[str, Int[np.ndarray, " n_tones"]]:
+    @property
+    def elastic_targets(self) -> tuple[str, ...]:
+        """Groups of structural modes among the targets: LE, HE."""
+        return tuple(group for group in self.targets.split() if group in ELASTIC_GROUPS)
+
+    def highest_harmonic(self) -> int | None:
+        """Highest harmonic of 1/(4T) that the row's targets need; None for a row of one T.
+
+        Notes
+        -----
+        A row of one T deals consecutive harmonics. The rows of 4T have hardly more of them on a
+        grid four times as fine, so that consecutive ones would end at a quarter of the band:
+        they span the band of the row of one T with the same axis and structural targets.
+        """
+        if self.periods == 1:
+            return None
+        brief = next(
+            aid
+            for aid in CATALOGUE.values()
+            if aid.periods == 1
+            and aid.axis == self.axis
+            and aid.elastic_targets == self.elastic_targets
+        )
+        return self.periods * brief.harmonics_per_input * brief.surfaces
+
+    def harmonics(
+        self, first: int = 1, last: int | None = None
+    ) -> dict[str, Int[np.ndarray, " n_tones"]]:
         """Deal harmonics of the design's own duration; throttles have the lowest.
 
         Parameters
         ----------
         first
             Lowest harmonic of the surfaces; throttles have 1 and what follows it.
+        last
+            Highest harmonic that the surfaces have to reach; by default that of
+            ``highest_harmonic``. The number of harmonics stays that of Table 1: they are
+            spread evenly, or consecutive where they reach further by themselves.
         """
         surfaces, throttles = self.input_names()
         low = allot_harmonics(throttles, self.throttle_harmonics, 1)
-        above = max(first, 1 + len(throttles) * self.throttle_harmonics)
-        return allot_harmonics(surfaces, self.harmonics_per_input, above) | low
+        lowest = max(first, 1 + len(throttles) * self.throttle_harmonics)
+        steps = np.arange(self.harmonics_per_input * len(surfaces))
+        needed = (self.highest_harmonic() if last is None else last) or 0
+        reach = max(needed - lowest, steps[-1])
+        dealt = lowest + steps * reach // steps[-1]
+        return {name: dealt[place :: len(surfaces)] for place, name in enumerate(surfaces)} | low
 
 
 def _rows(

@@ -28,6 +28,10 @@ from flexsid.sysid.excitation.phase_search import (
 EFFORTS: dict[str, Effort] = {"quick": QUICK, "thorough": THOROUGH, "patient": PATIENT}
 
 _MOST_SAMPLES = 100_000  # in a period: what export and figures write within a second
+_MOST_VALUES = 1_000_000  # of all inputs in a period, for the same reason
+_SEARCH_S = {"quick": 1.0, "thorough": 15.0, "patient": 60.0}
+"""Effort over that of ``quick``. Measured on one core of 2.5 GHz, as are the next three."""
+_PER_PAIR_S, _PER_TONE_S, _PER_HARMONIC_S = 2e-6, 1e-4, 9e-6
 _LEAST_POINTS = 64  # of the grid on which the largest deflection is found
 
 
@@ -122,20 +126,47 @@ def from_phases(
     return Multisine(wish.duration_s, tones)
 
 
+def search_time_s(wish: Wish) -> float:
+    """Estimated processor time of the search for phases. [s]
+
+    Notes
+    -----
+    An iteration solves for all phases of an input (pairs of tones) on a grid of its highest
+    harmonic; the effort counts the iterations.
+    """
+    total = 0.0
+    for own in wish.inputs:
+        n, highest = len(own.harmonics), max(own.harmonics, default=0)
+        total += _PER_PAIR_S * n**2 + _PER_TONE_S * n + _PER_HARMONIC_S * highest
+    return _SEARCH_S[wish.effort] * total
+
+
+def check_period(duration_s: float, rate_hz: float, n_inputs: int) -> None:
+    """Refuse a period that has too many samples, before anything is computed for it.
+
+    Raises
+    ------
+    BadInput
+        If duration or rate are not positive, or the samples are too many.
+    """
+    if not (0.0 < duration_s < 1e5 and 0.0 < rate_hz <= 1e5):
+        raise BadInput(f"{duration_s:g} s at {rate_hz:g} Hz is no design; both must be positive")
+    samples = duration_s * rate_hz
+    most = min(_MOST_SAMPLES, _MOST_VALUES // max(1, n_inputs))
+    if samples > most:
+        raise BadInput(
+            f"{duration_s:g} s at {rate_hz:g} Hz are {samples:.3g} samples; a design has at"
+            f" most {most} in the period of {n_inputs} inputs; take a shorter period, a lower rate"
+            " or fewer inputs",
+            code="too-many-samples",
+        )
+
+
 def check_wish(wish: Wish) -> None:
     """Refuse what no search could fulfil."""
     if wish.effort not in EFFORTS:
         raise BadInput(f"effort {wish.effort!r} is not one of {', '.join(EFFORTS)}")
-    if not (0.0 < wish.duration_s < 1e5 and 0.0 < wish.rate_hz <= 1e5):
-        raise BadInput(
-            f"{wish.duration_s:g} s at {wish.rate_hz:g} Hz is no design; both must be positive"
-        )
-    samples = wish.duration_s * wish.rate_hz
-    if samples > _MOST_SAMPLES:
-        raise BadInput(
-            f"{wish.duration_s:g} s at {wish.rate_hz:g} Hz are {samples:.3g} samples;"
-            f" a design has at most {_MOST_SAMPLES} in its period"
-        )
+    check_period(wish.duration_s, wish.rate_hz, len(wish.inputs))
     if not 0.0 < wish.peaks[0] <= wish.peaks[1] <= wish.peaks[2]:
         raise BadInput(f"amplitudes {wish.peaks} must be positive and rise from low to high")
     names = [own.name for own in wish.inputs]

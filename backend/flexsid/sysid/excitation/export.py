@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
-import re
 from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,6 +15,7 @@ from scipy import io as matlab
 from flexsid.errors import BadInput
 from flexsid.sysid.excitation.designer import InputWish, Wish, from_phases
 from flexsid.sysid.excitation.multisine import Multisine
+from flexsid.text import c_identifiers, spreadsheet_cell
 
 FORMATS = ("csv", "mat", "h", "json")
 
@@ -26,12 +28,14 @@ def sample_period(multisine: Multisine, rate_hz: float) -> np.ndarray:
 def to_csv(multisine: Multisine, rate_hz: float) -> str:
     """Time and one column per input, with a header line."""
     samples = sample_period(multisine, rate_hz)
-    rows = [",".join(("t_s", *multisine.inputs))]
-    rows += [
-        ",".join([f"{place / rate_hz:.9g}", *(f"{value:.9g}" for value in row)])
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(("t_s", *map(spreadsheet_cell, multisine.inputs)))
+    rows.writerows(
+        [f"{place / rate_hz:.9g}", *(f"{value:.9g}" for value in row)]
         for place, row in enumerate(samples)
-    ]
-    return "\n".join(rows) + "\n"
+    )
+    return text.getvalue()
 
 
 def to_matlab(multisine: Multisine, rate_hz: float) -> bytes:
@@ -44,8 +48,10 @@ def to_matlab(multisine: Multisine, rate_hz: float) -> bytes:
         "period_s": multisine.period_s,
         "inputs": np.array(multisine.inputs, dtype=object),
     }
-    for name, tones in multisine.tones.items():
-        content[f"{_identifier(name)}_lines"] = np.column_stack(
+    # MATLAB reads at most 31 letters of a name in a file of version 5.
+    names = c_identifiers(multisine.inputs, longest=25)
+    for name, tones in zip(names, multisine.tones.values(), strict=True):
+        content[f"{name}_lines"] = np.column_stack(
             [tones.harmonics, tones.amplitudes, tones.phases]
         )
     with TemporaryDirectory(prefix="flexsid-") as folder:
@@ -63,13 +69,12 @@ def to_c_header(multisine: Multisine, rate_hz: float) -> str:
         f"#define EXCITATION_SAMPLES {samples.shape[0]}",
         f"#define EXCITATION_RATE_HZ {float(rate_hz)!r}",
     ]
-    for name, column in zip(multisine.inputs, samples.T, strict=True):
+    for name, column in zip(c_identifiers(multisine.inputs), samples.T, strict=True):
         values = [f"{value:.9e}f" for value in column]
         lines = [", ".join(values[start : start + 6]) for start in range(0, len(values), 6)]
         body = ",\n  ".join(lines)
         parts.append(
-            f"static const float excitation_{_identifier(name)}[EXCITATION_SAMPLES] = {{\n"
-            f"  {body}\n}};"
+            f"static const float excitation_{name}[EXCITATION_SAMPLES] = {{\n  {body}\n}};"
         )
     parts.append("#endif")
     return "\n".join(parts) + "\n"
@@ -111,7 +116,3 @@ def from_recipe(text: str, level: int = 0) -> tuple[Wish, Multisine]:
             " JSON that the workbench exports",
             code="bad-recipe",
         ) from error
-
-
-def _identifier(name: str) -> str:
-    return re.sub(r"\W", "_", name)

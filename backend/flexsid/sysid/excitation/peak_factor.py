@@ -6,6 +6,9 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy import optimize
 
+_ZERO = 1e-9  # of the sum of all amplitudes: what rounding leaves where a sum of sines is zero
+_TIE = 0.005  # of the largest running integral: what the grid of crossings resolves
+
 
 def relative_peak_factor(samples: Float[np.ndarray, " n_samples"]) -> float:
     """Peak-to-peak over that of a single sine of the same rms; 1 for one sine. [1]"""
@@ -78,6 +81,11 @@ def start_at_zero(
     samples = np.sin(angles) @ amplitudes
     integral = np.cos(angles) @ (amplitudes / turn)
     crossings = np.flatnonzero(samples[:-1] * samples[1:] <= 0.0)
-    chosen = int(crossings[np.argmin(np.abs(integral[crossings]))])
+    size = np.abs(integral)
+    # Crossings may tie but for rounding: phases that begin at one of the best stay as they are.
+    begins = abs(value(0.0)) <= _ZERO * float(np.abs(amplitudes).sum())
+    if begins and size[0] <= size[crossings].min() + _TIE * size.max():
+        return phases
+    chosen = int(crossings[np.argmin(size[crossings])])
     shift = float(optimize.brentq(value, grid[chosen], grid[chosen + 1], xtol=1e-15))
     return np.mod(phases + turn * shift + np.pi, 2.0 * np.pi) - np.pi

@@ -16,6 +16,10 @@ _SPIKE = 9.0  # robust standard deviations
 _WIDEST_SPIKE = 3  # samples
 _LOCAL = 201  # samples that tell how busy a channel is
 _STILL = 10  # equal samples in a row that are a dropout where they seldom are
+_REPEATED = 0.25  # of the samples: with fewer different values, a recorder rounds coarsely
+_ROUNDED = 0.35  # of a digit: standard deviation of rounding, in the misfit of a cubic
+_OFTENER, _MUCH_OFTENER = 3, 10  # times as often as beside: a crest stays at its last digit, too
+_FEW_DIGITS = 64
 _LONGEST_REPAIR_S = 0.1
 _SUPPORT = 8  # samples on either side that a repair goes through
 
@@ -55,7 +59,9 @@ def find_artefacts(
     A spike departs from the cubic through its neighbours, or from the running median,
     by far more than samples around it do. A dropout repeats one value while samples
     elsewhere change. Saturation stays at the largest or smallest value of the record
-    more often than at any value next to it.
+    more often than at any value next to it. Equal values that rounding to the digits of the
+    recorder explains are none of these: where values repeat, a dropout is left by more than
+    one digit, and a spike is larger than rounding makes of a smooth signal.
     """
     x = np.asarray(samples, dtype=float)
     if x.size < 3 * _STILL:
@@ -64,10 +70,11 @@ def find_artefacts(
         whole = Stretch(kind=Artefact.DROPOUT, first=0, stop=x.size)
         return () if moving is None else (whole,)
     first, stop = _equal_runs(x)
-    saturated = _saturated(x, first, stop)
-    held = _held(x, first, stop, moving) & ~saturated
+    digit = _digit(x)
+    saturated = _saturated(x, first, stop, digit)
+    held = _held(x, first, stop, moving) & _leaps(x, first, stop, digit) & ~saturated
     taken = _inside(x.size, first[held | saturated], stop[held | saturated])
-    spikes = _spikes(x) & ~ndimage.binary_dilation(taken, iterations=2)
+    spikes = _spikes(x, digit) & ~ndimage.binary_dilation(taken, iterations=2)
     found = [
         *(_stretches(Artefact.SATURATION, first[saturated], stop[saturated])),
         *(_stretches(Artefact.DROPOUT, first[held], stop[held])),
@@ -126,12 +133,30 @@ def repair(
     return result
 
 
-def _spikes(x: Float[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
+def _digit(x: Float[np.ndarray, " n"]) -> float:
+    """Smallest step of a recorder that rounds so coarsely that values repeat; zero for others."""
+    levels = np.unique(x)
+    if levels.size > _REPEATED * x.size:
+        return 0.0
+    gaps = np.diff(levels)
+    return float(gaps[gaps > 1e-6 * np.ptp(x)].min())
+
+
+def _leaps(
+    x: Float[np.ndarray, " n"], first: np.ndarray, stop: np.ndarray, digit: float
+) -> np.ndarray:
+    """Which runs of equal samples are entered or left by more than rounding explains."""
+    before = np.where(first > 0, np.abs(x[first] - x[first - 1]), 0.0)
+    after = np.where(stop < x.size, np.abs(x[np.minimum(stop, x.size - 1)] - x[first]), 0.0)
+    return (np.maximum(before, after) > 1.5 * digit) | (digit == 0.0)
+
+
+def _spikes(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarray, " n"]:
     """Samples that stand out, the largest of each group of neighbours."""
-    return _single(x) | _wide(x)
+    return _single(x, digit) | _wide(x, digit)
 
 
-def _single(x: Float[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
+def _single(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarray, " n"]:
     away = np.zeros_like(x)
     away[2:-2] = x[2:-2] - (4.0 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6.0
     size = np.abs(away)
@@ -141,14 +166,14 @@ def _single(x: Float[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
     # A spike throws its neighbours' cubics off by two thirds; a step, only the one before it.
     sign = np.sign(away)
     returns &= np.maximum(np.roll(away, 1) * sign, np.roll(away, -1) * sign) < -0.45 * size
-    return largest & returns & (size > _SPIKE * _busy(away))
+    return largest & returns & (size > _SPIKE * _busy(away, digit))
 
 
-def _wide(x: Float[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
+def _wide(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarray, " n"]:
     """A few samples off together: far from the running median, with a jump on both sides."""
     away = x - ndimage.median_filter(x, 2 * _WIDEST_SPIKE + 1, mode="nearest")
     steps = np.abs(np.diff(x, prepend=x[0]))
-    usual = _SPIKE * _busy(steps)
+    usual = _SPIKE * _busy(steps, digit)
     jump = steps > usual
     off = np.abs(away) > 0.5 * usual
     keep = np.zeros(x.size, dtype=bool)
@@ -158,13 +183,13 @@ def _wide(x: Float[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
     return keep
 
 
-def _busy(values: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
+def _busy(values: Float[np.ndarray, " n"], digit: float) -> Float[np.ndarray, " n"]:
     """Robust standard deviation around every sample, nowhere less than of the record."""
     size = np.abs(values)
     step = max(1, values.size // 2000)
     local = ndimage.median_filter(size[::step], max(3, _LOCAL // step), mode="reflect")
     spread = np.interp(np.arange(values.size), np.arange(0, values.size, step), local)
-    least = max(float(np.median(size)), 1e-3 * float(np.std(values)))
+    least = max(float(np.median(size)), 1e-3 * float(np.std(values)), _ROUNDED * digit)
     return 1.4826 * np.maximum(spread, least)
 
 
@@ -173,17 +198,20 @@ def _equal_runs(x: Float[np.ndarray, " n"]) -> tuple[np.ndarray, np.ndarray]:
     return np.r_[0, edges], np.r_[edges, x.size]
 
 
-def _saturated(x: Float[np.ndarray, " n"], first: np.ndarray, stop: np.ndarray) -> np.ndarray:
+def _saturated(
+    x: Float[np.ndarray, " n"], first: np.ndarray, stop: np.ndarray, digit: float
+) -> np.ndarray:
     """Which runs of equal samples stand at the end of a sensor's range."""
     values, length = x[first], stop - first
     found = np.zeros(first.size, dtype=bool)
+    more = _OFTENER if digit == 0.0 or np.ptp(x) > _FEW_DIGITS * digit else _MUCH_OFTENER
     for end, order in ((values.max(), -1), (values.min(), 1)):
         at_end = values == end
         levels = np.unique(values)[::order][1:4]
         beside = max((int(length[values == level].sum()) for level in levels), default=0)
         total = int(length[at_end].sum())
         # a record at rest for most of its length rests there, it is not saturated
-        if length[at_end].max() >= 3 and 4 <= total < x.size // 2 and total > 3 * beside:
+        if length[at_end].max() >= 3 and 4 <= total < x.size // 2 and total > more * beside:
             found |= at_end & (length >= 2)
     return found
 

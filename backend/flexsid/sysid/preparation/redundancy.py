@@ -103,11 +103,13 @@ def find_faults(
     some = strong_lines(z)
     omega, z = outputs.omega[some], z[some]
     fixed = names.index(names[0] if reference is None else reference)
-    free = _Free(
+    free = Candidates(
         np.array([k for k in range(len(names)) if k != fixed]),
         np.array([names.index(name) for name in scaled], dtype=int),
     )
-    problem = _Problem(omega, z, instruments[some][:, :, None] * model.sensors.response(omega))
+    problem = RedundantLines(
+        omega, z, instruments[some][:, :, None] * model.sensors.response(omega)
+    )
     level = np.sqrt(np.mean(np.abs(z) ** 2, axis=0))
     if not level.all():
         silent = names[int(np.argmin(level))]
@@ -157,7 +159,7 @@ def strong_lines(
 
 
 @dataclass(frozen=True, slots=True)
-class _Free:
+class Candidates:
     """Which channels' delays, then which channels' log gains, are sought."""
 
     delays: np.ndarray
@@ -165,10 +167,12 @@ class _Free:
 
     @property
     def count(self) -> int:
+        """Number of delays and log gains."""
         return self.delays.size + self.gains.size
 
     @property
     def channels(self) -> np.ndarray:
+        """Channel of each."""
         return np.concatenate([self.delays, self.gains])
 
     def factor(self, omega: np.ndarray) -> np.ndarray:
@@ -182,6 +186,7 @@ class _Free:
         return np.concatenate([delay[self.delays], np.log(scale[self.gains])])
 
     def spread(self, value: np.ndarray, n_y: int) -> tuple[np.ndarray, np.ndarray]:
+        """Delays and log gains of all channels, zero where they are not sought."""
         delay, gain = np.zeros(n_y), np.zeros(n_y)
         delay[self.delays] = value[: self.delays.size]
         gain[self.gains] = value[self.delays.size :]
@@ -189,7 +194,7 @@ class _Free:
 
 
 @dataclass(frozen=True, slots=True)
-class _Problem:
+class RedundantLines:
     """Lines, recorded spectra and sensor rows with their instruments."""
 
     omega: Float[np.ndarray, " n_omega"]
@@ -197,7 +202,7 @@ class _Problem:
     rows: Complex[np.ndarray, "n_omega n_y n_r"]
 
     def project(
-        self, free: _Free, value: np.ndarray, sigma: np.ndarray
+        self, free: Candidates, value: np.ndarray, sigma: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Residual (n_omega, n_y), its slopes (n_omega, n_free) and the basis of all motions."""
         delay, gain = free.spread(value, sigma.size)
@@ -209,21 +214,29 @@ class _Problem:
         seen = np.matmul(q, np.matmul(q.conj().transpose(0, 2, 1), z[:, :, None]))[:, :, 0]
         return z - seen, free.factor(self.omega) * seen[:, free.channels], q
 
+    def normal(
+        self, free: Candidates, slope: np.ndarray, q: np.ndarray, residual: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Normal matrix and gradient of half the squares, motions projected out (Kaufman)."""
+        n = slope.shape[1]
+        inside = (q[:, free.channels].conj() * slope[:, :, None]).transpose(0, 2, 1).reshape(-1, n)
+        same = free.channels[:, None] == free.channels
+        normal = np.real(slope.conj().T @ slope) * same - np.real(inside.conj().T @ inside)
+        return normal, -np.sum(np.real(slope.conj() * residual[:, free.channels]), axis=0)
 
-def _normal(
-    free: _Free, slope: np.ndarray, q: np.ndarray, residual: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Normal matrix and gradient of half the squares, motions projected out (Kaufman)."""
-    n = slope.shape[1]
-    inside = (q[:, free.channels].conj() * slope[:, :, None]).transpose(0, 2, 1).reshape(-1, n)
-    same = free.channels[:, None] == free.channels
-    normal = np.real(slope.conj().T @ slope) * same - np.real(inside.conj().T @ inside)
-    return normal, -np.sum(np.real(slope.conj() * residual[:, free.channels]), axis=0)
+    def of_noise(self, free: Candidates, q: np.ndarray) -> Float[np.ndarray, "n_free n_free"]:
+        """What unit noise of all sensors adds to the normal matrix on average."""
+        rows = q[:, free.channels]
+        shared = np.matmul(rows, rows.conj().transpose(0, 2, 1))
+        same = free.channels[:, None] == free.channels
+        power = shared.transpose(0, 2, 1) * (same - shared)
+        factor = free.factor(self.omega)
+        return np.real(np.einsum("kp,kpr,kr->pr", factor.conj(), power, factor))
 
 
 def _converge(
-    problem: _Problem,
-    free: _Free,
+    problem: RedundantLines,
+    free: Candidates,
     start: np.ndarray,
     sigma: np.ndarray,
     small: float = _SMALL,
@@ -234,7 +247,7 @@ def _converge(
     largest[: free.delays.size] /= problem.omega[-1]
     residual, slope, q = problem.project(free, value, sigma)
     cost = float(np.sum(np.abs(residual) ** 2))
-    normal, gradient = _normal(free, slope, q, residual)
+    normal, gradient = problem.normal(free, slope, q, residual)
     for _ in range(_STEPS):
         diagonal = np.diag(normal) + 1e-12 * np.trace(normal)
         step = np.linalg.solve(normal + damping * np.diag(diagonal), -gradient)
@@ -244,7 +257,7 @@ def _converge(
         lower = float(np.sum(np.abs(trial[0]) ** 2))
         if lower < cost:
             value, cost = value + step, lower
-            normal, gradient = _normal(free, *trial[1:], trial[0])
+            normal, gradient = problem.normal(free, *trial[1:], trial[0])
             damping = max(damping / 10.0, 1e-12)
             if np.max(np.abs(step) * np.sqrt(np.maximum(diagonal, 0.0))) < small:
                 break
@@ -256,8 +269,8 @@ def _converge(
 
 
 def _variance(
-    problem: _Problem,
-    free: _Free,
+    problem: RedundantLines,
+    free: Candidates,
     value: np.ndarray,
     sigma: np.ndarray,
     names: tuple[str, ...],
@@ -269,7 +282,7 @@ def _variance(
     and left in what they scatter by.
     """
     residual, slope, q = problem.project(free, value, sigma)
-    normal, _ = _normal(free, slope, q, residual)
+    normal, _ = problem.normal(free, slope, q, residual)
     size = np.sqrt(np.maximum(np.diag(normal), 0.0))
     if not size.all() or np.linalg.cond(normal / np.outer(size, size)) > 1e12:
         weak = names[free.channels[int(np.argmin(size))]]
@@ -278,7 +291,7 @@ def _variance(
             code="no-redundancy",
             channel=weak,
         )
-    signal = normal - _of_noise(problem, free, q)
+    signal = normal - problem.of_noise(free, q)
     share, axes = linalg.eigh(signal / np.outer(size, size), normal / np.outer(size, size))
     told = axes / np.maximum(share, _LEAST_SHARE) / size[:, None]
     bread = told @ (axes / size[:, None]).T
@@ -289,16 +302,6 @@ def _variance(
         meat += shared + shared.T
     # The whitened residuals have unit variance per line by the choice of sigma.
     return np.maximum(0.5 * np.sum(told**2, axis=1), np.diag(bread @ meat @ bread))
-
-
-def _of_noise(problem: _Problem, free: _Free, q: np.ndarray) -> Float[np.ndarray, "n_free n_free"]:
-    """What unit noise of all sensors adds to the normal matrix on average."""
-    rows = q[:, free.channels]
-    shared = np.matmul(rows, rows.conj().transpose(0, 2, 1))
-    same = free.channels[:, None] == free.channels
-    power = shared.transpose(0, 2, 1) * (same - shared)
-    factor = free.factor(problem.omega)
-    return np.real(np.einsum("kp,kpr,kr->pr", factor.conj(), power, factor))
 
 
 def widened(faults: Faults, others: Sequence[Faults]) -> Faults:
@@ -319,8 +322,9 @@ def widened(faults: Faults, others: Sequence[Faults]) -> Faults:
 
 def _apart(one: np.ndarray, variance: np.ndarray, other: np.ndarray, its: np.ndarray) -> np.ndarray:
     """Squared difference beyond what the more uncertain of two estimates scatters more by."""
-    more = np.where(np.isfinite(its) & np.isfinite(variance), its - variance, 0.0)
-    return np.maximum((other - one) ** 2 - np.maximum(more, 0.0), 0.0)
+    known = np.isfinite(its) & np.isfinite(variance)
+    more = np.where(known, its, 0.0) - np.where(known, variance, 0.0)
+    return np.where(known, np.maximum((other - one) ** 2 - np.maximum(more, 0.0), 0.0), 0.0)
 
 
 def agreement(

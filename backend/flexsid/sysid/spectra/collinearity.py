@@ -13,6 +13,8 @@ from jaxtyping import Float, Inexact
 class Collinearity:
     """Correlation matrix and what it does to a regression on these columns.
 
+    Of spectra the real part of ``correlation`` counts for real coefficients.
+
     ``inflation`` is the factor by which the variance of a coefficient grows over
     that with uncorrelated columns; infinite for columns that repeat each other, NaN
     for one that never moves. ``condition`` is that of the columns at unit length.
@@ -38,8 +40,9 @@ def collinearity(
     Notes
     -----
     Columns of spectra are regressed on with real coefficients, so that variance
-    inflation and condition are those of the stacked real and imaginary parts; the
-    complex correlation also tells of channels that differ by a phase.
+    inflation and condition are those of the stacked real and imaginary parts, and so is
+    the real part of the complex correlation. Its magnitude also tells of channels that
+    differ by a phase, which real coefficients keep apart.
     """
     n = columns.shape[1]
     moved = columns - columns.mean(axis=0) if remove_mean and columns.size else columns

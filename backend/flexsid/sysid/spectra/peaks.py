@@ -107,7 +107,8 @@ def fit_peak(ratios: Sequence[RatioLines], near_hz: float, sizes: np.ndarray | N
     freedom = max(1, fit.fun.size - n_linear - 2)
     variance = float(fit.fun @ fit.fun) / freedom
     slope = np.asarray(fit.jac)
-    covariance = variance * np.linalg.inv(slope.T @ slope)
+    root = np.linalg.inv(np.linalg.qr(slope)[1])
+    covariance = variance * (root @ root.T)
     std = np.sqrt(np.diag(covariance))
     amplitude = _amplitude(near, scale, fit.x)
     damping = abs(float(fit.x[1]))

@@ -168,6 +168,31 @@ def crossing_error(
     )
 
 
+def frequency_slopes(
+    aircraft: Aeroelastic, crossing: Crossing, density: float | None = None
+) -> Float[np.ndarray, " n_modes"]:
+    """Change of a crossing's airspeed with the squared frequency of every mode. [m/s per rad2/s2]
+
+    Notes
+    -----
+    As ``crossing_error``: dV = -Re(lambda_k) / Re(lambda_V), with k = omega_i^2, which enters the
+    state matrix as -k where eta_i accelerates itself.
+    """
+    speed = crossing.airspeed
+    near = speed * (1.0 + _STEP * np.array([-1.0, 0.0, 1.0]))
+    family = state_family(aircraft, near, density)
+    modal = decompose(family)
+    root = int(np.argmin(np.abs(modal.values[1] - 1j * crossing.frequency)))
+    left, right = modal.left[1, :, root], modal.right[1, :, root]
+    by_speed = left.conj() @ (family.A[2] - family.A[0]) @ right / (near[2] - near[0])
+    n = len(aircraft.modes.numbers)
+    eta, etadot = np.arange(2, 2 + n), np.arange(2 + n, 2 + 2 * n)
+    by_stiffness = -left[etadot].conj() * right[eta]
+    if not np.isfinite(by_speed) or not np.real(by_speed):
+        return np.full(n, np.nan)
+    return -np.real(by_stiffness) / np.real(by_speed)
+
+
 def _columns(modal: Modal, locus: RootLocus) -> np.ndarray:
     """Where the roots of a locus stand among the eigenvalues of every speed."""
     distance = np.abs(modal.values[:, None, :] - locus.roots[:, :, None])

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.sysid.estimation.regression import inverse_of_triangular
 from flexsid.sysid.stability.bands import Uncertain
 from flexsid.sysid.stability.speeds import Aeroelastic
 
@@ -91,7 +92,8 @@ def equivalent_modes(aircraft: Aeroelastic, uncertain: Uncertain) -> tuple[Equiv
     for i, number in enumerate(modes.numbers):
         factor = c.dynamic_pressure * c.area * c.chord / float(modes.mass[i])
         eta, etadot = (2 + i, 2 + i), (2 + i, 2 + n + i)
-        errors = [float(std[place[key]]) if key in place else 0.0 for key in (eta, etadot)]
+        # What was held is not known exactly: it was not estimated.
+        errors = [float(std[place[key]]) if key in place else np.nan for key in (eta, etadot)]
         omega, zeta = float(modes.omega[i]), float(modes.zeta[i])
         found.append(
             EquivalentMode(
@@ -177,14 +179,20 @@ def _line(
 ) -> tuple[Float[np.ndarray, " 2"], Float[np.ndarray, "2 2"]]:
     """Offset and slope by weighted least squares, and their covariance."""
     sigma = np.asarray(std, dtype=float)
-    weight = 1.0 / sigma if (sigma > 0.0).all() else np.ones(x.size)
+    known = bool((sigma > 0.0).all())
+    weight = 1.0 / sigma if known else np.ones(x.size)
     if float(np.ptp(x)) <= 1e-6 * float(np.abs(x).max()):
         raise NotIdentifiable(
             "all points were flown at one condition; a line takes different dynamic pressures"
         )
     size = float(np.abs(x).max())
     A = np.stack([weight, weight * x / size], axis=1)
-    found = np.linalg.lstsq(A, weight * np.asarray(y, dtype=float), rcond=None)[0]
-    covariance = np.linalg.solve(A.T @ A, np.eye(2))
+    q, r = np.linalg.qr(A)
+    root = inverse_of_triangular(r)
+    found = root @ (q.T @ (weight * np.asarray(y, dtype=float)))
+    covariance = root @ root.T
+    if not known:  # then the points' scatter about the line gives the errors
+        left = np.asarray(y, dtype=float) - A @ found
+        covariance *= float(left @ left) / (x.size - 2)
     back = np.array([1.0, 1.0 / size])
     return found * back, covariance * np.outer(back, back)

@@ -106,8 +106,12 @@ def _pole(
             -by_real / size + value.real * change / size**2,
         ]
     )
-    variance = np.einsum("ri,ij,rj->r", rows, covariance, rows)
-    return NamedPole(name, value, *map(float, np.sqrt(np.maximum(variance, 0.0))))
+    # What does not move the pole needs no standard error of its own.
+    moves = np.any(rows != 0.0, axis=0)
+    rows = rows[:, moves]
+    variance = np.einsum("ri,ij,rj->r", rows, covariance[np.ix_(moves, moves)], rows)
+    # A pole that only what is held decides is not known exactly: it was not estimated.
+    return NamedPole(name, value, *map(float, np.sqrt(np.where(variance > 0.0, variance, np.nan))))
 
 
 def _assign_names(

@@ -10,7 +10,14 @@ from jaxtyping import Float
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.stability.bands import Uncertain, crossing_error
+from flexsid.sysid.stability.bands import Uncertain, crossing_error, frequency_slopes
+from flexsid.sysid.stability.flight_evidence import (
+    FlownPoint,
+    Instability,
+    Standing,
+    compare_with_flight,
+    instability_of,
+)
 from flexsid.sysid.stability.flutter import Crossing, RootLocus, follow_roots
 from flexsid.sysid.stability.speeds import Aeroelastic
 
@@ -22,12 +29,33 @@ _UNTOLD = 0.3  # of a flutter speed: with a larger error it is not known
 _TURNS = 30  # of repeated prediction
 
 
+MODAL_FREQUENCY = 0.02
+"""Relative standard deviation of a modal table's frequencies where no other is known.
+
+Finite element models that were not updated differ from ground vibration tests by 1 to 3 %."""
+
+
+@dataclass(frozen=True, slots=True)
+class StiffnessError:
+    """Relative standard deviations of the frequencies in vacuo, in the order of the modes.
+
+    ``pressure`` is the dynamic pressure that the derivatives were estimated at. [Pa]
+    """
+
+    relative_std: Float[np.ndarray, " n_modes"]
+    pressure: float
+
+
 @dataclass(frozen=True, slots=True)
 class Identified:
-    """What one run says: derivatives on a structure, and which of them it estimated."""
+    """What one run says: derivatives on a structure, and which of them it estimated.
+
+    ``stiffness`` is None where the frequencies of the structure are exact.
+    """
 
     aircraft: Aeroelastic
     uncertain: Uncertain
+    stiffness: StiffnessError | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +64,9 @@ class Prediction:
 
     ``crossing`` is None for an aircraft that stays stable up to the highest speed looked at;
     ``sentence`` says it in words. ``airspeed_std`` is statistical; ``spread`` what other model
-    structures make of the same data [m/s].
+    structures make of the same data, ``modal_std`` what the uncertainty of the modal table's
+    frequencies does [m/s]. Where flight contradicts the model or does not determine its unstable
+    root, ``refusal`` says so and there is no crossing.
     """
 
     locus: RootLocus
@@ -45,11 +75,18 @@ class Prediction:
     frequency_std: float
     spread: float
     sentence: str
+    modal_std: float = 0.0
+    refusal: str = ""
+
+    @property
+    def total_std(self) -> float:
+        """Standard deviation of the airspeed: statistics, structure and modal table. [m/s]"""
+        return float(np.sqrt(self.airspeed_std**2 + self.spread**2 + self.modal_std**2))
 
     @property
     def interval(self) -> tuple[float, float] | None:
-        """95 % interval of the airspeed, statistics and structure together. [m/s]"""
-        reach = _SIGMAS * float(np.hypot(self.airspeed_std, self.spread))
+        """95 % interval of the airspeed: statistics, structure and modal table together. [m/s]"""
+        reach = _SIGMAS * self.total_std
         if self.crossing is None or not np.isfinite(reach):
             return None
         return max(0.0, self.crossing.airspeed - reach), self.crossing.airspeed + reach
@@ -61,6 +98,7 @@ def predict_flutter(
     density: float | None = None,
     spread: float = 0.0,
     called: Mapping[str, str] | None = None,
+    flown: Sequence[FlownPoint] = (),
 ) -> Prediction:
     """Follow the roots over a band of airspeeds and say where stability ends.
 
@@ -76,6 +114,9 @@ def predict_flutter(
         Standard deviation between model structures. [m/s]
     called
         What to call motions in words, by name.
+    flown
+        Runs that the derivatives come from: a crossing that they contradict, or do not
+        determine, is no prediction.
 
     Raises
     ------
@@ -94,34 +135,112 @@ def predict_flutter(
         )
     locus = follow_roots(found.aircraft, np.linspace(low, high, _POINTS), density)
     growing = np.flatnonzero(np.real(locus.roots[0]) > 0.0)
-    crossing = locus.flutter
+    crossing, remark, refusal = _judged(found, locus, flown, names)
+    if refusal:
+        sentence = f"No flutter speed is predicted. {refusal}"
+        return Prediction(locus, None, np.nan, np.nan, spread, sentence, refusal=refusal)
     already = ""
     if growing.size:
         name = names[locus.names[int(growing[0])]]
         already = f"Already unstable at {low:.1f} m/s in {name}; look at lower speeds."
         if crossing is None:
-            return Prediction(locus, None, np.nan, np.nan, spread, already)
+            return Prediction(locus, None, np.nan, np.nan, spread, f"{already}{remark}")
     if crossing is None:
         weakest = int(np.argmin(locus.damping().min(axis=0)))
         sentence = (
             f"Stable up to {high:.1f} m/s; the least damping is "
             f"{100.0 * max(0.0, float(locus.damping()[:, weakest].min())):.1f} % in "
-            f"{names[locus.names[weakest]]}."
+            f"{names[locus.names[weakest]]}.{remark}"
         )
         return Prediction(locus, None, np.nan, np.nan, spread, sentence)
     error = crossing_error(found.aircraft, crossing, found.uncertain, density)
-    leading = sorted(crossing.participation, key=crossing.participation.__getitem__)[::-1][:2]
-    moving = " with ".join(names[name] for name in leading)
-    reach = 2.0 * float(np.hypot(error.airspeed_std, spread))
+    modal_std = _modal_std(found, crossing, density)
+    told = Prediction(
+        locus, crossing, error.airspeed_std, error.frequency_std, spread, "", modal_std
+    )
+    reach = 2.0 * told.total_std
     sentence = f"{already} " if already else ""
-    sentence += f"{crossing.mechanism.value.capitalize()} of {moving} at {crossing.airspeed:.2f}"
+    sentence += f"{_words(crossing, names)} at {crossing.airspeed:.2f}"
     sentence += f" ± {reach:.2f} m/s" if np.isfinite(reach) else " m/s, with unknown error"
     sentence += f", {crossing.frequency:.2f} rad/s." if crossing.frequency else "."
     if crossing.recovers_at is not None:
         sentence += f" It is a hump: stable again from {crossing.recovers_at:.2f} m/s."
     if np.isfinite(reach) and reach > _UNTOLD * crossing.airspeed:
         sentence += " So large an error means that these runs do not tell it."
-    return Prediction(locus, crossing, error.airspeed_std, error.frequency_std, spread, sentence)
+    return replace(told, sentence=f"{sentence}{remark}")
+
+
+def _judged(
+    found: Identified, locus: RootLocus, flown: Sequence[FlownPoint], names: Mapping[str, str]
+) -> tuple[Crossing | None, str, str]:
+    """The crossing that stands against the flights, a remark on it, and why there is none."""
+    if not flown:
+        return locus.flutter, "", ""
+    numbers = found.aircraft.modes.numbers
+    free = {int(row) - 2 for row in found.uncertain.rows}
+    estimated = frozenset(str(n) for k, n in enumerate(numbers) if k in free)
+
+    def compare(instability: Instability) -> tuple[Standing, str]:
+        return compare_with_flight(instability, locus, found.aircraft, estimated, flown, names)
+
+    remarks = ""
+    for branch in np.flatnonzero(np.real(locus.roots[0]) > 0.0).tolist():
+        standing, words = compare(_from_the_start(locus, branch, names))
+        if standing in (Standing.CONTRADICTED, Standing.UNDETERMINED):
+            return None, "", words
+        remarks += f" {words}" if standing is Standing.PASSED else ""
+    for crossing in locus.crossings:
+        words = f"{_words(crossing, names)} at {crossing.airspeed:.1f} m/s"
+        standing, words = compare(instability_of(crossing, words))
+        if standing in (Standing.CONTRADICTED, Standing.UNDETERMINED):
+            return None, "", words
+        remarks += f" {words}" if words else ""
+        if standing is not Standing.PASSED:
+            return crossing, remarks, ""
+    return None, remarks, ""
+
+
+def _from_the_start(locus: RootLocus, branch: int, names: Mapping[str, str]) -> Instability:
+    """A root that is unstable at the lowest speed; its motion is that of its name."""
+    stable = np.flatnonzero(np.real(locus.roots[:, branch]) <= 0.0)
+    high = float(locus.airspeed[stable[0]]) if stable.size else np.inf
+    low, name = float(locus.airspeed[0]), locus.names[branch]
+    words = f"An instability of {names[name]} from {low:.1f} m/s on"
+    return Instability(words, low, high, branch, {name: 1.0})
+
+
+def _words(crossing: Crossing, names: Mapping[str, str]) -> str:
+    shares = crossing.participation
+    leading = sorted(shares, key=shares.__getitem__)[::-1][:2]
+    moving = " with ".join(names[name] for name in leading)
+    return f"{crossing.mechanism.value.capitalize()} of {moving}"
+
+
+def _modal_std(found: Identified, crossing: Crossing, density: float | None) -> float:
+    """Standard deviation of a crossing's airspeed from that of the modal frequencies. [m/s]
+
+    Notes
+    -----
+    At the dynamic pressure q_e flown, data determine the sum omega^2 - q_e S c C_Q_eta / m of
+    Eq. 25: an estimated C_Q_eta makes up for an error of omega^2 there, and 1 - q / q_e of it is
+    left at q. A C_Q_eta that was not estimated makes up for nothing.
+    """
+    if found.stiffness is None:
+        return 0.0
+    aircraft, stiffness = found.aircraft, found.stiffness
+    air = aircraft.condition.density if density is None else density
+    pressure = 0.5 * air * crossing.airspeed**2
+    own = set(zip(found.uncertain.rows.tolist(), found.uncertain.columns.tolist(), strict=True))
+    modes = aircraft.modes
+    left = np.array(
+        [
+            1.0 - pressure / stiffness.pressure if (2 + k, 2 + k) in own else 1.0
+            for k in range(len(modes.numbers))
+        ]
+    )
+    change = 2.0 * modes.omega**2 * stiffness.relative_std * left
+    slopes = frequency_slopes(aircraft, crossing, density)
+    return float(np.sqrt(np.sum((slopes * change) ** 2)))
 
 
 def fuse_identified(parts: Sequence[Identified], to: Aeroelastic) -> Identified:
@@ -161,19 +280,34 @@ def fuse_identified(parts: Sequence[Identified], to: Aeroelastic) -> Identified:
             )
     rows, columns = first.uncertain.rows, first.uncertain.columns
     if rows.size == 0:  # nothing was estimated: there is nothing to weigh
-        return Identified(to, first.uncertain)
+        return Identified(to, first.uncertain, _stiffness_of(parts))
     values = np.stack([part.aircraft.derivatives.values[rows, columns] for part in parts])
     covariances = [part.uncertain.covariance for part in parts]
     if not (np.all(np.isfinite(values)) and all(np.all(np.isfinite(C)) for C in covariances)):
         raise NotIdentifiable(
-            "a derivative, or its standard error, is no number; a run did not tell it: hold it"
-            " fixed or leave that run out"
+            "a derivative, or its standard error, is no number: a run did not converge or did"
+            " not identify it; leave that run out, or hold the derivative fixed"
         )
     mean, covariance = weighted_mean(values, covariances)
     table = to.derivatives.values.copy()
     table[rows, columns] = mean
     derivatives = DerivativeTable(to.modes.numbers, to.derivatives.inputs, table)
-    return Identified(replace(to, derivatives=derivatives), Uncertain(rows, columns, covariance))
+    return Identified(
+        replace(to, derivatives=derivatives),
+        Uncertain(rows, columns, covariance),
+        _stiffness_of(parts),
+    )
+
+
+def _stiffness_of(parts: Sequence[Identified]) -> StiffnessError | None:
+    """The mean of the parts': errors of one modal table are the same in all of them."""
+    known = [part.stiffness for part in parts if part.stiffness is not None]
+    if not known:
+        return None
+    return StiffnessError(
+        np.mean([one.relative_std for one in known], axis=0),
+        float(np.mean([one.pressure for one in known])),
+    )
 
 
 def fuse_with_trend(parts: Sequence[Identified], to: Aeroelastic, pressure: float) -> Identified:
@@ -228,8 +362,10 @@ def fuse_with_trend(parts: Sequence[Identified], to: Aeroelastic, pressure: floa
     table = fused.aircraft.derivatives.values.copy()
     table[rows, columns] = solved[:n] * scale
     derivatives = replace(fused.aircraft.derivatives, values=table)
-    return Identified(
-        replace(fused.aircraft, derivatives=derivatives), Uncertain(rows, columns, covariance)
+    return replace(
+        fused,
+        aircraft=replace(fused.aircraft, derivatives=derivatives),
+        uncertain=Uncertain(rows, columns, covariance),
     )
 
 

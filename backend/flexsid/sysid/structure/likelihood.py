@@ -85,7 +85,7 @@ def likelihood_evidence(
         middle, _ = lines.equations(density.between(weights))
     else:
         lines = _Factored(form, sensitivity, residuals)
-        middle = score_covariance(FinalLines(form, sensitivity, alone, weights, theta))
+        middle = score_covariance(FinalLines(form, sensitivity, alone, weights))
     pulled = weights.times(alone[:, :, None])[:, :, 0]
     scores = np.real(np.matmul(pulled.conj()[:, None, :], J)[:, 0])
     N, g = lines.equations(weights)

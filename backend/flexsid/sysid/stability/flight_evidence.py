@@ -1,0 +1,215 @@
+"""Whether the flights that a prediction is made from contradict it, or cannot determine it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexsid.sysid.stability.flutter import Crossing, RootLocus
+from flexsid.sysid.stability.speeds import Aeroelastic
+
+_SIGMAS = 2.0  # standard errors from zero at which the sign of a growth rate is determined
+_SHARE = 0.25  # of the unstable root: a motion with less does not decide whether it is unstable
+_MARGIN = 0.1  # of the band: lines this near to a mode's frequency in vacuo still excite it
+
+
+@dataclass(frozen=True, slots=True)
+class FlownPoint:
+    """Open-loop roots that a run identified at the speed it was flown.
+
+    Parameters
+    ----------
+    airspeed
+        True airspeed. [m/s]
+    roots
+        Those above and on the real axis. [rad/s]
+    growth_std
+        Standard errors of their real parts; NaN where unknown. [rad/s]
+    band
+        Lowest and highest frequency of the data. [rad/s]
+    name
+        What to call the run.
+    comparable
+        False where the loading differs too much from the model's for its roots to be compared.
+    """
+
+    airspeed: float
+    roots: Complex[np.ndarray, " n"]
+    growth_std: Float[np.ndarray, " n"]
+    band: tuple[float, float]
+    name: str
+    comparable: bool = True
+
+
+class Standing(StrEnum):
+    """What flight says of an instability that a model has."""
+
+    AHEAD = "ahead"
+    FLOWN = "flown"
+    PASSED = "passed"
+    CONTRADICTED = "contradicted"
+    UNDETERMINED = "undetermined"
+
+
+@dataclass(frozen=True, slots=True)
+class Instability:
+    """Speeds between which one root of a model is unstable [m/s], and the motions that move."""
+
+    words: str
+    low: float
+    high: float
+    branch: int
+    participation: Mapping[str, float]
+
+
+def compare_with_flight(
+    instability: Instability,
+    locus: RootLocus,
+    aircraft: Aeroelastic,
+    estimated: frozenset[str],
+    flown: Sequence[FlownPoint],
+    names: Mapping[str, str],
+) -> tuple[Standing, str]:
+    """Say how an instability of a model stands against the flights, and why in a sentence.
+
+    Parameters
+    ----------
+    instability
+        Where a root of the model is unstable.
+    locus
+        Roots of the model over airspeed.
+    aircraft
+        The model; its frequencies in vacuo are those of the modal table.
+    estimated
+        Motions whose derivatives were estimated; the others are predicted.
+    flown
+        Runs that the model is made from.
+    names
+        What to call motions.
+
+    Notes
+    -----
+    A maneuver flown in closed loop may lie beyond open-loop flutter, so that a speed that was
+    merely flown contradicts nothing. What counts is the same root as the run there identified it
+    (the nearest one): stable by two standard errors contradicts the model, unstable by as much
+    agrees with it, and what lies between determines nothing; neither does a root faster than the
+    data. A root that is moved by a mode whose frequency no data excited is not determined by them,
+    whatever its standard error.
+    """
+    if not flown:
+        return Standing.AHEAD, ""
+    blind = _not_excited(instability, aircraft, estimated, flown)
+    if blind:
+        low, high = (edge / (2.0 * np.pi) for edge in _band(flown))
+        modes = ", ".join(
+            f"{names[name]} ({_omega(aircraft, name) / (2.0 * np.pi):.3g} Hz in vacuo)"
+            for name in blind
+        )
+        return Standing.UNDETERMINED, (
+            f"{instability.words} is not determined by these runs: {modes} lies outside the band"
+            f" of their data, {low:.2g} to {high:.3g} Hz, so that its derivatives are not"
+            " identifiable. Leave the mode out of the model, or fly a wider band."
+        )
+    alike = [point for point in flown if point.comparable]
+    fastest = max(alike or flown, key=lambda point: point.airspeed)
+    if not alike and instability.low < fastest.airspeed:
+        return Standing.AHEAD, (
+            f"{fastest.name} was flown at {fastest.airspeed:.1f} m/s with another fuel weight, so"
+            " that its roots are not compared."
+        )
+    if instability.low >= fastest.airspeed:
+        return Standing.AHEAD, ""
+    within = [point for point in alike if instability.low < point.airspeed < instability.high]
+    if not within:
+        return Standing.PASSED, (
+            f"{instability.words}, stable again from {instability.high:.1f} m/s, lies below"
+            f" {fastest.airspeed:.1f} m/s, which {fastest.name} was flown at; it was passed and is"
+            " not the flutter speed ahead."
+        )
+    found = [(point, *_nearest(point, _model_root(instability, locus, point))) for point in within]
+    agreeing = [one for one in found if one[1] > _SIGMAS * one[2]]
+    against = [one for one in found if one[1] < -_SIGMAS * one[2]]
+    if agreeing:
+        point, growth, std = max(agreeing, key=lambda one: one[1] / max(one[2], 1e-12))
+        return Standing.FLOWN, (
+            f"It lies below {point.airspeed:.1f} m/s, where {point.name} was flown and identifies"
+            f" this open-loop root as unstable, {growth:+.2f} ± {2.0 * std:.2f} rad/s: a control"
+            " loop held it."
+        )
+    if against:
+        point, growth, std = min(against, key=lambda one: one[1] / max(one[2], 1e-12))
+        return Standing.CONTRADICTED, (
+            f"{instability.words} is contradicted by flight: {point.name} was flown at"
+            f" {point.airspeed:.1f} m/s and identifies this root as stable there,"
+            f" {growth:+.2f} ± {2.0 * std:.2f} rad/s. The derivatives that couple"
+            f" {_moving(instability, names)} do not hold over these speeds."
+        )
+    point, growth, std = min(found, key=lambda one: one[2] if np.isfinite(one[2]) else np.inf)
+    error = f" ± {2.0 * std:.2f}" if np.isfinite(std) else " with unknown error, in"
+    return Standing.UNDETERMINED, (
+        f"{instability.words} lies below {point.airspeed:.1f} m/s, which {point.name} was flown at,"
+        f" and is not determined: that run identifies the root at {growth:+.2f}{error} rad/s, which"
+        f" may be stable. The derivatives that couple {_moving(instability, names)} are not"
+        " identifiable from these data."
+    )
+
+
+def instability_of(crossing: Crossing, words: str) -> Instability:
+    """The unstable speeds that begin at a crossing."""
+    high = np.inf if crossing.recovers_at is None else crossing.recovers_at
+    return Instability(words, crossing.airspeed, high, crossing.branch, crossing.participation)
+
+
+def _not_excited(
+    instability: Instability,
+    aircraft: Aeroelastic,
+    estimated: frozenset[str],
+    flown: Sequence[FlownPoint],
+) -> list[str]:
+    """Estimated modes that decide the root and lie outside the band of all data."""
+    low, high = _band(flown)
+    return [
+        name
+        for name, share in instability.participation.items()
+        if share >= _SHARE
+        and name in estimated
+        and name != "SP"
+        and not low * (1.0 - _MARGIN) <= _omega(aircraft, name) <= high * (1.0 + _MARGIN)
+    ]
+
+
+def _band(flown: Sequence[FlownPoint]) -> tuple[float, float]:
+    return min(point.band[0] for point in flown), max(point.band[1] for point in flown)
+
+
+def _omega(aircraft: Aeroelastic, name: str) -> float:
+    return float(aircraft.modes.omega[aircraft.modes.numbers.index(int(name))])
+
+
+def _model_root(instability: Instability, locus: RootLocus, point: FlownPoint) -> complex:
+    """The model's root at the speed of a run; between two speeds of the locus the nearer."""
+    near = int(np.argmin(np.abs(locus.airspeed - point.airspeed)))
+    return complex(locus.roots[near, instability.branch])
+
+
+def _nearest(point: FlownPoint, root: complex) -> tuple[float, float]:
+    """Growth rate of the identified root next to the model's, and its standard error.
+
+    The error is NaN where the root is faster than the data.
+    """
+    if not point.roots.size:
+        return 0.0, float("nan")
+    place = int(np.argmin(np.abs(point.roots - root)))
+    is_seen = abs(point.roots[place]) <= point.band[1] * (1.0 + _MARGIN)
+    std = float(point.growth_std[place]) if is_seen else float("nan")
+    return float(point.roots[place].real), std
+
+
+def _moving(instability: Instability, names: Mapping[str, str]) -> str:
+    shares = instability.participation
+    leading = sorted(shares, key=shares.__getitem__)[::-1][:2]
+    return " and ".join(names[name] for name in leading)
