@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.io import savemat
+from waiting import wait_until
 
 from flexsid.errors import UnreadableFile
 from flexsid.importers import confined
@@ -58,16 +59,15 @@ def test_the_reader_ends_with_its_parent(record: Path) -> None:
     command = [sys.executable, "-c", STAYS_BEHIND, str(record)]
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     pid = int(ended.stdout)
-    for _ in range(100):
-        try:
-            # A zombie that nobody has waited for yet has an empty command.
-            if not Path(f"/proc/{pid}/cmdline").read_bytes():
-                break
+    command_line = Path(f"/proc/{pid}/cmdline")
+
+    def is_over() -> bool:
+        try:  # a zombie that nobody has waited for yet has an empty command
+            return not command_line.read_bytes()
         except OSError:
-            break
-        subprocess.run(["sleep", "0.1"], check=True)
-    else:
-        pytest.fail("the reader is still there")
+            return True
+
+    wait_until(is_over, "the end of the reader")
 
 
 def test_a_file_that_crashes_a_library_is_refused_and_the_next_is_read(

@@ -12,6 +12,7 @@ from flexsid.errors import BadInput, UnreadableFile
 from flexsid.importers import confined
 from flexsid.importers.nastran import bulk, f06, op2, punch
 from flexsid.importers.nastran.frames import Frames
+from flexsid.importers.structure import StructureAnswers, extract_structure
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 FEM = SHARED / "maewing1" / "fem"
@@ -109,6 +110,137 @@ def test_eigenvectors_are_printed_over_several_pages(tmp_path):
         read(f06, file)
 
 
+PAGE = """1    JOB                                                          PAGE
+0{header:>80}
+      EIGENVALUE =  {eigenvalue:.6E}
+          CYCLES =  0.0         {kind}   E I G E N V E C T O R   N O .          {mode}
+{below}
+      POINT ID.   TYPE          T1             T2             T3             R1             R2
+            {node}      G      {value:.1E}     0.0       0.0            0.0     0.0    0.0
+"""
+
+
+def printed_page(mode=1, node=11, value=1.0, eigenvalue=100.0, header="SUBCASE 1", below=""):
+    kind = "R E A L"
+    return PAGE.format(**locals())
+
+
+TABLE = """1    JOB                                                          PAGE
+0{header:>80}
+                                      R E A L   E I G E N V A L U E S
+{below}
+   MODE    EXTRACTION      EIGENVALUE            RADIANS             CYCLES            GENERALIZED
+        1         1        {0:.6E}        {1:.6E}        {2:.6E}        1.000000E+00        {0:.6E}
+"""
+
+
+def printed_table(eigenvalue, header="SUBCASE 1", below=""):
+    radians = eigenvalue**0.5
+    return TABLE.format(eigenvalue, radians, radians / 6.2831853, header=header, below=below)
+
+
+def test_modes_of_several_subcases_are_not_mixed(tmp_path):
+    """Mode 1 of subcase 2 has a node that mode 1 of subcase 1 lacks: it stays out."""
+    file = tmp_path / "wing.f06"
+    second = {"header": "SUBCASE 2", "eigenvalue": 400.0}
+    file.write_text(
+        printed_table(100.0)
+        + printed_page()
+        + printed_table(400.0, header="SUBCASE 2")
+        + printed_page(node=12, value=7.0, **second)
+    )
+    found = read(f06, file)
+    assert found["shape/node"].tolist() == [11]
+    assert found["shape/radians"] == pytest.approx([10.0])
+    assert found["mode/radians"] == pytest.approx([10.0])
+    refused = " ".join(found["refused"])
+    assert "1 mode shapes of subcase 2" in refused
+    assert "1 eigenvalues of subcase 2" in refused
+    punched = tmp_path / "wing.pch"
+    rows = "$EIGENVECTOR\n$REAL OUTPUT\n$SUBCASE ID = {0}\n$EIGENVALUE = {1} MODE = 1\n"
+    rows += "         1       G     {2:18.6E}{2:18.6E}{2:18.6E}\n-CONT-" + " " * 12
+    rows += "{2:18.6E}{2:18.6E}{2:18.6E}\n"
+    punched.write_text("$TITLE = X\n" + rows.format(1, 100.0, 1.0) + rows.format(2, 400.0, 7.0))
+    found = read(punch, punched)
+    assert found["shape/values"].max() == 1.0
+    assert "subcase 2" in found["refused"][0]
+
+
+def test_what_looks_like_modes_and_is_not_is_left_out_and_named(tmp_path):
+    file = tmp_path / "wing.f06"
+    relative = printed_page(below="     (RELATIVE TO ENFORCED MOTION INPUT)")
+    twisted = PAGE.format(
+        header="SUBCASE 1",
+        eigenvalue=9.0,
+        kind="C O M P L E X",
+        mode=1,
+        below="",
+        node=1,
+        value=3.0,
+    )
+    residual = printed_table(100.0, below="(BEFORE AUGMENTATION OF RESIDUAL VECTORS)")
+    residual += printed_table(121.0, below="(AFTER AUGMENTATION OF RESIDUAL VECTORS)").rstrip()
+    residual += (
+        "\n        2         2        9.0E+06        3.0E+03        4.7E+02        1.0   9.E+06\n"
+    )
+    component = printed_table(64.0, header="SUPERELEMENT 10 , 1   SUBCASE 1")
+    file.write_text(component + residual + relative + twisted)
+    found = read(f06, file)
+    assert "shape/values" not in found
+    assert found["mode/radians"] == pytest.approx([11.0, 3000.0])
+    refused = " | ".join(found["refused"])
+    for what in ("relative to enforced motion input", "complex mode shapes", "superelement 10"):
+        assert what in refused
+    assert "modes 2 to 2 are residual vectors" in refused
+    echo = "     1     SOL 105\n"
+    file.write_text(echo + printed_table(2.5) + printed_page(eigenvalue=2.5))
+    with pytest.raises(UnreadableFile, match=r"buckling shapes .*; 1 buckling factors"):
+        read(f06, file)
+    file.write_text(printed_page() + printed_page(value=2.0))
+    with pytest.raises(UnreadableFile, match="mode 1 has another value at node 11"):
+        read(f06, file)
+    file.write_text(printed_page() + printed_page(node=12) + printed_page(mode=2))
+    assert "mode 2 is not given at node 12" in read(f06, file)["refused"][0]
+    punched = tmp_path / "wing.pch"
+    punched.write_text("$TITLE = X\n$EIGENVECTOR\n$REAL-IMAGINARY OUTPUT\n")
+    assert "complex" in read(punch, punched)["refused"][0]
+
+
+def test_replicated_nodes_and_open_defaults_are_kept(tmp_path):
+    file = tmp_path / "wing.bdf"
+    file.write_text(
+        "GRID,101,17,1.0,10.5,,17\n=,*(1),=,*(0.2),==\n=(2)\n"
+        "GRID         201            -3.0\n=             *2       =    *1.5      ==\n=2\n"
+    )
+    found = read(bulk, file)
+    assert found["grid/id"].tolist() == [101, 102, 103, 104, 201, 203, 205, 207]
+    assert found["grid/xyz"][:4, 0] == pytest.approx([1.0, 1.2, 1.4, 1.6])
+    assert found["grid/xyz"][4:, 0] == pytest.approx([-3.0, -1.5, 0.0, 1.5])
+    assert found["grid/cd"][:4].tolist() == [17] * 4
+    assert found["deck/left_open"].tolist() == [[0, 0]] * 4 + [[1, 1]] * 4
+    for wrong in ("GRID,1,,0.\n=,%5,==\n", "=,*1,==\n", "GRID,1,,0.\nGRID,1,,1.\n"):
+        file.write_text(wrong)
+        with pytest.raises(UnreadableFile, match=r"line [12]"):
+            read(bulk, file)
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        "CORD2R*                5               0           0.0D0           0.0D0\n"
+        "*                  1.0D1           0.0D0           0.0D0           1.1D1\n"
+        "*                  0.0D0           1.0D0           1.0D1\n",
+        "CORD2R*,5,,0.0D0,0.0D0\n*,1.0D1,0.0D0,0.0D0,1.1D1\n*,0.0D0,1.0D0,1.0D1\n",
+    ],
+)
+def test_coordinate_systems_in_double_precision_are_read(tmp_path, entry):
+    file = tmp_path / "wing.bdf"
+    file.write_text(entry + "GRID,1,5,1.,0.,0.,5\n")
+    deck = read(bulk, file)
+    places = Frames(group(deck, "grid"), group(deck, "frame")).places()
+    assert places[0] == pytest.approx([0.0, 1.0, 10.0])
+
+
 def test_punched_eigenvectors_and_decks_are_read(tmp_path):
     file = tmp_path / "wing.pch"
     head = "$TITLE   = X\n$EIGENVECTOR\n$REAL OUTPUT\n"
@@ -125,8 +257,23 @@ def test_punched_eigenvectors_and_decks_are_read(tmp_path):
     assert read(punch, file)["grid/xyz"].tolist() == [[1.0, 2.0, 3.0]]
 
 
-def write_op2(file: Path, order: str, size: int) -> None:
-    """Two nodes and two modes, as Nastran lays them down, in words of 4 or 8 bytes."""
+def write_op2(
+    file: Path,
+    order: str = "<",
+    size: int = 4,
+    *,
+    table: str = "OUGV1",
+    approach: int = 21,
+    code: int = 7,
+    doubled: bool = False,
+    before: str = "",
+    subcases: tuple[int, ...] = (1,),
+) -> None:
+    """Two nodes and two modes, as Nastran lays them down, in words of 4 or 8 bytes.
+
+    Shapes lie in ``table``; before it another one, ``before``, holds them ten times as large.
+    A coordinate system 5 is turned by 90 degrees about z; node 2 has its displacements in it.
+    """
     integer, real = {4: "if", 8: "qd"}[size]
     record = bytearray()
 
@@ -171,14 +318,21 @@ def write_op2(file: Path, order: str, size: int) -> None:
     key(0)
     grid = words("3i", 4501, 45, 1)
     for node in (1, 2):
-        grid += words("2i3f3i", node, 0, 1.0 * node, 2.0, 3.0, 0, 0, 0)
-    block("GEOM1", [grid])
-    tables: list[bytes] = []
-    for mode in (1, 2):
-        tables.append(words("5i1f3i1i", 21, 7, 0, 1, mode, 100.0 * mode**2, 0, 0, 1, 8))
-        data = b"".join(words("2i6f", 10 * n + 2, 1, *([0.5 * mode * n] * 6)) for n in (1, 2))
-        tables.append(data)
-    block("OUGV1", tables)
+        grid += words("2i3f3i", node, 0, 1.0 * node, 2.0, 3.0, 5 * (node - 1), 0, 0)
+    points = (0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0)
+    frame = words("3i", 2101, 21, 8) + words("4i", 5, 1, 2, 0)
+    frame += struct.pack(f"{order}9d", *points) if doubled else words("9f", *points)
+    block("GEOM1", [grid, frame])
+    for name in filter(None, (before, table)):
+        tables: list[bytes] = []
+        scale = 0.5 if name == table else 5.0
+        for subcase in subcases:
+            for mode in (1, 2):
+                root = 100.0 * mode**2 * subcase
+                tables.append(words("5i1f3i1i", approach, code, 0, subcase, mode, root, 0, 0, 1, 8))
+                rows = [(10 * n + 2, 1, *([scale * mode * n] * 6)) for n in (1, 2)]
+                tables.append(b"".join(words("2i6f", *row) for row in rows))
+        block(name, tables)
     key(0)
     file.write_bytes(bytes(record))
 
@@ -196,6 +350,61 @@ def test_output_files_are_read_in_either_byte_order_and_word_length(tmp_path, or
         file.write_bytes(file.read_bytes()[:cut])
         with pytest.raises(UnreadableFile):
             read(op2, file)
+
+
+@pytest.mark.parametrize("size", [4, 8])
+@pytest.mark.parametrize("doubled", [False, True])
+def test_coordinate_systems_of_output_files_are_read_in_either_precision(tmp_path, size, doubled):
+    file = tmp_path / "wing.op2"
+    write_op2(file, size=size, doubled=doubled)
+    found = read(op2, file)
+    assert found["frame/points"].tolist() == [[0, 0, 0, 0, 0, 1, 0, 1, 0]]
+    assert found["grid/cd"].tolist() == [0, 5]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "what"),
+    [
+        ({"before": "ROUGV1"}, "table ROUGV1 holds displacements relative to an enforced motion"),
+        ({"before": "OUGPSD2"}, "table OUGPSD2 holds power spectra"),
+        ({"before": "BLAMA"}, "table BLAMA holds buckling factors"),
+        ({"subcases": (1, 2)}, "the modes of subcase 2; those of subcase 1 are read"),
+    ],
+)
+def test_tables_beside_the_modes_are_not_taken_for_them(tmp_path, wrong, what):
+    file = tmp_path / "wing.op2"
+    write_op2(file, **wrong)
+    found = read(op2, file)
+    assert found["shape/values"][0, :, 0].tolist() == [0.5, 1.0]
+    assert found["shape/radians"] == pytest.approx([10.0, 20.0])
+    assert what in " | ".join(found["refused"])
+
+
+@pytest.mark.parametrize(
+    ("wrong", "what"),
+    [
+        ({"approach": 81}, "buckling shapes"),
+        ({"approach": 51}, "displacements of another solution"),
+        ({"code": 2007}, "sorted by node"),
+        ({"table": "ROUGV1"}, "relative to an enforced motion"),
+    ],
+)
+def test_displacements_that_are_no_modes_are_named(tmp_path, wrong, what):
+    file = tmp_path / "wing.op2"
+    write_op2(file, **wrong)
+    found = read(op2, file)
+    assert "shape/values" not in found
+    assert what in " | ".join(found["refused"])
+
+
+def test_shapes_that_are_in_basic_directions_are_not_turned_again(tmp_path):
+    """Tables whose names begin with B are basic; others lie in each node's own system."""
+    answers = StructureAnswers(name="w", length_unit="m", generalized_mass="unknown")
+    expected = {"OUGV1": [-1.0, 1.0, 1.0], "BOPHIG": [1.0, 1.0, 1.0]}  # of node 2, mode 1
+    for table, direction in expected.items():
+        write_op2(tmp_path / "wing.op2", table=table)
+        raw = extract_structure(confined.read_all([tmp_path / "wing.op2"]), answers)
+        assert raw.shape[0, 0, 1, :3] * [-1, 1, -1] == pytest.approx(direction)
 
 
 @needs_fem

@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexsid.errors import UnreadableFile
+from flexsid.errors import BadInput, UnreadableFile
 from flexsid.importers import confined, universal
+from flexsid.importers.responses import ResponseAnswers, extract_responses
+from flexsid.importers.structure import StructureAnswers, extract_structure
 
 UFF = Path(__file__).parents[3] / "shared" / "data" / "uff"
 needs_samples = pytest.mark.skipif(not UFF.exists(), reason="the UFF samples are not here")
@@ -112,3 +114,207 @@ def test_what_cannot_be_used_is_refused_with_the_reason(tmp_path, text, message)
     file.write_text(text)
     with pytest.raises(UnreadableFile, match=message):
         list(universal.read(file).fields)
+
+
+def node(label: int, place, *, exported: int = 0, displacement: int = 0) -> str:
+    return (
+        f"{label:10d}{exported:10d}{displacement:10d}{11:10d}\n"
+        + "".join(f"{x:25.16E}" for x in place)
+        + "\n"
+    )
+
+
+def block(kind: int, text: str) -> str:
+    return f"    -1\n{kind:6d}\n{text}    -1\n"
+
+
+def system(number: int, kind: int, rows=((0, 1, 0), (-1, 0, 0), (0, 0, 1), (2, 0, 0))) -> str:
+    """A system of data set 2420, turned by 90 degrees about z and moved by 2 along x."""
+    matrix = "".join("".join(f"{x:25.16E}" for x in row) + "\n" for row in rows)
+    return f"{number:10d}{kind:10d}{8:10d}\nCS{number}\n{matrix}"
+
+
+def mode(values: dict[int, tuple[float, ...]]) -> str:
+    head = "NONE\n" * 5 + "".join(f"{n:10d}" for n in (1, 2, 2, 8, 2, 3)) + "\n"
+    head += "".join(f"{n:10d}" for n in (2, 4, 0, 1)) + "\n"
+    head += f"{5.0:13.5E}{1.0:13.5E}{0.0:13.5E}{0.0:13.5E}\n"
+    return head + "".join(
+        f"{label:10d}\n" + "".join(f"{x:13.5E}" for x in row) + "\n"
+        for label, row in values.items()
+    )
+
+
+def extracted(tmp_path, text: str):
+    file = tmp_path / "test.unv"
+    file.write_text(text)
+    answers = StructureAnswers(name="x", length_unit="m", generalized_mass="unknown")
+    return extract_structure(confined.read_all([file]), answers)
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected"),
+    [
+        (0, [0.0, 1.0, 0.0]),  # the local x is the global y
+        (1, [1.0, 0.0, 0.0]),  # outwards from an axis at x = 2, seen at x = 5
+        (2, [1.0, 0.0, 0.0]),
+    ],
+)
+def test_displacements_in_systems_of_data_set_2420_are_turned(tmp_path, kind, expected):
+    nodes = node(1, (5.0, 0.0, 0.0), displacement=7) + node(2, (1.0, 0.0, 0.0))
+    text = block(2420, "         1\npart\n" + system(7, kind)) + block(2411, nodes)
+    raw = extracted(tmp_path, text + block(55, mode({1: (1.0, 0.0, 0.0), 2: (0.0, 0.0, 1.0)})))
+    assert raw.shape[0, 0, 0, :3] * [-1, 1, -1] == pytest.approx(expected)
+    assert raw.shape[0, 0, 1, :3] * [-1, 1, -1] == pytest.approx([0.0, 0.0, 1.0])
+    assert raw.nodes[0] == pytest.approx([5.0, 0.0, 0.0])
+
+
+def test_places_of_nodes_are_in_the_system_that_their_data_set_means(tmp_path):
+    """2411 gives places in the part; 15 and 781 in the system named."""
+    systems = block(2420, "         1\npart\n" + system(7, 0))
+    shapes = block(55, mode({1: (1.0, 0.0, 0.0)}))
+    place = (1.0, 0.0, 0.0)
+    raw = extracted(tmp_path, systems + block(2411, node(1, place, exported=7)) + shapes)
+    assert raw.nodes[0] == pytest.approx(place)
+    assert any("exported from coordinate systems 7" in note for note in raw.notes)
+    raw = extracted(tmp_path, systems + block(781, node(1, place, exported=7)) + shapes)
+    assert raw.nodes[0] == pytest.approx([2.0, 1.0, 0.0])
+
+
+def test_a_coordinate_system_that_is_not_understood_is_refused_or_noted(tmp_path):
+    shapes = block(55, mode({1: (1.0, 0.0, 0.0)}))
+    nodes = block(2411, node(1, (1.0, 0.0, 0.0), displacement=9))
+    raw = extracted(tmp_path, nodes + shapes)
+    assert any("coordinate systems 9 are defined by no data set" in note for note in raw.notes)
+    systems = block(2420, "         1\npart\n" + system(7, 0))
+    with pytest.raises(BadInput, match="coordinate system 9 is used but defined in none"):
+        extracted(tmp_path, systems + nodes + shapes)
+    skewed = system(9, 0, ((1, 0, 0), (1, 1, 0), (0, 0, 1), (0, 0, 0))) + system(7, 0)
+    skewed = block(2420, "         1\npart\n" + skewed)
+    with pytest.raises(BadInput, match="coordinate system 9 is used but defined in none"):
+        extracted(tmp_path, skewed + nodes + shapes)
+    raw = extracted(tmp_path, skewed + block(2411, node(1, (1.0, 0.0, 0.0))) + shapes)
+    assert any("not that of three right-handed unit vectors" in note for note in raw.notes)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            block(2411, node(1, (1.0, 0.0, 0.0))) + block(781, node(1, (2.0, 0.0, 0.0))),
+            "node 1 is defined twice",
+        ),
+        (
+            "".join(
+                block(164, f"         1units               2\n{f:25.17E}{1:25.17E}{1:25.17E}\n")
+                for f in (1.0, 1000.0)
+            ),
+            "its units are not those of an earlier data set 164",
+        ),
+        (
+            "".join(block(2420, "         1\npart\n" + system(7, kind)) for kind in (0, 1)),
+            "coordinate system 7 is defined twice",
+        ),
+    ],
+)
+def test_data_sets_that_contradict_each_other_are_refused(tmp_path, text, message):
+    file = tmp_path / "test.unv"
+    file.write_text(text)
+    with pytest.raises(UnreadableFile, match=message):
+        list(universal.read(file).fields)
+
+
+def function(
+    response, reference, values, *, kind=4, quantity=12, per=13, unit="m/s2", start=2.0
+) -> str:
+    rows = "".join(f"{v.real:20.12E}{v.imag:20.12E}\n" for v in values)
+    ends = f"NONE{response:10d}   3       NONE{reference:10d}   3"
+    return block(
+        58,
+        "NONE\n" * 5
+        + f"{kind:5d}         0    0         0       {ends}\n"
+        + f"         6{len(values):10d}         1{start:13.5E}{0.5:13.5E}{0.0:13.5E}\n"
+        + "        18    0    0    0            Frequency                  Hz\n"
+        + f"{quantity:10d}    0    0    0         Acceleration{unit:>20}\n"
+        + f"{per:10d}    0    0    0                Force                   N\n"
+        + "         0    0    0    0                 NONE                NONE\n"
+        + rows,
+    )
+
+
+ONES = np.ones(4) + 0j
+
+
+def responses(tmp_path, *texts: str, unit: str = "m/s2"):
+    files = [tmp_path / f"r{n}.uff" for n in range(len(texts))]
+    for file, text in zip(files, texts, strict=True):
+        file.write_text(text)
+    answers = ResponseAnswers(name="GVT", response_unit=unit, force_unit="N", length_unit="m")
+    return extract_responses(confined.read_all(files), answers)
+
+
+def test_spectra_and_coherences_do_not_overwrite_frequency_responses(tmp_path):
+    beside = "".join(function(1, 9, (10.0 * kind) * ONES, kind=kind) for kind in (2, 3, 6, 9, 12))
+    raw = responses(tmp_path, function(1, 9, ONES) + beside)
+    assert np.abs(raw.values).max() == 1.0
+    assert any("1 cross spectra, which are no complex" in note for note in raw.notes)
+    with pytest.raises(BadInput, match="no frequency responses"):
+        responses(tmp_path, beside)
+
+
+def test_responses_of_all_files_are_one_matrix(tmp_path):
+    """One file per reference; a point that one file lacks is left out and counted."""
+    first = function(1, 8, ONES) + function(2, 8, 2.0 * ONES) + function(3, 8, 3.0 * ONES)
+    second = function(1, 9, 4.0 * ONES) + function(2, 9, 5.0 * ONES)
+    raw = responses(tmp_path, first, second)
+    assert raw.references == ("8+z", "9+z")
+    assert raw.outputs == ("1+z", "2+z")
+    assert raw.values[0].real.tolist() == [[1.0, 4.0], [2.0, 5.0]]
+    assert any(note.startswith("1 points were not measured for every") for note in raw.notes)
+    assert raw.origin == "r0.uff, r1.uff"
+
+
+@pytest.mark.parametrize(
+    ("texts", "unit", "message"),
+    [
+        ((function(1, 8, ONES), function(1, 9, ONES, start=3.0)), "m/s2", "other frequencies"),
+        ((function(1, 8, ONES), function(1, 8, 2.0 * ONES)), "m/s2", "comes a second time"),
+        ((function(1, 8, ONES, quantity=11, unit="m/s"),), "m/s2", "are of velocity by the file"),
+        ((function(1, 8, ONES, per=12),), "m/s2", "are of acceleration by the file, forces"),
+        ((function(1, 8, ONES, unit="g"),), "m/s2", "gives its responses in g"),
+    ],
+)
+def test_responses_that_do_not_fit_together_are_refused(tmp_path, texts, unit, message):
+    with pytest.raises(BadInput, match=message):
+        responses(tmp_path, *texts, unit=unit)
+
+
+def test_responses_at_several_sets_of_frequencies_are_refused(tmp_path):
+    file = tmp_path / "test.uff"
+    file.write_text(function(1, 8, ONES) + function(2, 8, ONES) + function(3, 8, ONES, start=9.0))
+    with pytest.raises(UnreadableFile, match="2 different sets of frequencies"):
+        list(universal.read(file).fields)
+
+
+def units(length: float) -> str:
+    factors = "".join(f"{x:25.17E}" for x in (length, 1.0, 1.0))
+    return block(164, f"         1units               2\n{factors}\n")
+
+
+def test_units_that_files_state_are_one_system_or_noted(tmp_path):
+    shapes = block(55, mode({1: (1.0, 0.0, 0.0)}))
+    nodes = block(2411, node(1, (1.0, 0.0, 0.0)))
+
+    def extracted_of(unit: str | None, *texts: str):
+        files = [tmp_path / f"u{n}.unv" for n in range(len(texts))]
+        for file, text in zip(files, texts, strict=True):
+            file.write_text(text)
+        answers = StructureAnswers(name="x", length_unit=unit, generalized_mass="unknown")
+        return extract_structure(confined.read_all(files), answers)
+
+    with pytest.raises(BadInput, match=r"states its unit of length as 1 in SI, .* as 0\.001"):
+        extracted_of(None, units(1.0) + nodes, units(1000.0) + shapes)
+    raw = extracted_of(None, units(1000.0) + nodes, shapes)
+    assert raw.nodes[0, 0] == pytest.approx(0.001)
+    assert "u1.unv states no units: taken in those of u0.unv." in raw.notes
+    raw = extracted_of("m", units(1000.0) + nodes, shapes)
+    assert any("states a length of 0.001 m: not used" in note for note in raw.notes)

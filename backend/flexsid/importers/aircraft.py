@@ -18,8 +18,10 @@ from flexsid.records.aircraft import (
     Sensor,
     SensorKind,
     Surface,
+    SurfaceSymmetry,
     ThrustTable,
 )
+from flexsid.records.axes import PITCH_AXIS, axis_in_name, contradicts_name
 from flexsid.sysid.model.instruments import (
     Butterworth,
     Element,
@@ -50,7 +52,7 @@ def read_aircraft(table: Table) -> AircraftPart:
         definition = _definition(table)
         part = AircraftPart(name=definition.name, definition=definition)
     else:
-        part = AircraftPart(name=table.text("name"))
+        part = AircraftPart(name=table.label("name"))
     table.close()
     return part
 
@@ -59,8 +61,8 @@ def _definition(table: Table) -> Aircraft:
     instruments = _instruments(table)
     sensors = tuple(_sensor(row, instruments) for row in table.tables("sensors"))
     aircraft = Aircraft(
-        name=table.text("name"),
-        description=table.text("description", " ").strip(),
+        name=table.label("name"),
+        description=table.note("description"),
         geometry=_geometry(table.table("geometry")),
         mass=_mass(table.table("mass")),
         surfaces=tuple(_surface(row, instruments) for row in table.tables("surfaces")),
@@ -116,34 +118,48 @@ def _mass(table: Table) -> MassTable:
 
 def _surface(table: Table, instruments: dict[str, Instrument]) -> Surface:
     surface = Surface(
-        name=table.text("name"),
+        name=table.label("name"),
         instrument=_instrument_name(table, "instrument", instruments),
         actuator=_instrument_name(table, "actuator", instruments),
         servo=_instrument_name(table, "servo", instruments),
         noise_std_rad=table.si_scalar("noise_std", "angle") if "noise_std" in table else None,
+        symmetry=_symmetry(table),
     )
     table.close()
     return surface
 
 
+def _symmetry(table: Table) -> SurfaceSymmetry | None:
+    if "symmetry" not in table:
+        return None
+    choices: tuple[SurfaceSymmetry, ...] = ("symmetric", "antisymmetric", "single")
+    found = table.choice("symmetry", choices)
+    return next(choice for choice in choices if choice == found)
+
+
 def _sensor(table: Table, instruments: dict[str, Instrument]) -> Sensor:
-    name = table.text("name")
+    name = table.label("name")
     kind = SensorKind(table.choice("kind", tuple(kind.value for kind in SensorKind)))
     location = table.si("location", "length") if "location" in table else (0.0, 0.0, 0.0)
     if len(location) != 3:
         raise refuse(table.path("location"), "must be x aft, y right, z up.")
+    usual = "z" if kind is SensorKind.ACCELEROMETER else PITCH_AXIS
     sensor = Sensor(
         name=name,
         kind=kind,
         point=table.text("point", name),
-        axis=table.choice(
-            "axis", ("x", "y", "z"), "z" if kind is SensorKind.ACCELEROMETER else "y"
-        ),
+        axis=table.choice("axis", ("x", "y", "z"), axis_in_name(kind, name) or usual),
         location_m=(location[0], location[1], location[2]),
         instrument=_instrument_name(table, "instrument", instruments),
         noise_std=table.optional_number("noise_std"),
     )
     table.close()
+    if (named := contradicts_name(sensor)) is not None:
+        raise refuse(
+            table.path("axis"),
+            f"is '{sensor.axis}', but a {kind.value} called '{name}' measures along or about "
+            f"{named}; correct the axis, or give the sensor another name.",
+        )
     return sensor
 
 
@@ -178,7 +194,7 @@ def _pairs(table: Table, sensors: tuple[Sensor, ...]) -> tuple[Combination, ...]
 def _combination(table: Table) -> Combination:
     weights = table.table("terms")
     combination = Combination(
-        name=table.text("name"),
+        name=table.label("name"),
         terms=tuple((channel, weights.number(channel)) for channel in weights.names()),
     )
     table.close()
@@ -262,7 +278,7 @@ def _thrust(table: Table) -> ThrustTable:
         engine_speed_rad_s=speeds,
         total_temperature_k=warmth,
         thrust_n=tuple(values[k : k + len(warmth)] for k in range(0, len(values), len(warmth))),
-        source=table.text("source", " ").strip(),
+        source=table.note("source"),
     )
     table.close()
     if not found.engines or len(set(found.engines)) < len(found.engines):

@@ -15,6 +15,7 @@ from flexsid.importers.quantity import refuse
 from flexsid.importers.source import Source, Sources
 from flexsid.importers.table import Table
 from flexsid.records.maneuver import Role
+from flexsid.text import check_line, one_line
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,6 +31,7 @@ class ChannelRule:
     """
 
     path: str
+    table: str
     role: Role
     name: str
     units: tuple[tuple[str, str], ...]
@@ -53,6 +55,9 @@ class RawChannel:
     clock: Clock
     field: str
     source: Source
+    rule: str = ""
+    """The table of the mapping that made it, such as ``channels[2]``."""
+
     sensor: str | None = None
     confirmed: tuple[str, ...] = ()
 
@@ -91,8 +96,9 @@ def read_channel(table: Table) -> ChannelRule:
         raise refuse(table.path("sign"), "must be 1 or -1; a scale belongs into the unit.")
     rule = ChannelRule(
         path=table.path("unit"),
+        table=table.path("unit").removesuffix(".unit"),
         role=Role(table.choice("role", tuple(role.value for role in Role))),
-        name=table.text("name", fallback),
+        name=table.label("name", fallback),
         units=_units(table),
         column=column,
         array=array,
@@ -211,6 +217,12 @@ def _extract(rule: ChannelRule, sources: Sources, timing: Timing) -> list[RawCha
     ]
 
 
+def largest_sample(unit: str) -> float:
+    """Size of a sample in its own unit beyond which it is no physical quantity."""
+    known = units.lookup(unit)
+    return units.LARGEST[known.dimension] / known.factor
+
+
 def _channel(
     rule: ChannelRule,
     name: str,
@@ -220,10 +232,18 @@ def _channel(
     timing: Timing,
 ) -> RawChannel:
     clock = timing.clock(source, str(rule.array or label), label, samples.size, rule.clock)
-    source.check_finite(samples, label)
     unit = next((unit for pattern, unit in rule.units if fnmatchcase(label, pattern)), None)
     if unit is None:
-        raise refuse(rule.path, f"gives no unit for '{label}'.")
+        raise refuse(rule.path, f"gives no unit for '{label[:80]}'.")
+    source.check_finite(samples, label, largest_sample(unit))
+    try:
+        name = check_line(name)
+    except ValueError as error:
+        raise BadInput(
+            f"{source.name}: the name of channel '{one_line(name)[:40]}' {error}.",
+            code="bad-text",
+            column=one_line(name)[:40],
+        ) from error
     if samples.dtype.kind != "f":
         samples = samples.astype(np.float64)
     return RawChannel(
@@ -234,6 +254,7 @@ def _channel(
         clock=clock,
         field=label,
         source=source,
+        rule=rule.table,
         sensor=rule.sensor,
         confirmed=rule.confirmed,
     )

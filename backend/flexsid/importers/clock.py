@@ -14,8 +14,20 @@ from flexsid.importers.source import Source, Sources
 from flexsid.importers.table import Table
 
 POSSIBLE_RATES_HZ = (1e-4, 1e8)
+USUAL_RATES_HZ = (2.0, 5000.0)
+"""Between these, an aircraft's motion is sampled; another rate is asked about."""
+
 STEP_TOLERANCE = 0.1
 """Part of a sample by which one time step may differ (a recorder's clock is quantised)."""
+
+RATE_TOLERANCE = 1e-4
+"""Part of the sampling rate that rounded stamps may leave open: 10 ms of 100 s, a sample or two
+at the end of a long record."""
+
+_FEW = 0.1
+"""Part of the steps that may differ before a clock counts as rounded rather than interrupted."""
+
+UNUSUAL_RATE = "unusual-rate"
 
 DRIFT_TOLERANCE = 0.5
 """Part of a sample by which a time stamp may be off the uniform clock."""
@@ -33,6 +45,7 @@ class TimeRule:
     rate: Quantity | None = None
     start_s: float = 0.0
     offset_s: float = 0.0
+    confirmed: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,6 +55,10 @@ class Clock:
     start_s: float
     rate_hz: float
     n_samples: int
+    rounded_s: float | None = None
+    """Resolution of the time stamps, where it is coarser than a tenth of a sample."""
+
+    confirmed: tuple[str, ...] = ()
 
     @property
     def stop_s(self) -> float:
@@ -60,15 +77,24 @@ class Clock:
 def read_time(table: Table) -> TimeRule:
     """Read ``column`` and ``unit``, or ``rate`` and ``start``."""
     offset = table.si_scalar("offset", "time") if "offset" in table else 0.0
+    confirmed = table.texts("confirmed") if "confirmed" in table else ()
+    if set(confirmed) - {UNUSUAL_RATE}:
+        raise refuse(table.path("confirmed"), f"knows '{UNUSUAL_RATE}'.")
     if "rate" in table:
         rule = TimeRule(
             column=None,
             rate=table.quantity("rate", "frequency"),
             start_s=table.si_scalar("start", "time") if "start" in table else 0.0,
             offset_s=offset,
+            confirmed=confirmed,
         )
     else:
-        rule = TimeRule(column=table.text("column"), unit=table.text("unit", "s"), offset_s=offset)
+        rule = TimeRule(
+            column=table.text("column"),
+            unit=table.text("unit", "s"),
+            offset_s=offset,
+            confirmed=confirmed,
+        )
         units.factor(rule.unit, "time")
     table.close()
     return rule
@@ -78,7 +104,7 @@ def read_clocks(tables: tuple[Table, ...]) -> dict[str, TimeRule]:
     """Read ``[[clocks]]``: further time bases, by name."""
     clocks: dict[str, TimeRule] = {}
     for table in tables:
-        name = table.text("name")
+        name = table.label("name")
         if name in clocks:
             raise refuse(table.path("name"), f"'{name}' is there twice.")
         clocks[name] = read_time(table)
@@ -152,7 +178,10 @@ def _extract(rule: TimeRule, source: Source | None, sources: Sources, n_samples:
         if rate <= 0:
             raise BadInput("Mapping: 'time.rate' must be positive.", code="bad-mapping")
         return Clock(
-            start_s=rule.start_s + rule.offset_s, rate_hz=_possible(rate), n_samples=n_samples
+            start_s=rule.start_s + rule.offset_s,
+            rate_hz=_possible(rate),
+            n_samples=n_samples,
+            confirmed=rule.confirmed,
         )
     column = np.atleast_1d(Sources((source,)).numbers(rule.column))
     stamps = units.to_si(column, rule.unit) + rule.offset_s
@@ -162,35 +191,196 @@ def _extract(rule: TimeRule, source: Source | None, sources: Sources, n_samples:
             "a record has at least two samples.",
             column=rule.column,
         )
+    if units.LARGEST["time"] < abs(float(stamps[0])) < np.inf:
+        raise UnreadableFile(
+            f"{source.name}: column '{rule.column}' begins at {stamps[0]:.4g} s; at most "
+            f"{units.LARGEST['time']:g} s are a time. Is its unit right?",
+            code="bad-rate",
+            column=rule.column,
+        )
     source.check_finite(stamps, rule.column)
     steps = np.diff(stamps)
-    step = (stamps[-1] - stamps[0]) / steps.size
-    backwards = np.flatnonzero(steps <= 0)
-    if backwards.size:
-        row = source.first_row + int(backwards[0]) + 1
+    backwards = np.flatnonzero(steps < 0)
+    if not backwards.size and stamps[-1] > stamps[0]:
+        resolution = find_resolution(stamps)
+        rounded = None if resolution is None else _rounded(rule, source, stamps, resolution)
+        if rounded is not None:
+            return rounded
+    stopped = backwards if backwards.size else np.flatnonzero(steps == 0)
+    if stopped.size:
+        row = source.first_row + int(stopped[0]) + 1
         raise UnreadableFile(
             f"{source.name}: row {row}, column '{rule.column}': time does not increase "
-            f"({stamps[backwards[0] + 1]:.6g} s after {stamps[backwards[0]]:.6g} s).",
+            f"({stamps[stopped[0] + 1]:.6g} s after {stamps[stopped[0]]:.6g} s).",
             code="time-backwards",
             row=row,
             column=rule.column,
         )
+    step = (stamps[-1] - stamps[0]) / steps.size
     usual = float(np.median(steps))
     drift = np.abs(stamps - (stamps[0] + step * np.arange(stamps.size)))
     uneven = np.abs(steps - usual) > STEP_TOLERANCE * usual
     if uneven.any() or (drift > DRIFT_TOLERANCE * step).any():
         worst = int(np.argmax(uneven)) + 1 if uneven.any() else int(np.argmax(drift))
-        row = source.first_row + worst
+        raise _not_uniform(source, rule, worst, float(steps[worst - 1]), usual)
+    return _clock(rule, source, stamps, 1.0 / step)
+
+
+def find_resolution(stamps: np.ndarray) -> float | None:
+    """Return the step to which time stamps are rounded, where that hides when samples were taken.
+
+    Parameters
+    ----------
+    stamps : (n,) array
+        Times that never decrease. [s]
+
+    Returns
+    -------
+    float or None
+        The largest step of which all intervals are multiples [s]; None where it is finer than
+        ``STEP_TOLERANCE`` of a sample, or the stamps are multiples of nothing.
+
+    Notes
+    -----
+    A clock of resolution ``r`` stamps sample ``k`` with the multiple of ``r`` next to (or below)
+    ``t0 + k dt``. Intervals then take two neighbouring multiples of ``r``, so that their
+    difference, or the interval itself beside repeated stamps, is ``r``.
+    """
+    steps = np.diff(stamps)
+    noise = _noise(stamps)
+    ordered = np.unique(steps)
+    values = ordered[np.concatenate([[True], np.diff(ordered) > 4.0 * noise])]
+    if values.size < 2:
+        return None
+    gaps = np.diff(values)
+    usual = float(stamps[-1] - stamps[0]) / steps.size
+    resolution = float(gaps.min())
+    if values[0] > noise:
+        resolution = min(resolution, float(values[0]))
+    multiples = values / resolution
+    exact = np.abs(multiples - np.round(multiples)) <= 1e-3 + 8.0 * noise / resolution
+    return resolution if exact.all() and resolution > STEP_TOLERANCE * usual else None
+
+
+def _rounded(rule: TimeRule, source: Source, stamps: np.ndarray, resolution: float) -> Clock | None:
+    """Clock behind rounded time stamps; None where no rate explains every stamp.
+
+    Notes
+    -----
+    Sample ``k`` of a uniform clock is stamped within one interval of length ``resolution``
+    about ``t0 + k / rate``: the stamps minus ``k / rate`` span less than ``resolution``. From
+    first to last the mean rate is known to ``rate * resolution / duration``. Within that, the
+    whole number of Hz (or, where the record is short, the interval in whole ms) is taken if it is
+    the only one that explains the stamps.
+    """
+    n = stamps.size
+    steps = np.diff(stamps)
+    odd = np.abs(steps - float(np.median(steps))) > 0.5 * resolution
+    if np.count_nonzero(odd) <= 2:  # a lost or a doubled sample, no resolution
+        return None
+    stands = np.flatnonzero(np.diff(stamps) == 0.0)
+    if stands.size and _are_repeated(source, stands, n):
+        row = source.first_row + int(stands[0]) + 1
         raise UnreadableFile(
-            f"{source.name}: row {row}, column '{rule.column}': the time step is not uniform "
-            f"({steps[worst - 1]:.6g} s, usually {usual:.6g} s). "
-            "Samples are missing or the clock jumped; resample the record first.",
-            code="time-not-uniform",
+            f"{source.name}: row {row} repeats the row before it, as do {stands.size} rows; "
+            "a recording holds every sample once. Leave repeated rows out.",
+            code="rows-repeated",
             row=row,
             column=rule.column,
         )
+    duration = float(stamps[-1] - stamps[0])
+    place = np.arange(n)
+    mean = float(np.polyfit(place, stamps - stamps[0], 1)[0])
+    spread = (n - 1) / duration * resolution / duration
+
+    def span(step_s: float) -> float:
+        return float(np.ptp(stamps - step_s * place)) / resolution
+
+    low, high = 1.0 / mean - spread, 1.0 / mean + spread
+    whole = [float(rate) for rate in range(max(1, int(np.ceil(low))), int(high) + 1)][:100]
+    # Half a resolution is rounded up or down, as it happens: the span may just be reached.
+    most = 1.0 + 1e-6 + 2.0 * _noise(stamps) / resolution
+    fitting = [rate for rate in whole if span(1.0 / rate) < most]
+    if len(fitting) == 1:
+        missing = _find_missing(stamps, resolution, fitting[0])
+        if missing is not None:
+            step = float(stamps[missing] - stamps[missing - 1])
+            raise _not_uniform(source, rule, missing, step, 1.0 / fitting[0])
+        return _clock(rule, source, stamps, fitting[0], resolution)
+    if odd.mean() < _FEW:
+        return None
+    if not fitting and span(mean) >= most:
+        raise UnreadableFile(
+            f"{source.name}: column '{rule.column}' is rounded to {resolution:.3g} s, and no "
+            f"uniform rate near {1.0 / mean:.5g} Hz explains every time stamp. Samples are missing "
+            "or the clock jumped; resample the record first.",
+            code="time-not-uniform",
+            column=rule.column,
+        )
+    if spread * mean > RATE_TOLERANCE:
+        raise UnreadableFile(
+            f"{source.name}: column '{rule.column}' is rounded to {resolution:.3g} s, which leaves "
+            f"the sampling rate open between {low:.5g} and {high:.5g} Hz. Give it in the mapping "
+            f'instead of the column: rate = {{ value = {1.0 / mean:.0f}, unit = "Hz" }} and '
+            f'start = {{ value = {stamps[0]:.6g}, unit = "s" }} in [time].',
+            code="clock-rounded",
+            column=rule.column,
+        )
+    return _clock(rule, source, stamps, 1.0 / mean, resolution)
+
+
+def _noise(stamps: np.ndarray) -> float:
+    """Error of differences of times of this size in double precision. [s]"""
+    return 8.0 * float(np.finfo(np.float64).eps) * float(np.abs(stamps).max())
+
+
+def _find_missing(stamps: np.ndarray, resolution: float, rate: float) -> int | None:
+    """Place of the first stamp that occurs too seldom or too often; None where none does.
+
+    Notes
+    -----
+    Where a whole number of samples shares every stamp, one stamp with another number of them,
+    among nearly all with the same, has lost samples or has some too many.
+    """
+    share = resolution * rate
+    _, first, counts = np.unique(stamps, return_index=True, return_counts=True)
+    odd = np.flatnonzero(counts[1:-1] != round(share)) + 1
+    if abs(share - round(share)) > 1e-6 or not 0 < odd.size <= 0.1 * counts.size:
+        return None
+    return int(first[odd[0]])
+
+
+def _are_repeated(source: Source, stands: np.ndarray, n: int) -> bool:
+    """Return whether every row whose time stands still repeats the row before it."""
+    columns = [values for values in map(np.squeeze, source.arrays.values()) if values.shape == (n,)]
+    return len(columns) > 1 and all(
+        bool((values[stands] == values[stands + 1]).all()) for values in columns
+    )
+
+
+def _not_uniform(
+    source: Source, rule: TimeRule, place: int, step: float, usual: float
+) -> UnreadableFile:
+    row = source.first_row + place
+    return UnreadableFile(
+        f"{source.name}: row {row}, column '{rule.column}': the time step is not uniform "
+        f"({step:.6g} s, usually {usual:.6g} s). "
+        "Samples are missing or the clock jumped; resample the record first.",
+        code="time-not-uniform",
+        row=row,
+        column=rule.column,
+    )
+
+
+def _clock(
+    rule: TimeRule,
+    source: Source,
+    stamps: np.ndarray,
+    rate: float,
+    resolution: float | None = None,
+) -> Clock:
     try:
-        rate = _possible(1.0 / step)
+        rate = _possible(rate)
     except BadInput as error:
         raise UnreadableFile(
             f"{source.name}: column '{rule.column}': {error.message}",
@@ -203,6 +393,8 @@ def _extract(rule: TimeRule, source: Source | None, sources: Sources, n_samples:
         start_s=float(stamps[0]),
         rate_hz=float(whole) if whole and abs(rate / whole - 1.0) < 1e-7 else float(rate),
         n_samples=stamps.size,
+        rounded_s=resolution,
+        confirmed=rule.confirmed,
     )
 
 

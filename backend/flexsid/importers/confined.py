@@ -27,6 +27,7 @@ import flexsid
 from flexsid.errors import UnreadableFile
 from flexsid.importers.reading import MANIFEST, MEMORY, SAMPLES
 from flexsid.importers.source import Source, Sources
+from flexsid.text import check_line, one_line
 
 SECONDS = 10.0
 """Time to read files; large ones are given a second more for every 10 MB."""
@@ -57,7 +58,7 @@ def read_all(paths: Sequence[Path], names: Sequence[str] | None = None) -> Sourc
 
 def decode(paths: Sequence[Path], names: Sequence[str] | None, folder: Path) -> None:
     """Read files and write what they hold into a folder, for ``load``."""
-    called = [path.name for path in paths] if names is None else list(names)
+    called = [_named(path.name) for path in paths] if names is None else [*map(_named, names)]
     request = {
         "paths": [str(path.absolute()) for path in paths],
         "names": called,
@@ -74,6 +75,15 @@ def decode(paths: Sequence[Path], names: Sequence[str] | None, folder: Path) -> 
     if "error" in answer:
         error = answer["error"]
         raise UnreadableFile(error["message"], code=error["code"], **error["context"])
+
+
+def _named(name: str) -> str:
+    try:
+        return check_line(name)
+    except ValueError as error:
+        raise UnreadableFile(
+            f"The name of the file '{one_line(name)[:40]}' {error}.", code="bad-text"
+        ) from error
 
 
 def load(folder: Path) -> Sources:

@@ -57,7 +57,7 @@ def _interleaving(table: Table) -> Interleaving:
     if table.is_table("order"):
         labels = table.table("order")
         order = labels.text("field")
-        name = labels.text("name", "{label}")
+        name = labels.label("name", "{label}")
         labels.close()
     else:
         order = table.texts("order")

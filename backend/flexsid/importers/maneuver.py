@@ -19,6 +19,7 @@ from flexsid.importers.quantity import Quantity, refuse, scalar
 from flexsid.importers.source import Sources
 from flexsid.importers.table import Table
 from flexsid.records.maneuver import Excitation, Role
+from flexsid.text import check_line
 
 _CONDITION = {
     "airspeed": "speed",
@@ -55,7 +56,7 @@ class ManeuverPart:
     fta: int | None = None
     fta_field: str | None = None
     fta_by_value: tuple[tuple[float, int], ...] = ()
-    axis: str = "longitudinal"
+    axis: str | None = None
     start_s: float | None = None
     stop_s: float | None = None
     note: str = ""
@@ -72,11 +73,14 @@ class RecordingPart:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RawManeuver:
-    """A maneuver taken out of its files, nothing completed or computed yet."""
+    """A maneuver taken out of its files, nothing completed or computed yet.
+
+    ``axis`` of None: the mapping does not say it.
+    """
 
     label: str
     fta: int | None
-    axis: str
+    axis: str | None
     note: str
     start_s: float
     duration_s: float
@@ -97,7 +101,7 @@ def read_flight(table: Table) -> FlightPart:
     part = FlightPart(
         number=table.integer("number"),
         flown_on=flown_on,
-        description=table.text("description", " ").strip(),
+        description=table.note("description"),
     )
     table.close()
     return part
@@ -126,24 +130,35 @@ def read_maneuver(table: Table, excitation: Table | None) -> ManeuverPart:
         rows = table.table("fta")
         fta_field = rows.text("field")
         lookup = rows.table("values")
-        by_value = tuple((float(key), lookup.integer(key)) for key in lookup.names())
+        by_value = tuple((_number(lookup, key), lookup.integer(key)) for key in lookup.names())
         rows.close()
     elif "fta" in table:
         fta = table.integer("fta")
     part = ManeuverPart(
-        label=table.text("label", "{file}"),
+        label=table.label("label", "{file}"),
         condition=quantities,
         excitation=None if excitation is None else read_excitation(excitation),
         fta=fta,
         fta_field=fta_field,
         fta_by_value=by_value,
-        axis=table.choice("axis", ("longitudinal", "lateral", "ground"), "longitudinal"),
+        axis=table.choice("axis", ("longitudinal", "lateral", "ground"))
+        if "axis" in table
+        else None,
         start_s=table.si_scalar("start", "time") if "start" in table else None,
         stop_s=table.si_scalar("stop", "time") if "stop" in table else None,
-        note=table.text("note", " ").strip(),
+        note=table.note("note"),
     )
     table.close()
     return part
+
+
+def _number(table: Table, key: str) -> float:
+    try:
+        return float(key)
+    except ValueError as error:
+        raise refuse(
+            table.path(key), "must be a number: the value that the field holds."
+        ) from error
 
 
 def extract_recording(part: RecordingPart, sources: Sources) -> tuple[RawChannel, ...]:
@@ -195,7 +210,7 @@ def extract_maneuver(part: ManeuverPart, recording: RecordingPart, sources: Sour
         )
     source_file, source_hash = origin(channels)
     return RawManeuver(
-        label=part.label.replace("{file}", Path(channels[0].source.name).stem),
+        label=_label(part.label, Path(channels[0].source.name).stem),
         fta=_fta(part, sources),
         axis=part.axis,
         note=part.note,
@@ -209,6 +224,15 @@ def extract_maneuver(part: ManeuverPart, recording: RecordingPart, sources: Sour
         source_file=source_file,
         source_hash=source_hash,
     )
+
+
+def _label(template: str, file: str) -> str:
+    try:
+        return check_line(template.replace("{file}", file))
+    except ValueError as error:
+        raise BadInput(
+            f"Mapping: 'maneuver.label' {error}.", code="bad-text", key="maneuver.label"
+        ) from error
 
 
 def origin(channels: tuple[RawChannel, ...]) -> tuple[str, str]:
@@ -232,7 +256,8 @@ def _average(quantity: Quantity, sources: Sources, timing: Timing, part: Maneuve
     if samples.size == 0:
         raise refuse(quantity.path, f"has no sample of '{quantity.field}' inside the maneuver.")
     source.check_finite(samples, quantity.field)
-    return float(units.to_si(samples.mean(dtype=np.float64), quantity.unit))
+    mean = float(units.to_si(samples.mean(dtype=np.float64), quantity.unit))
+    return units.check_size(mean, units.dimension(quantity.unit))
 
 
 def _fta(part: ManeuverPart, sources: Sources) -> int | None:

@@ -6,7 +6,7 @@ The format is described in ``examples/README.md`` of the project.
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from flexsid.errors import BadInput
@@ -24,7 +24,7 @@ from flexsid.importers.modal_table import ModalPart, read_modal_table
 from flexsid.importers.predictions import PredictionPart, read_prediction
 from flexsid.importers.quantity import refuse
 from flexsid.importers.source import Sources
-from flexsid.importers.table import Table
+from flexsid.importers.table import Guessed, Table
 
 _KNOWN = Path(__file__).parent / "known"
 _LARGEST_MAPPING = 1024 * 1024
@@ -40,6 +40,8 @@ class Mapping:
     maneuver: ManeuverPart | None = None
     modal_tables: tuple[ModalPart, ...] = ()
     predictions: tuple[PredictionPart, ...] = ()
+    guessed: tuple[Guessed, ...] = ()
+    """What was proposed by a program and confirmed by nobody; it is not imported so."""
 
 
 def parse_mapping(text: str) -> Mapping:
@@ -66,6 +68,7 @@ def parse_mapping(text: str) -> Mapping:
         predictions=tuple(read_prediction(row) for row in table.tables("predictions")),
     )
     table.close()
+    mapping = replace(mapping, guessed=tuple(table.guesses))
     if mapping.recording is None and not mapping.modal_tables and not mapping.predictions:
         raise refuse("channels", "or modal_tables or predictions must be there; nothing to import.")
     if mapping.maneuver is not None and mapping.recording is None:

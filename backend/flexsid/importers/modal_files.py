@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexsid.importers.source import Source
+from flexsid.text import one_line
 
 EXACT = "FLEXSID MODE"
 """Begins a line of text in which a data set repeats its numbers with all their digits."""
@@ -40,7 +41,9 @@ class WrittenModes:
 
 def write_universal(modes: WrittenModes) -> Iterator[str]:
     """Write data sets 151, 164, 2411, 82 and one 2414 per mode, in double precision."""
-    yield from _block(151, [modes.title[:80], f"fuel fraction {modes.fuel:.17g}", *["NONE"] * 5])
+    yield from _block(
+        151, [one_line(modes.title)[:80], f"fuel fraction {modes.fuel:.17g}", *["NONE"] * 5]
+    )
     yield from _block(
         164,
         [
@@ -74,9 +77,9 @@ def _shape(modes: WrittenModes, place: int, number: int) -> list[str]:
     six = f"{0.0:13.5E}" * 6
     rows = [
         f"{place + 1:10d}",
-        f"{modes.names[place] or number}"[:40],
+        one_line(f"{modes.names[place] or number}")[:40],
         f"{1:10d}",
-        modes.title[:80] or "NONE",
+        one_line(modes.title)[:80] or "NONE",
         exact,
         *["NONE"] * 3,
         # structural, normal modes, six degrees of freedom, displacement, real double

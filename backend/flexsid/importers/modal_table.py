@@ -74,7 +74,7 @@ def read_modal_table(table: Table) -> ModalPart:
     """Read names, frequencies, damping, generalised masses and shapes."""
     numbers = table.integers("numbers")
     part = ModalPart(
-        name=table.text("name"),
+        name=table.label("name"),
         kind=ModalKind(table.choice("kind", tuple(kind.value for kind in ModalKind))),
         fuel=table.number("fuel", 0.0),
         numbers=numbers,
@@ -85,7 +85,7 @@ def read_modal_table(table: Table) -> ModalPart:
         mass=table.optional_quantity("mass", "inertia"),
         first=table.integer("first", 1),
         shape=_read_shape(table.table("shape")) if "shape" in table else None,
-        origin=table.text("origin", " ").strip(),
+        origin=table.note("origin"),
     )
     table.close()
     if not numbers or len(set(numbers)) != len(numbers):

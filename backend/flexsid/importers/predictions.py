@@ -53,13 +53,13 @@ class RawPrediction:
 def read_prediction(table: Table) -> PredictionPart:
     """Read one ``[[predictions]]`` entry with its ``terms``."""
     part = PredictionPart(
-        source=table.text("source"),
+        source=table.label("source"),
         kind=table.choice(
             "kind", ("panel code", "wind tunnel", "simulation", "flight"), "panel code"
         ),
         fuel=table.number("fuel", 0.0),
         terms=tuple(_read_term(row) for row in table.tables("terms")),
-        note=table.text("note", " ").strip(),
+        note=table.note("note"),
     )
     table.close()
     if not part.terms:

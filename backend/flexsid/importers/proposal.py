@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -13,9 +15,11 @@ from flexsid.importers.recognised import (
     FDATA_COLUMNS,
     Meaning,
     commanded,
+    may_be_time,
     recognise,
     recognise_fdata,
     recognise_time,
+    recognise_time_unit,
 )
 from flexsid.importers.source import Source, Sources
 from flexsid.records.maneuver import Role
@@ -68,9 +72,13 @@ def propose(sources: Sources, aircraft: str, flight: int, known: Mapping[str, Ro
         (column, meaning)
         for column in columns
         if column.field != time.get(column.file)
+        and not _is_time(column)
         and (meaning := _meaning(column, known)) is not None
     ]
-    parts = [f"[aircraft]\nname = {_text(aircraft)}\n", f"[flight]\nnumber = {flight}\n"]
+    parts = [
+        f"[aircraft]\nname = {_text(aircraft)}\n{_guessed('name')}",
+        f"[flight]\nnumber = {flight}\n{_guessed('number')}",
+    ]
     condition = {meaning.name: (column, meaning) for column, meaning in reversed(chosen)}
     if "airspeed" in condition and ("altitude" in condition or "density" in condition):
         parts.append(_maneuver(condition))
@@ -92,7 +100,7 @@ def find_time(sources: Sources, columns: list[Column]) -> dict[str, str]:
         if column.file in found:
             continue
         fdata_time = column.array is not None and column.number == 1 and _is_fdata(column)
-        if (recognise_time(column.field) or fdata_time) and _increases(column.samples):
+        if recognise_time(column.field) or fdata_time or _is_time(column):
             found[column.file] = column.field
     for source in sources.items:
         if source.name not in found and not source.clocks:
@@ -132,6 +140,15 @@ def _is_fdata(column: Column) -> bool:
     return column.array is not None and column.array.rpartition(".")[2].lower() == "fdata"
 
 
+def _is_time(column: Column) -> bool:
+    """Tell whether a column is time by name and samples; rounded, it stands still at times."""
+    samples = column.samples
+    moves = bool(np.isfinite(samples).all() and samples[-1] > samples[0])
+    return recognise_time(column.field) or (
+        moves and may_be_time(column.field) and bool((np.diff(samples) >= 0).all())
+    )
+
+
 def _increases(samples: np.ndarray) -> bool:
     return bool(np.isfinite(samples).all() and (np.diff(samples) > 0).all())
 
@@ -149,51 +166,62 @@ def _meaning(column: Column, known: Mapping[str, Role]) -> Meaning | None:
     bare = column.field.rpartition(".")[2]
     for name, role in known.items():
         if bare == name or meaning.name == name:
-            return Meaning(name=name, unit=meaning.unit, role=role, sure=meaning.sure)
+            return replace(meaning, name=name, role=role, known=True)
     return meaning
+
+
+def _guessed(*keys: str) -> str:
+    """Line that says which keys of a table nobody has confirmed; nothing without any."""
+    return f"guessed = [{', '.join(map(_text, keys))}]\n" if keys else ""
 
 
 def _maneuver(condition: Mapping[str, tuple[Column, Meaning]]) -> str:
     lines = ["[maneuver]", 'label = "{file}"', "", "[maneuver.condition]"]
+    guessed: list[str] = []
     height = "density" if "density" in condition else "altitude"
     for name in ("airspeed", height):
         column, meaning = condition[name]
         lines.append(f"{name} = {{ field = {_text(column.field)}, unit = {_text(meaning.unit)} }}")
+        guessed += [] if meaning.sure else [name]
     if "fuel_fraction" in condition:
         column, meaning = condition["fuel_fraction"]
+        guessed += [] if meaning.sure else ["fuel_fraction"]
         lines.append(
             f"fuel_fraction = {{ field = {_text(column.field)}, unit = {_text(meaning.unit)} }}"
         )
     else:
         lines.append('fuel_fraction = { value = 50, unit = "%" }  # not in the files')
+        guessed.append("fuel_fraction")
     for name in ("mass", "pitch_inertia"):
         if name in condition:
             column, meaning = condition[name]
+            guessed += [] if meaning.sure else [name]
             lines.append(
                 f"{name} = {{ field = {_text(column.field)}, unit = {_text(meaning.unit)} }}"
             )
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines) + "\n" + _guessed(*guessed)
 
 
 def _time(sources: Sources, time: Mapping[str, str]) -> str:
-    columns = list(dict.fromkeys(time.values()))
-    if not columns:
+    if not time:
         if all(source.clocks for source in sources.items):
             return "# Every channel has the clock that its file gives it.\n"
-        return '[time]\nrate = { value = 100, unit = "Hz" }  # no column of time was found\n'
-    parts = [f"[time]\ncolumn = {_text(columns[0])}\n{_time_unit(columns[0])}"]
+        return (
+            '[time]\nrate = { value = 100, unit = "Hz" }  # no column of time was found\n'
+            + _guessed("rate")
+        )
+    parts: list[str] = []
     for file, column in time.items():
-        if column != columns[0]:
+        own = next(source for source in sources.items if source.name == file)
+        unit = recognise_time_unit(column, own.units.get(column, ""))
+        of_file = f'unit = "{unit or "s"}"\n' + _guessed("column", *([] if unit else ["unit"]))
+        if not parts:
+            parts.append(f"[time]\ncolumn = {_text(column)}\n{of_file}")
+        elif column != next(iter(time.values())):
             parts.append(
-                f"[[clocks]]\nname = {_text(file)}\ncolumn = {_text(f'{file}:{column}')}\n"
-                + _time_unit(column)
+                f"[[clocks]]\nname = {_text(file)}\ncolumn = {_text(f'{file}:{column}')}\n{of_file}"
             )
     return "\n".join(parts)
-
-
-def _time_unit(column: str) -> str:
-    milliseconds = column.lower().endswith(("_ms", "[ms]", "(ms)")) or column.lower() == "ms"
-    return 'unit = "ms"\n' if milliseconds else ""
 
 
 def _channel(column: Column, meaning: Meaning, seen: set[str]) -> str:
@@ -213,10 +241,34 @@ def _channel(column: Column, meaning: Meaning, seen: set[str]) -> str:
             unit = doubt.instead[0]
     lines += [
         f"name = {_text(name)}",
-        f"unit = {_text(unit)}" + ("  # guessed" if guessed else ""),
+        f"unit = {_text(unit)}",
         f'role = "{meaning.role.value}"',
     ]
-    return "\n".join(lines) + "\n"
+    unsure = (["unit"] if guessed else []) + ([] if meaning.known else ["role"])
+    return "\n".join(lines) + "\n" + _guessed(*unsure)
+
+
+def ask_again(text: str) -> str | None:
+    """Mark aircraft and flight of a mapping that was kept for other files as guessed.
+
+    Returns
+    -------
+    str or None
+        None where the mapping is written so that its tables cannot be marked.
+    """
+    content = tomllib.loads(text)
+    for table, keys in (("aircraft", ("builtin", "name")), ("flight", ("number",))):
+        values = content.get(table)
+        if not isinstance(values, dict) or "guessed" in values:
+            continue
+        key = next((key for key in keys if key in values), None)
+        line = _guessed(key) if key is not None else ""
+        text, marked = re.subn(
+            rf"(?m)^(\s*\[\s*{table}\s*\].*)$", rf"\1\n{line[:-1]}", text, count=1
+        )
+        if not marked:
+            return None
+    return text
 
 
 def _text(value: str) -> str:

@@ -27,7 +27,8 @@ class Quantity:
 def scalar(quantity: Quantity, sources: Sources) -> float:
     """Give one number in SI, written down or the only number of a field."""
     if quantity.field is not None:
-        return float(units.to_si(sources.scalar(quantity.field), quantity.unit))
+        value = float(units.to_si(sources.scalar(quantity.field), quantity.unit))
+        return units.check_size(value, units.dimension(quantity.unit))
     if len(quantity.values) != 1:
         raise refuse(quantity.path, f"must be one number, found {len(quantity.values)}.")
     return float(units.to_si(quantity.values[0], quantity.unit))

@@ -16,6 +16,7 @@ from flexsid.errors import UnreadableFile
 from flexsid.importers import csv, hdf5, mat, mdf, npz, parquet, universal
 from flexsid.importers.nastran import bulk, f06, op2, punch
 from flexsid.importers.source import Content, Field
+from flexsid.text import LONGEST_FIELD, check_line, one_line
 
 LARGEST_FILE = 2 * 1024**3
 
@@ -157,11 +158,28 @@ def _checked(content: Content, name: str) -> Iterator[Field]:
         for field in content.fields:
             if np.asarray(field.samples).dtype.kind in "biufUS":
                 found = True
-                yield field
+                yield _named_field(field)
     except UnreadableFile as error:
         raise _named(error, name) from error
     if not found:
         raise UnreadableFile(f"{name}: the file holds no plain array.")
+
+
+def _named_field(field: Field) -> Field:
+    """Refuse a field whose name, clock or unit is no text that may be kept."""
+    try:
+        return field._replace(
+            path=check_line(field.path, LONGEST_FIELD),
+            unit=check_line(field.unit),
+            clock=check_line(field.clock, LONGEST_FIELD),
+        )
+    except ValueError as error:
+        shown = one_line(field.path)[:40]
+        raise UnreadableFile(
+            f"the name, the unit or the clock of column '{shown}' {error}.",
+            code="bad-text",
+            column=shown,
+        ) from error
 
 
 def _named(error: UnreadableFile, name: str) -> UnreadableFile:

@@ -20,6 +20,8 @@ class Meaning:
     unit: str
     role: Role
     sure: bool = True
+    known: bool = True
+    """Whether the name is one that recorders give; else the role is guessed as well."""
 
 
 _IN_NAME = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]$")
@@ -65,7 +67,13 @@ _KNOWN: tuple[tuple[str, str, str, Role], ...] = (
     ("throttle|thtl|power|pla", "throttle", "%", Role.CONDITION),
 )
 
-_TIME = re.compile(r"t|time|zeit|clock|timestamps?|(?:time|t)_\w+|sec(?:onds)?|ms")
+_TIME = re.compile(
+    r"t|time|zeit|clock|timestamps?|(?:time|t|epoch)_(?:s|ms|us|ns|sec|utc|gps)|sec(?:onds)?|ms|epoch"
+    r"|(?:utc|gps|irig)_?time"
+)
+_PERHAPS_TIME = re.compile(r"(?:time|t)_\w+")
+
+_TIME_UNITS = {"ms": "ms", "us": "us", "ns": "ns", "min": "min", "s": "s", "sec": "s"}
 
 _FDATA: dict[int, tuple[str, str, Role]] = {
     2: ("airspeed", "ft/s", Role.CONDITION),
@@ -109,6 +117,21 @@ def recognise_time(path: str) -> bool:
     return _TIME.fullmatch(_bare(path)[0].lower()) is not None
 
 
+def may_be_time(path: str) -> bool:
+    """Tell whether a name is one that recorders give to time, among other things."""
+    return recognise_time(path) or _PERHAPS_TIME.fullmatch(_bare(path)[0].lower()) is not None
+
+
+def recognise_time_unit(path: str, file_unit: str) -> str | None:
+    """Unit of a time column by what its file or its name says, None where neither does."""
+    name, unit = _bare(path)
+    for said in (file_unit, unit, name.rpartition("_")[2] if "_" in name else "", name):
+        found = _TIME_UNITS.get(said.strip("[]() ").lower())
+        if found is not None:
+            return found
+    return None
+
+
 def commanded(path: str) -> str | None:
     """Name of what a field commands, None where it seems to be no command."""
     found = _COMMANDED.match(path.strip())
@@ -141,13 +164,15 @@ def recognise(path: str, file_unit: str) -> Meaning:
                 role=role,
                 sure=bool(said),
             )
-    return Meaning(name=bare, unit=unit or "1", role=Role.OUTPUT, sure=bool(unit))
+    return Meaning(name=bare, unit=unit or "1", role=Role.OUTPUT, sure=bool(unit), known=False)
 
 
 def recognise_fdata(column: int) -> Meaning | None:
     """Meaning of a column of SIDPAC's ``fdata``, None where it is none that is recorded."""
     known = _FDATA.get(column)
-    return None if known is None else Meaning(name=known[0], unit=known[1], role=known[2])
+    return (
+        None if known is None else Meaning(name=known[0], unit=known[1], role=known[2], sure=False)
+    )
 
 
 def _bare(path: str) -> tuple[str, str]:

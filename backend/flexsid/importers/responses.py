@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,8 +13,18 @@ from flexsid.importers.source import Source, Sources
 from flexsid.importers.structure.axes import axes_of
 from flexsid.importers.structure.nodes import frames_of
 from flexsid.importers.structure.units import length_of
+from flexsid.importers.structure.unused import unused
 
 QUANTITIES = {"length": "displacement", "speed": "velocity", "acceleration": "acceleration"}
+_QUANTITY_CODES = {"length": (8,), "speed": (11,), "acceleration": (12,)}
+_FORCE_CODES = (9, 13)
+_GENERAL = 1  # 0 is unknown, 1 general
+_CODES = {
+    2: "stress", 3: "strain", 8: "displacement", 9: "reaction force", 11: "velocity",
+    12: "acceleration", 13: "excitation force", 15: "pressure",
+}  # fmt: skip
+"""Data set 58, records 8 to 11, field 1."""
+_ENDS = ("response_node", "response_direction", "reference_node", "reference_direction")
 _AXES = {1: "x", 2: "y", 3: "z"}
 
 
@@ -59,9 +70,18 @@ def extract_responses(sources: Sources, answers: ResponseAnswers) -> RawResponse
         If the files hold no responses, or too few to fill a matrix, or a unit is not that of
         a displacement, velocity or acceleration and of a force.
     """
-    source = next((s for s in sources.items if "frf/frequency" in s.arrays), None)
-    if source is None:
+    files = [s for s in sources.items if "frf/frequency" in s.arrays]
+    if not files:
         raise BadInput("the files hold no frequency responses", code="no-responses")
+    frequency = np.asarray(files[0].arrays["frf/frequency"], dtype=float)
+    for other in files[1:]:
+        own = np.asarray(other.arrays["frf/frequency"], dtype=float)
+        if own.shape != frequency.shape or not np.allclose(own, frequency, rtol=1e-6):
+            raise BadInput(
+                f"the responses of {other.name} lie at other frequencies than those of "
+                f"{files[0].name}; keep them as two tests, or export them at one set",
+                code="unequal-lengths",
+            )
     dimension = units.lookup(answers.response_unit).dimension
     if dimension not in QUANTITIES:
         raise BadInput(
@@ -71,7 +91,9 @@ def extract_responses(sources: Sources, answers: ResponseAnswers) -> RawResponse
         )
     factor = units.factor(answers.response_unit, dimension)
     factor /= units.factor(answers.force_unit, "force")
-    outputs, references, values, notes = _matrix(source)
+    for source in files:
+        _check_quantities(source, dimension, answers)
+    outputs, references, values, notes = _matrix(files)
     bad = np.flatnonzero(~(np.abs(values) < 1e50).all(axis=(0, 2)))
     if bad.size:
         raise BadInput(
@@ -87,15 +109,16 @@ def extract_responses(sources: Sources, answers: ResponseAnswers) -> RawResponse
         quantity=QUANTITIES[dimension],
         outputs=tuple(_label(one) for one in outputs),
         references=tuple(_label(one) for one in references),
-        frequency_hz=np.asarray(source.arrays["frf/frequency"], dtype=float),
+        frequency_hz=frequency,
         values=factor * values,
         nodes=nodes,
         directions=directions,
         notes=(
             *notes,
+            *unused(sources),
             f"Responses are in {answers.response_unit}/{answers.force_unit}.",
         ),
-        origin=source.name,
+        origin=", ".join(source.name for source in files),
     )
 
 
@@ -103,28 +126,60 @@ def _label(point: tuple[int, int]) -> str:
     return f"{point[0]}+{_AXES[point[1]]}"
 
 
+def _check_quantities(source: Source, dimension: str, answers: ResponseAnswers) -> None:
+    """Refuse responses that the file says are of another quantity, or not per force."""
+    expected = _QUANTITY_CODES[dimension]
+    for name, allowed, what in (
+        ("quantity", expected, f"{QUANTITIES[dimension]}s ({answers.response_unit})"),
+        ("reference_quantity", _FORCE_CODES, f"forces ({answers.force_unit})"),
+    ):
+        codes = np.asarray(source.arrays.get(f"frf/{name}", ()))
+        wrong = np.flatnonzero((codes > _GENERAL) & ~np.isin(codes, allowed))
+        if wrong.size:
+            code = int(codes[wrong[0]])
+            raise BadInput(
+                f"{source.name}: {wrong.size} of {codes.size} responses are of "
+                f"{_CODES.get(code, f'data of type {code}')} by the file, {what} were answered; "
+                "correct the answer, or keep the functions in a file of their own",
+                code="other-quantity",
+            )
+    for label in sorted(set(map(str, source.arrays.get("frf/unit", ())))):
+        try:
+            known = units.lookup(label)
+        except BadInput:
+            continue  # free text
+        if known.dimension == dimension and not np.isclose(
+            units.factor(label, dimension), units.factor(answers.response_unit, dimension)
+        ):
+            raise BadInput(
+                f"{source.name}: the file gives its responses in {label}, {answers.response_unit} "
+                "was answered",
+                code="other-unit",
+                field="response_unit",
+            )
+
+
 def _matrix(
-    source: Source,
+    files: Sequence[Source],
 ) -> tuple[list[tuple[int, int]], list[tuple[int, int]], np.ndarray, list[str]]:
-    found = source.arrays
-    data = np.asarray(found["frf/real"]) + 1j * np.asarray(found["frf/imaginary"])
-    ends = [
-        np.asarray(found[f"frf/{name}"]).tolist()
-        for name in (
-            "response_node",
-            "response_direction",
-            "reference_node",
-            "reference_direction",
-        )
-    ]
     known: dict[tuple[tuple[int, int], tuple[int, int]], np.ndarray] = {}
     left_out = 0
-    for row, (node, direction, at, towards) in enumerate(zip(*ends, strict=True)):
-        if abs(direction) not in _AXES or abs(towards) not in _AXES:
-            left_out += 1
-            continue
-        sign = (1 if direction > 0 else -1) * (1 if towards > 0 else -1)
-        known[(node, abs(direction)), (at, abs(towards))] = sign * data[row]
+    for source in files:
+        found = source.arrays
+        data = np.asarray(found["frf/real"]) + 1j * np.asarray(found["frf/imaginary"])
+        ends = [np.asarray(found[f"frf/{name}"]).tolist() for name in _ENDS]
+        for row, (node, direction, at, towards) in enumerate(zip(*ends, strict=True)):
+            if abs(direction) not in _AXES or abs(towards) not in _AXES:
+                left_out += 1
+                continue
+            sign = (1 if direction > 0 else -1) * (1 if towards > 0 else -1)
+            pair = (node, abs(direction)), (at, abs(towards))
+            if not np.array_equal(known.setdefault(pair, sign * data[row]), sign * data[row]):
+                raise BadInput(
+                    f"{source.name}: the response of {_label(pair[0])} to {_label(pair[1])} comes "
+                    "a second time, and otherwise; keep one measurement of each",
+                    code="duplicate-response",
+                )
     references = sorted({reference for _, reference in known})
     outputs = sorted({output for output, _ in known})
     complete = [o for o in outputs if all((o, r) in known for r in references)]

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from flexsid.errors import BadInput, UnreadableFile
+from flexsid.units import LARGEST
 
 LARGEST_CONTENT = 2 * 1024**3
 """Bytes of samples of one file; a small file may claim, or unpack to, any number."""
@@ -53,14 +54,16 @@ class Source:
     units: Mapping[str, str] = field(default_factory=dict)
     clocks: Mapping[str, str] = field(default_factory=dict)
 
-    def check_finite(self, samples: np.ndarray, label: str) -> None:
-        """Refuse NaN and infinity, naming row and column."""
-        bad = np.flatnonzero(~np.isfinite(samples))
+    def check_finite(
+        self, samples: np.ndarray, label: str, largest: float = LARGEST["number"]
+    ) -> None:
+        """Refuse NaN, infinity and what is larger than ``largest``, naming row and column."""
+        bad = np.flatnonzero(~(np.abs(samples) <= largest))
         if bad.size:
             row = self.first_row + int(bad[0])
             raise UnreadableFile(
                 f"{self.name}: row {row}, column '{label}' holds {samples[bad[0]]}; "
-                "every sample must be a finite number.",
+                f"every sample must be a finite number of at most {largest:.3g}.",
                 code="not-finite",
                 row=row,
                 column=label,

@@ -3,21 +3,43 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import cast
+
+import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
 from flexsid.importers.quantity import Quantity, refuse
+from flexsid.text import LONGEST_FIELD, LONGEST_NAME, LONGEST_NOTE, check_line, check_lines
+
+_LARGEST_INTEGER = 2**31 - 1
+"""Both databases keep it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Guessed:
+    """A key of a mapping that was proposed and that nobody has confirmed yet."""
+
+    path: str
+    value: object
 
 
 class Table:
-    """Read keys one after the other; ``close`` refuses those that nobody asked for."""
+    """Read keys one after the other; ``close`` refuses those that nobody asked for.
 
-    def __init__(self, values: Mapping[str, object], path: str = "") -> None:
+    Any table may name, as ``guessed = ["unit"]``, keys that a program proposed: they are
+    collected in ``guesses`` of the outermost table.
+    """
+
+    def __init__(
+        self, values: Mapping[str, object], path: str = "", guesses: list[Guessed] | None = None
+    ) -> None:
         self._values = values
         self._path = path
         self._asked: set[str] = set()
+        self.guesses: list[Guessed] = [] if guesses is None else guesses
 
     def path(self, key: str) -> str:
         """Give the dotted path of a key."""
@@ -38,8 +60,20 @@ class Table:
             return default
         value = self._get(key, "a text")
         if not isinstance(value, str) or not value.strip():
-            raise refuse(self.path(key), f"must be a text, found {value!r}.")
-        return value
+            raise refuse(self.path(key), f"must be a text, found {str(value)[:40]!r}.")
+        return self._checked(key, value, check_line, LONGEST_FIELD)
+
+    def label(self, key: str, default: str | None = None) -> str:
+        """Read a name that is kept."""
+        return self._checked(key, self.text(key, default), check_line, LONGEST_NAME)
+
+    def note(self, key: str) -> str:
+        """Read a text of several lines that may be left out."""
+        value = self._values.get(key, "")
+        self._asked.add(key)
+        if not isinstance(value, str):
+            raise refuse(self.path(key), f"must be a text, found {str(value)[:40]!r}.")
+        return self._checked(key, value.strip(), check_lines, LONGEST_NOTE)
 
     def optional_text(self, key: str) -> str | None:
         """Read a text that may be left out."""
@@ -57,8 +91,11 @@ class Table:
         if default is not None and key not in self._values:
             return default
         value = self._get(key, "a whole number")
-        if isinstance(value, bool) or not isinstance(value, int) or abs(value) > 2**31:
-            raise refuse(self.path(key), f"must be a whole number, found {value!r}.")
+        if isinstance(value, bool) or not isinstance(value, int) or abs(value) > _LARGEST_INTEGER:
+            raise refuse(
+                self.path(key),
+                f"must be a whole number of at most {_LARGEST_INTEGER}, found {str(value)[:40]}.",
+            )
         return value
 
     def number(self, key: str, default: float | None = None) -> float:
@@ -80,8 +117,13 @@ class Table:
     def integers(self, key: str) -> tuple[int, ...]:
         """Read a list of whole numbers."""
         values = self._list(key, "a list of whole numbers")
-        if any(isinstance(value, bool) or not isinstance(value, int) for value in values):
-            raise refuse(self.path(key), "must hold whole numbers only.")
+        if any(
+            isinstance(value, bool) or not isinstance(value, int) or abs(value) > _LARGEST_INTEGER
+            for value in values
+        ):
+            raise refuse(
+                self.path(key), f"must hold whole numbers of at most {_LARGEST_INTEGER} only."
+            )
         return tuple(cast("list[int]", values))
 
     def texts(self, key: str) -> tuple[str, ...]:
@@ -89,7 +131,8 @@ class Table:
         values = self._list(key, "a list of texts")
         if any(not isinstance(value, str) for value in values):
             raise refuse(self.path(key), "must hold texts only.")
-        return tuple(cast("list[str]", values))
+        texts = cast("list[str]", values)
+        return tuple(self._checked(key, text, check_line, LONGEST_FIELD) for text in texts)
 
     def flags(self, key: str) -> tuple[bool, ...]:
         """Read a list of true and false."""
@@ -103,7 +146,7 @@ class Table:
         value = self._get(key, "a table")
         if not isinstance(value, dict):
             raise refuse(self.path(key), f"must be a table, found {value!r}.")
-        return Table(cast("dict[str, object]", value), self.path(key))
+        return Table(cast("dict[str, object]", value), self.path(key), self.guesses)
 
     def tables(self, key: str) -> tuple[Table, ...]:
         """Read an array of tables; left out, it is empty."""
@@ -114,13 +157,16 @@ class Table:
             raise refuse(self.path(key), "must be an array of tables, written [[...]].")
         rows = cast("list[dict[str, object]]", values)
         return tuple(
-            Table(row, f"{self.path(key)}[{number}]") for number, row in enumerate(rows, 1)
+            Table(row, f"{self.path(key)}[{number}]", self.guesses)
+            for number, row in enumerate(rows, 1)
         )
 
     def names(self) -> tuple[str, ...]:
         """Give all keys, for tables whose keys are names."""
         self._asked.update(self._values)
-        return tuple(self._values)
+        return tuple(
+            self._checked(name[:40], name, check_line, LONGEST_FIELD) for name in self._values
+        )
 
     def is_table(self, key: str) -> bool:
         """Tell whether the key holds a table."""
@@ -153,6 +199,11 @@ class Table:
                 unit=unit, values=(table.number("value"),), path=table.path("value")
             )
         table.close()
+        for value in np.atleast_1d(units.to_si(quantity.values, unit)).tolist():
+            try:
+                units.check_size(value, dimension)
+            except BadInput as error:
+                raise refuse(quantity.path, f"holds {error.message}") from error
         return quantity
 
     def optional_quantity(self, key: str, dimension: str) -> Quantity | None:
@@ -177,6 +228,10 @@ class Table:
 
     def close(self) -> None:
         """Refuse keys that were not asked for: a misspelt key must not be ignored."""
+        for name in self.texts("guessed") if "guessed" in self._values else ():
+            if name not in self._values or name == "guessed":
+                raise refuse(self.path("guessed"), f"names '{name}', which is no key of its table.")
+            self.guesses.append(Guessed(self.path(name), self._values[name]))
         for key in self._values:
             if key not in self._asked:
                 close = difflib.get_close_matches(key, sorted(self._asked), n=1)
@@ -186,6 +241,14 @@ class Table:
                     else f"known: {', '.join(sorted(self._asked))}."
                 )
                 raise refuse(self.path(key), f"is not a key of this table; {hint}")
+
+    def _checked(self, key: str, value: str, check: Callable[[str, int], str], longest: int) -> str:
+        try:
+            return check(value, longest)
+        except ValueError as error:
+            raise BadInput(
+                f"Mapping: '{self.path(key)}' {error}.", code="bad-text", key=self.path(key)
+            ) from error
 
     def _list(self, key: str, expected: str) -> list[object]:
         value = self._get(key, expected)
@@ -198,7 +261,9 @@ def _finite(value: object, path: str) -> float:
     if (
         isinstance(value, bool)
         or not isinstance(value, (int, float))
-        or not abs(value) < float("inf")
+        or not abs(value) <= units.LARGEST["number"]
     ):
-        raise refuse(path, f"must be a finite number, found {value!r}.")
+        largest = units.LARGEST["number"]
+        found = str(value)[:40]
+        raise refuse(path, f"must be a finite number of at most {largest:g}, found {found}.")
     return float(value)

@@ -1,7 +1,8 @@
 """Nastran bulk data (.bdf, .nas, .dat, .pch): GRID and coordinate systems, whatever the format.
 
 INCLUDE is not followed, as a deck from somewhere may name any file of the server; the files
-it names are imported beside it.
+it names are imported beside it. What a field leaves to GRDSET stays open here where this file
+has no GRDSET: that entry may stand in another file of the deck.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -20,6 +22,9 @@ _CARD = re.compile(
     rb"^(INIT |SOL |CEND|BEGIN |GRID|CORD[12]|GRDSET|INCLUDE |[A-Z][A-Z0-9]+ {1,7}\d+ |\$ )",
     re.IGNORECASE | re.MULTILINE,
 )
+_REPEAT = re.compile(r"=\(?(\d+)\)?")
+_STEP = re.compile(r"\*\(?([-+.\dEeDd]+)\)?")
+_Entry = TypeVar("_Entry")
 _KINDS = {"R": 1, "C": 2, "S": 3}
 _EXPONENT = re.compile(r"(?<=[\d.])([+-]\d+)$")
 
@@ -36,12 +41,12 @@ def read(path: Path) -> Content:
 
 @dataclass(slots=True)
 class _Deck:
-    grids: dict[int, tuple[int, tuple[float, ...], int]] = field(default_factory=dict)
+    grids: dict[int, tuple[int | None, tuple[float, ...], int | None]] = field(default_factory=dict)
     frames: dict[int, tuple[int, int, tuple[float, ...]]] = field(default_factory=dict)
-    by_grid: list[tuple[int, ...]] = field(default_factory=list)
+    by_grid: dict[int, tuple[int, ...]] = field(default_factory=dict)
     includes: list[str] = field(default_factory=list)
-    default_cp: int = 0
-    default_cd: int = 0
+    defaults: tuple[int, int] | None = None
+    weight_to_mass: float | None = None
 
 
 def read_text(text: str) -> Iterator[Field]:
@@ -59,12 +64,20 @@ def read_text(text: str) -> Iterator[Field]:
     if deck.grids:
         ids = sorted(deck.grids)
         rows = [deck.grids[i] for i in ids]
+        default_cp, default_cd = deck.defaults or (0, 0)
+        cp = [default_cp if row[0] is None else row[0] for row in rows]
+        cd = [default_cd if row[2] is None else row[2] for row in rows]
         yield Field("grid/id", np.array(ids, dtype=np.int64))
-        cp = [deck.default_cp if row[0] < 0 else row[0] for row in rows]
         yield Field("grid/cp", np.array(cp, dtype=np.int64))
         yield Field("grid/xyz", np.array([row[1] for row in rows], dtype=float))
-        cd = [deck.default_cd if row[2] == _BLANK else row[2] for row in rows]
         yield Field("grid/cd", np.array(cd, dtype=np.int64))
+        if deck.defaults is None:
+            left = [[row[0] is None, row[2] is None] for row in rows]
+            yield Field("deck/left_open", np.array(left, dtype=np.int64))
+    if deck.defaults is not None:
+        yield Field("deck/grdset", np.array(deck.defaults, dtype=np.int64))
+    if deck.weight_to_mass is not None:
+        yield Field("deck/wtmass", np.array([deck.weight_to_mass]))
     if deck.frames:
         ids = sorted(deck.frames)
         yield Field("frame/id", np.array(ids, dtype=np.int64))
@@ -72,18 +85,16 @@ def read_text(text: str) -> Iterator[Field]:
         yield Field("frame/reference", np.array([deck.frames[i][1] for i in ids], dtype=np.int64))
         yield Field("frame/points", np.array([deck.frames[i][2] for i in ids], dtype=float))
     if deck.by_grid:
-        yield Field("frame/by_grid", np.array(deck.by_grid, dtype=np.int64))
+        yield Field("frame/by_grid", np.array(list(deck.by_grid.values()), dtype=np.int64))
     if deck.includes:
         yield Field("deck/include", np.array(deck.includes, dtype=np.str_))
-
-
-_BLANK = -(10**9)
 
 
 def _cards(text: str, deck: _Deck) -> Iterator[tuple[int, list[str]]]:
     """Entries with their continuations, as lists of fields, and the line where each begins."""
     current: list[str] = []
     begun = 0
+    pattern: list[str] = []  # of a replication, which may be repeated
     for number, raw in enumerate(text.splitlines(), start=1):
         line = raw.split("$")[0].expandtabs(8).rstrip()
         if not line:
@@ -98,20 +109,78 @@ def _cards(text: str, deck: _Deck) -> Iterator[tuple[int, list[str]]]:
             if current:
                 current.extend(rest)
             continue
-        if current:
+        if head[0] == "=":
+            if current and not _wanted(current[0]):
+                continue  # of an entry that is of no use here
+            for made in _replicated(line, number, head, rest, current, pattern):
+                yield begun, current
+                current, begun = made, number
+            continue
+        if current and _wanted(current[0]):
             yield begun, current
-        name = head.rstrip("*").upper()
-        wanted = name in ("GRID", "GRDSET") or re.fullmatch(r"CORD[12][RCS]", name)
-        current, begun = ([name, *rest], number) if wanted else ([], number)
-    if current:
+        current, begun, pattern[:] = [head.rstrip("*").upper(), *rest], number, []
+        if _wanted(current[0]) and any(part.strip() for part in line.split(",")[len(rest) + 2 :]):
+            raise UnreadableFile(
+                f"line {number}: '{line[:60]}' has more fields than a line can hold; "
+                "continue it on a further line.",
+                row=number,
+            )
+    if current and _wanted(current[0]):
         yield begun, current
+
+
+def _wanted(name: str) -> bool:
+    return name in ("GRID", "GRDSET", "PARAM") or re.fullmatch(r"CORD[12][RCS]", name) is not None
+
+
+def _replicated(
+    line: str, number: int, head: str, rest: list[str], current: list[str], pattern: list[str]
+) -> Iterator[list[str]]:
+    """Entries that a replication makes of the one before: ``=``, ``==``, ``*(step)``, ``=(n)``."""
+    repeat = _REPEAT.fullmatch(head)
+    if not current or (repeat is not None and (any(rest) or not pattern)):
+        raise UnreadableFile(f"line {number}: '{line[:60]}' has no entry to repeat.", row=number)
+    if repeat is None:
+        if head not in ("=", "=="):
+            raise UnreadableFile(
+                f"line {number}: '{line[:60]}' is not a replication that can be read.", row=number
+            )
+        pattern[:] = ["=="] if head == "==" else rest
+    for _ in range(1 if repeat is None else int(repeat[1])):
+        made, whole = [current[0]], False
+        before = (current[1:] + [""] * len(pattern))[: max(len(pattern), len(current) - 1)]
+        for place, value in enumerate(before):
+            asked = pattern[place] if place < len(pattern) else ""
+            whole = whole or asked == "=="
+            made.append(value if whole or asked == "=" else _stepped(asked, value, line, number))
+        current = made
+        yield made
+
+
+def _stepped(asked: str, value: str, line: str, number: int) -> str:
+    if not asked.startswith(("*", "=", "%")):
+        return asked
+    step = _STEP.fullmatch(asked)
+    try:
+        if step is None:
+            raise ValueError(asked)
+        if re.fullmatch(r"[-+]?\d+", value) and re.fullmatch(r"[-+]?\d+", step[1]):
+            return str(int(value) + int(step[1]))
+        return repr(_real(value) + _real(step[1]))
+    except ValueError as error:
+        raise UnreadableFile(
+            f"line {number}: '{asked}' in '{line[:60]}' is not a step that can be added to "
+            f"'{value}'.",
+            row=number,
+        ) from error
 
 
 def _split(line: str) -> tuple[str, list[str]]:
     """First field and the data fields of one line, in free, small or large field format."""
     if "," in line:
         parts = [part.strip() for part in line.split(",")]
-        return parts[0], (parts[1:9] + [""] * 8)[:8]
+        width = 4 if "*" in parts[0] else 8
+        return parts[0], (parts[1:] + [""] * width)[:width]
     head = line[:8].strip()
     if head.endswith("*") or line.startswith("*"):
         return head, [line[8 + 16 * i : 24 + 16 * i].strip() for i in range(4)]
@@ -122,20 +191,29 @@ def _take(deck: _Deck, entries: list[str]) -> None:
     name, *fields = entries
     fields += [""] * 16
     if name == "GRDSET":
-        deck.default_cp, deck.default_cd = _integer(fields[1], 0), _integer(fields[5], 0)
+        deck.defaults = _integer(fields[1], 0), _integer(fields[5], 0)
+    elif name == "PARAM":
+        if fields[0].upper() == "WTMASS":
+            deck.weight_to_mass = _real(fields[1])
     elif name == "GRID":
         place = tuple(_real(value) for value in fields[2:5])
-        cp, cd = _integer(fields[1], -1), _integer(fields[5], _BLANK)
-        deck.grids[int(fields[0])] = (cp, place, cd)
+        cp, cd = (int(fields[k]) if fields[k] else None for k in (1, 5))
+        _define(deck.grids, int(fields[0]), (cp, place, cd), "node")
     elif name.startswith("CORD2"):
         points = tuple(_real(value) for value in fields[2:11])
-        kind = _KINDS[name[5]]
-        deck.frames[int(fields[0])] = (kind, _integer(fields[1], 0), points)
+        frame = (_KINDS[name[5]], _integer(fields[1], 0), points)
+        _define(deck.frames, int(fields[0]), frame, "coordinate system")
     elif name.startswith("CORD1"):
         for first in (0, 4):
             if fields[first]:
                 numbers = [int(value) for value in fields[first : first + 4]]
-                deck.by_grid.append((numbers[0], _KINDS[name[5]], *numbers[1:]))
+                frame = (numbers[0], _KINDS[name[5]], *numbers[1:])
+                _define(deck.by_grid, numbers[0], frame, "coordinate system")
+
+
+def _define(known: dict[int, _Entry], number: int, what: _Entry, kind: str) -> None:
+    if known.setdefault(number, what) != what:
+        raise ValueError(f"{kind} {number} is defined before, and otherwise")
 
 
 def _integer(text: str, default: int) -> int:

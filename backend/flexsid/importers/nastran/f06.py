@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 
 from flexsid.errors import UnreadableFile
+from flexsid.importers.nastran.flutter import FlutterPages
+from flexsid.importers.nastran.vectors import Vectors
 from flexsid.importers.source import Content, Field
 
-_NUMBER = re.compile(r"[-+]?\d*\.\d+(?:[EeDd]?[-+]\d+)?|[-+]?\d+\.?")
-_VECTOR = re.compile(r"E I G E N V E C T O R\s+N O \.\s+(\d+)")
+_VECTOR = re.compile(r"E I G E N V E C T O R(?:\s+N O \.\s+(\d+))?")
 _EIGENVALUE = re.compile(r"^\s*EIGENVALUE\s*=\s*([-+.\dEeDd]+)\s*$")
-_POINT = re.compile(r"POINT\s*=\s*(\d+)")
-_COLUMNS = (
-    ("1./KFREQ", "inverse"),
-    ("KFREQ", "reduced_frequency"),
-    ("DENSITY", "density"),
-    ("MACH NO", "mach"),
-    ("VELOCITY", "velocity"),
-    ("DAMPING", "damping"),
-    ("FREQUENCY", "frequency"),
+_SUBCASE = re.compile(r"^0.*\bSUBCASE\s+(\d+)")
+_SUPERELEMENT = re.compile(r"^0.*\bSUPERELEMENT\s+(\d+)")
+_BUCKLING = re.compile(
+    r"^\s*(?:\d+\s+)?SOL\s*=?\s*(?:105|SEBUCKL)\b|B U C K L I N G|\(BUCKLING", re.IGNORECASE
 )
+_REPEATED_SHAPE = 1e-6
 
 
 def recognises(head: bytes) -> bool:
@@ -32,136 +29,200 @@ def recognises(head: bytes) -> bool:
 
 
 def read(path: Path) -> Content:
-    """Read what a printout tells of modes and of flutter."""
+    """Read what a printout holds of modes and of flutter."""
     return Content(_fields(path.read_text(encoding="latin-1").splitlines()))
 
 
 def _fields(lines: list[str]) -> Iterator[Field]:
-    printed = _Printout()
-    take = printed.nothing
+    printed = _Printout(buckling=any(_BUCKLING.search(line) for line in lines))
     for number, line in enumerate(lines, start=1):
-        if "R E A L   E I G E N V A L U E S" in line:
-            take = printed.eigenvalue
-        elif (vector := _VECTOR.search(line)) is not None:
-            printed.begin_vector(int(vector[1]))
-            take = printed.vector
-        elif "FLUTTER  SUMMARY" in line:
-            take = printed.flutter
-        elif "MAXIMUM  DISPLACEMENTS" in line:
-            take = printed.largest
-        elif line[:1] == "1":  # a new page
-            take = printed.nothing
-        else:
-            if (value := _EIGENVALUE.search(line)) is not None:
-                printed.next_eigenvalue = _number(value[1])
-            try:
-                take(line)
-            except ValueError as error:
-                raise UnreadableFile(
-                    f"line {number}: '{line.strip()[:60]}' cannot be read.", row=number
-                ) from error
+        try:
+            printed.take(line)
+        except ValueError as error:
+            raise UnreadableFile(
+                f"line {number}: '{line.strip()[:60]}' cannot be read ({error}).", row=number
+            ) from error
     found = list(printed.fields())
+    refused = printed.refused()
     if not found:
         raise UnreadableFile(
-            "it prints neither eigenvalues nor eigenvectors nor a flutter summary.",
+            f"it holds nothing that can be used: {'; '.join(refused)}."
+            if refused
+            else "it prints neither eigenvalues nor eigenvectors nor a flutter summary.",
             code="nothing-usable",
         )
     yield from found
+    if refused:
+        yield Field("refused", np.array(refused, dtype=np.str_))
+
+
+class _Table:
+    """One table of real eigenvalues, over its pages."""
+
+    def __init__(self, subcase: int, superelement: int) -> None:
+        self.subcase, self.superelement = subcase, superelement
+        self.augmented = False
+        self.rows: dict[int, tuple[float, float]] = {}
 
 
 class _Printout:
     """What has been read so far, page by page."""
 
-    def __init__(self) -> None:
-        self.next_eigenvalue = 0.0
-        self._values: dict[int, tuple[float, float]] = {}
-        self._closed = False
-        self._vectors: dict[int, dict[int, list[float]]] = {}
-        self._eigenvalues: dict[int, float] = {}
-        self._vector: dict[int, list[float]] = {}
+    def __init__(self, buckling: bool) -> None:
+        self._buckling = buckling
+        self._take: Callable[[str], None] = self._nothing
+        self._eigenvalue = 0.0
+        self._subcase = self._superelement = self._mode = 0
+        self._tables: list[_Table] = []
+        self._vectors = Vectors()
+        self._vector: dict[int, list[float]] | None = None
         self._largest: list[list[float]] = []
-        self._point = 0
-        self._columns: list[str] = []
-        self._flutter: list[dict[str, float]] = []
+        self._flutter = FlutterPages()
+        self._refused: list[str] = []
 
-    def nothing(self, line: str) -> None:
+    def take(self, line: str) -> None:
+        """Read a line: a heading, or what its table holds."""
+        if (subcase := _SUBCASE.search(line)) is not None:
+            self._subcase = int(subcase[1])
+        if (element := _SUPERELEMENT.search(line)) is not None:
+            self._superelement = int(element[1])
+        if "R E A L   E I G E N V A L U E S" in line:
+            self._tables.append(_Table(self._subcase, self._superelement))
+            self._take = self._row_of_eigenvalues
+        elif (vector := _VECTOR.search(line)) is not None:
+            self._begin_vector(line, vector[1])
+        elif "FLUTTER  SUMMARY" in line:
+            self._flutter.begin(self._subcase)
+            self._take = self._flutter.take
+        elif "MAXIMUM  DISPLACEMENTS" in line:
+            self._take = self._row_of_largest
+        elif line[:1] == "1":  # a new page
+            self._take = self._nothing
+            self._superelement = 0
+        else:
+            if (value := _EIGENVALUE.search(line)) is not None:
+                self._eigenvalue = _number(value[1])
+            self._take(line)
+
+    def _nothing(self, line: str) -> None:
         """Pass over what is of no use here."""
 
-    def eigenvalue(self, line: str) -> None:
+    def _row_of_eigenvalues(self, line: str) -> None:
         """Read a row: mode, order, eigenvalue, radians, cycles, mass, stiffness."""
+        if "AUGMENTATION OF RESIDUAL VECTORS" in line:
+            self._tables[-1].augmented = "AFTER" in line
         parts = line.split()
         if len(parts) != 7 or not (parts[0].isdigit() and parts[1].isdigit()):
             return
         mode = int(parts[0])
-        if mode == 1 and self._values:
-            self._closed = True  # a further subcase
-        if not self._closed:
-            self._values[mode] = (_number(parts[3]), _number(parts[5]))
+        if not self._tables[-1].rows and self._goes_on(mode):
+            self._tables.pop()
+        if mode in self._tables[-1].rows:
+            raise ValueError(f"mode {mode} comes twice")
+        self._tables[-1].rows[mode] = (_number(parts[3]), _number(parts[5]))
 
-    def begin_vector(self, mode: int) -> None:
+    def _goes_on(self, mode: int) -> bool:
+        """Whether the table of a new page continues the one of the page before."""
+        if len(self._tables) < 2:
+            return False
+        before, now = self._tables[-2:]
+        return (before.subcase, before.superelement) == (now.subcase, now.superelement) and (
+            max(before.rows, default=0) + 1 == mode > 1
+        )
+
+    def _begin_vector(self, line: str, mode: str | None) -> None:
         """Begin with a mode, or go on with it on a new page."""
-        self._vector = self._vectors.setdefault(mode, {})
-        self._eigenvalues.setdefault(mode, self.next_eigenvalue)
+        self._take, self._vector = self._row_of_vector, None
+        if "C O M P L E X" in line:
+            self._leave_out("complex mode shapes; real ones (SOL 103) are read")
+        elif mode is None:
+            self._leave_out("mode shapes sorted by node (SORT2); those sorted by mode are read")
+        elif self._buckling:
+            self._leave_out("buckling shapes (SOL 105)")
+        else:
+            self._mode = int(mode)
 
-    def vector(self, line: str) -> None:
+    def _row_of_vector(self, line: str) -> None:
         """Read a row: node, type, six components."""
+        if "RELATIVE TO" in line or "SOLUTION SET" in line:
+            self._leave_out(f"shapes '{line.strip().strip('()').lower()}'")
+            return
         parts = line.split()
-        if len(parts) == 8 and parts[0].isdigit() and parts[1] == "G":
-            self._vector.setdefault(int(parts[0]), [_number(part) for part in parts[2:]])
+        if len(parts) != 8 or not parts[0].isdigit() or parts[1] != "G":
+            return
+        if self._vector is None:
+            self._vector = self._vectors.begin(self._subcase, self._mode, self._eigenvalue)
+        row = [_number(part) for part in parts[2:]]
+        known = self._vector.setdefault(int(parts[0]), row)
+        if not np.allclose(known, row, rtol=_REPEATED_SHAPE, atol=0.0):
+            raise ValueError(f"mode {self._mode} has another value at node {parts[0]} before")
 
-    def largest(self, line: str) -> None:
+    def _leave_out(self, what: str) -> None:
+        self._take = self._nothing
+        if what not in self._refused:
+            self._refused.append(what)
+
+    def _row_of_largest(self, line: str) -> None:
         """Read a row: largest component of one mode in each direction."""
         parts = line[1:].split()
         if len(parts) == 7 and parts[0].isdigit() and int(parts[0]) == len(self._largest) + 1:
             self._largest.append([_number(part) for part in parts[1:]])
 
-    def flutter(self, line: str) -> None:
-        """Read the point, the heading or a row of a flutter summary."""
-        if (point := _POINT.search(line)) is not None:
-            self._point = int(point[1])
-        elif "KFREQ" in line:
-            at = {name: line.replace("1./KFREQ", " " * 8).find(key) for key, name in _COLUMNS[1:]}
-            at["inverse"] = line.find("1./KFREQ")
-            self._columns = sorted((n for n in at if at[n] >= 0), key=at.__getitem__)
-            self._columns += ["real", "imaginary"]
-        else:
-            numbers = _NUMBER.findall(line)
-            if self._columns and len(numbers) == len(self._columns):
-                row = dict(zip(self._columns, map(_number, numbers), strict=True))
-                self._flutter.append({"point": float(self._point), **row})
+    def _table(self) -> _Table | None:
+        """Table of the subcase whose shapes are read, of the whole structure."""
+        first = self._vectors.first()
+        usable = [
+            table
+            for table in self._tables
+            if not self._buckling
+            and table.superelement == 0
+            and any(mass > 0.0 for _, mass in table.rows.values())
+            and (first is None or table.subcase == first[0])
+        ]
+        if not usable:
+            return None
+        same = [table for table in usable if table.subcase == usable[0].subcase]
+        return next((table for table in same if table.augmented), same[0])
+
+    def refused(self) -> list[str]:
+        """What was found and is not used, in words."""
+        notes = [*self._refused, *self._vectors.notes()]
+        read = self._table()
+        for table in self._tables:
+            if table is read or not table.rows:
+                continue
+            if self._buckling:
+                notes.append(f"{len(table.rows)} buckling factors (SOL 105)")
+            elif table.superelement:
+                notes.append(f"the eigenvalues of superelement {table.superelement}")
+            elif read is not None and table.subcase != read.subcase:
+                notes.append(
+                    f"{len(table.rows)} eigenvalues of subcase {table.subcase}; those of subcase "
+                    f"{read.subcase} are read"
+                )
+            elif read is not None and read.augmented:
+                added = sorted(set(read.rows) - set(table.rows))
+                if added:
+                    notes.append(
+                        f"modes {added[0]} to {added[-1]} are residual vectors, no modes of the "
+                        "structure"
+                    )
+            else:
+                notes.append(f"a further table of {len(table.rows)} eigenvalues")
+        return list(dict.fromkeys(notes))
 
     def fields(self) -> Iterator[Field]:
         """Everything that was found."""
-        computed = [mode for mode, (_, mass) in self._values.items() if mass > 0.0]
-        if computed:
+        table = self._table()
+        if table is not None:
+            computed = [mode for mode, (_, mass) in table.rows.items() if mass > 0.0]
             yield Field("mode/number", np.array(computed, dtype=np.int64))
-            yield Field("mode/radians", np.array([self._values[m][0] for m in computed]))
-            yield Field("mode/mass", np.array([self._values[m][1] for m in computed]))
+            yield Field("mode/radians", np.array([table.rows[m][0] for m in computed]))
+            yield Field("mode/mass", np.array([table.rows[m][1] for m in computed]))
         if self._largest:
             yield Field("shape/largest", np.array(self._largest))
-        yield from shape_fields(self._vectors, self._eigenvalues)
-        names = ("point", "velocity", "damping", "frequency", "real", "imaginary")
-        for name in (*names, "density", "mach"):
-            values = [row[name] for row in self._flutter if name in row]
-            if values:
-                yield Field(f"flutter/{name}", np.array(values))
-
-
-def shape_fields(
-    vectors: dict[int, dict[int, list[float]]], eigenvalues: dict[int, float]
-) -> Iterator[Field]:
-    """Shapes printed or punched node by node; what was left out as zero is zero."""
-    if not vectors:
-        return
-    modes = sorted(vectors)
-    nodes = sorted({node for rows in vectors.values() for node in rows})
-    zero = [0.0] * 6
-    values = [[vectors[mode].get(node, zero) for node in nodes] for mode in modes]
-    yield Field("shape/number", np.array(modes, dtype=np.int64))
-    radians = [max(eigenvalues.get(mode, 0.0), 0.0) ** 0.5 for mode in modes]
-    yield Field("shape/radians", np.array(radians))
-    yield Field("shape/node", np.array(nodes, dtype=np.int64))
-    yield Field("shape/values", np.array(values, dtype=float).reshape(len(modes), -1, 6))
+        yield from self._vectors.fields()
+        yield from self._flutter.fields()
 
 
 def _number(text: str) -> float:

@@ -77,6 +77,10 @@ class Frames:
         """Basic coordinates of all nodes, in the length of the deck."""
         return np.array([self._place(int(node)) for node in self._grids["id"]]).reshape(-1, 3)
 
+    def place_of(self, system: int, place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+        """Basic coordinates of a place given in a coordinate system of the deck."""
+        return self._frame(system).to_basic(np.asarray(place, dtype=float))
+
     def turn(
         self, nodes: Int[np.ndarray, " n_nodes"], values: Float[np.ndarray, "n_modes n_nodes 6"]
     ) -> Float[np.ndarray, "n_modes n_nodes 6"]:
@@ -100,8 +104,7 @@ class Frames:
                 node=node,
             )
         row = self._row[node]
-        frame = self._frame(int(self._grids["cp"][row]))
-        return frame.to_basic(np.asarray(self._grids["xyz"][row], dtype=float))
+        return self.place_of(int(self._grids["cp"][row]), self._grids["xyz"][row])
 
     def _frame(self, number: int) -> Frame:
         if number in self._known:

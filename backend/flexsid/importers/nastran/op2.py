@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,9 +15,23 @@ _GRID = (4501, 45)
 _FRAMES = {(2101, 21): 1, (2001, 20): 2, (2201, 22): 3}
 _FRAMES_BY_GRID = {(1801, 18): 1, (1701, 17): 2, (1901, 19): 3}
 _REAL_EIGENVALUES, _COMPLEX_EIGENVALUES = 2, 9
+_BUCKLING = (7, 8)  # before and after
 _TABLES = (1, 7)  # displacements and eigenvectors
-_TOLD = ("GEOM1", "OUG", "PHIG", "LAMA")
-"""In the names of tables that are read: OUGV1, BOUGV1, OPHIG, GEOM1S, BLAMA ..."""
+_GEOMETRY = re.compile(r"GEOM1[SN]?(OLD)?")
+_EIGENVALUES = re.compile(r"LAMA[SF1]?")
+_SHAPES = re.compile(r"B?(OUG(V?1)?|OPHIG|OUGV1PAT)")
+_IN_BASIC = ("B", "OUGV1PAT")  # beginnings of tables whose shapes are in basic directions
+_NOT_READ = {
+    "ROUG": "displacements relative to an enforced motion",
+    "BLAMA": "buckling factors",
+    "CLAMA": "eigenvalues of complex modes",
+    "OUGV2": "shapes sorted by node (SORT2)",
+    "OUG2": "shapes sorted by node (SORT2)",
+    "OUGPSD": "power spectra", "OUGRMS": "rms values", "OUGATO": "autocorrelations",
+    "OUGCRM": "cumulative rms values", "OUGNO": "zero crossings",
+    "OUXY": "shapes of the solution set", "TOUG": "temperatures",
+}  # fmt: skip
+"""Beginnings of the names of tables that look like modes and hold something else."""
 
 
 def recognises(head: bytes) -> bool:
@@ -102,27 +117,50 @@ class _Words:
 def _fields(data: bytes) -> Iterator[Field]:
     words = _Words(data)
     found: dict[str, Field] = {}
+    refused: list[str] = []
     for block in words.blocks():
         name = block[0][: 2 * words.size].decode("ascii", "replace")
         name = "".join(c for c in name if c.isalnum() or c == "_").strip()
-        if not any(part in name for part in _TOLD) or name.startswith("CLAMA"):
-            continue
         records = [record[words.size :] for record in block[2:]]  # each begins with its type
-        if "GEOM1" in name:
+        if _GEOMETRY.fullmatch(name):
             fields = _geometry(records, words)
-        elif "LAMA" in name:
+        elif _EIGENVALUES.fullmatch(name):
             fields = _eigenvalues(records, words)
-        else:
+        elif _SHAPES.fullmatch(name):
             fields = _shapes(records, words, name)
-        for field in fields:
-            found.setdefault(field.path, field)  # the first of several subcases
+        else:
+            what = next((what for head, what in _NOT_READ.items() if name.startswith(head)), None)
+            if what is not None:
+                refused.append(f"table {name} holds {what}, not the shapes of modes")
+            elif "OUG" in name or "PHIG" in name:
+                refused.append(f"table {name} is of a kind that is not read")
+            continue
+        taken = {field.path: field for field in fields}
+        if "refused" in taken:
+            refused += [str(text) for text in taken.pop("refused").samples]
+        for group in ("grid", "frame", "mode", "shape"):
+            part = {path: one for path, one in taken.items() if path.startswith(f"{group}/")}
+            if not any(path.startswith(f"{group}/") for path in found):
+                found |= part
+            elif not _alike(part, found):
+                refused.append(f"table {name}: another one with other contents is read")
     if not found:
         raise UnreadableFile(
-            "it holds neither nodes (GEOM1) nor eigenvectors (OUG) nor eigenvalues (LAMA); "
-            "run with PARAM,POST,-1 and VECTOR=ALL.",
+            "it holds neither nodes (GEOM1) nor eigenvectors (OUG) nor eigenvalues (LAMA)"
+            + (f", but {'; '.join(refused)}" if refused else "")
+            + "; run with PARAM,POST,-1 and VECTOR=ALL.",
             code="nothing-usable",
         )
     yield from found.values()
+    if refused:
+        yield Field("refused", np.array(list(dict.fromkeys(refused)), dtype=np.str_))
+
+
+def _alike(part: dict[str, Field], found: dict[str, Field]) -> bool:
+    return all(
+        path in found and np.array_equal(one.samples, found[path].samples)
+        for path, one in part.items()
+    )
 
 
 def _geometry(records: list[bytes], words: _Words) -> Iterator[Field]:
@@ -135,21 +173,34 @@ def _geometry(records: list[bytes], words: _Words) -> Iterator[Field]:
         if head == _GRID:
             yield from _grids(body, words)
         elif head in _FRAMES:
-            row = np.dtype([("i", words.integer, 4), ("x", words.real, 9)])
-            part = np.frombuffer(body, row)
-            kind = np.full((part.size, 1), _FRAMES[head])
-            frames.append(np.hstack([part["i"][:, [0]], kind, part["i"][:, [3]], part["x"]]))
+            frames.append(_frames(body, words, _FRAMES[head]))
         elif head in _FRAMES_BY_GRID:
             part = np.frombuffer(body, words.integer).reshape(-1, 6)
             kind = np.full((part.shape[0], 1), _FRAMES_BY_GRID[head])
             by_grid.append(np.hstack([part[:, [0]], kind, part[:, 3:]]))
     if frames:
-        rows = np.vstack(frames).astype(float)
+        rows = np.vstack(frames)
         for column, name in enumerate(("id", "kind", "reference")):
             yield Field(f"frame/{name}", rows[:, column].astype(np.int64))
         yield Field("frame/points", rows[:, 3:])
     if by_grid:
         yield Field("frame/by_grid", np.vstack(by_grid).astype(np.int64))
+
+
+def _frames(body: bytes, words: _Words, kind: int) -> np.ndarray:
+    """Rows of id, kind, reference and three points; newer versions write them doubled."""
+    for real in (words.real, np.dtype(f"{words.order}f8")):
+        row = np.dtype([("i", words.integer, 4), ("x", real, 9)])
+        if len(body) % row.itemsize:
+            continue
+        part = np.frombuffer(body, row)
+        ids, kinds = part["i"][:, [0]], part["i"][:, 1]
+        if (kinds == kind).all() and (ids > 0).all() and np.isfinite(part["x"]).all():
+            kinds = np.full((part.size, 1), kind)
+            return np.hstack([ids, kinds, part["i"][:, [3]], part["x"]]).astype(float)
+    raise UnreadableFile(
+        f"the table GEOM1 has CORD2{' RCS'[kind]} entries of an unknown layout.",
+    )
 
 
 def _grids(body: bytes, words: _Words) -> Iterator[Field]:
@@ -174,6 +225,11 @@ def _grids(body: bytes, words: _Words) -> Iterator[Field]:
 
 def _eigenvalues(records: list[bytes], words: _Words) -> Iterator[Field]:
     row = np.dtype([("i", words.integer, 2), ("x", words.real, 5)])
+    if len(records) > 1 and len(records[1]) >= 10 * words.size:
+        approach = int(np.frombuffer(records[1], words.integer, count=1)[0]) // 10
+        if approach in _BUCKLING:
+            yield Field("refused", np.array(["table LAMA holds buckling factors (SOL 105)"]))
+            return
     for record in records:
         if record and len(record) % row.itemsize == 0:
             rows = np.frombuffer(record, row)
@@ -189,37 +245,63 @@ def _shapes(records: list[bytes], words: _Words, name: str) -> Iterator[Field]:
     numbers: list[int] = []
     radians: list[float] = []
     shapes: list[np.ndarray] = []
+    refused: list[str] = []
     nodes = np.empty(0, dtype=np.int64)
     grids = np.empty(0, dtype=bool)
+    subcase: int | None = None
     # The sub-table's name comes first, then a table of identification before each of data.
     for ident, data in zip(records[1::2], records[2::2], strict=False):
         head = np.frombuffer(ident[: 10 * words.size], words.integer)
-        if head.size < 10 or int(head[1]) % 1000 not in _TABLES:
-            return
-        approach, per_entry = int(head[0]) // 10, int(head[9])
-        if approach != _REAL_EIGENVALUES:
-            if approach == _COMPLEX_EIGENVALUES:
-                text = f"table {name} holds complex modes; real ones (SOL 103) are read"
-                yield Field("refused", np.array([text]))
-            return
-        if per_entry != 8 or len(data) % layout.itemsize:
+        if head.size < 10:
+            break
+        what = _other_than_modes(int(head[0]) // 10, int(head[1]))
+        if what is None and subcase not in (None, int(head[3])):
+            what = f"the modes of subcase {int(head[3])}; those of subcase {subcase} are read"
+        if what is not None:
+            refused.append(f"table {name} holds {what}")
+            continue
+        subcase = int(head[3])
+        if int(head[9]) != 8 or len(data) % layout.itemsize:
             raise UnreadableFile(
                 f"table {name} is not sorted by mode with real numbers (SORT1, REAL)."
             )
         rows = np.frombuffer(data, layout)
+        given = rows["i"][:, 0].astype(np.int64) // 10
         if not shapes:
-            nodes = rows["i"][:, 0].astype(np.int64) // 10
-            grids = rows["i"][:, 1] == 1
-        elif rows.size != nodes.size:
+            nodes, grids = given, rows["i"][:, 1] == 1
+        elif not np.array_equal(given, nodes):
             raise UnreadableFile(f"table {name} has other nodes for mode {int(head[4])}.")
+        if int(head[4]) in numbers:
+            raise UnreadableFile(
+                f"table {name} has mode {int(head[4])} twice in subcase {subcase}."
+            )
         if (len(shapes) + 1) * rows.size * 48 > LARGEST_CONTENT:
             raise UnreadableFile(f"table {name} holds more than {LARGEST_CONTENT} bytes.")
         numbers.append(int(head[4]))
         eigenvalue = float(np.frombuffer(ident, words.real, count=6)[5])
         radians.append(float(np.sqrt(max(eigenvalue, 0.0))))
         shapes.append(rows["x"][grids].astype(float))
+    if refused:
+        yield Field("refused", np.array(refused, dtype=np.str_))
     if shapes:
         yield Field("shape/number", np.array(numbers, dtype=np.int64))
         yield Field("shape/radians", np.array(radians))
         yield Field("shape/node", nodes[grids])
         yield Field("shape/values", np.stack(shapes))
+        if name.startswith(_IN_BASIC):
+            yield Field("shape/basic", np.array([1]))
+
+
+def _other_than_modes(approach: int, code: int) -> str | None:
+    """What a table holds that is none of real modes, in words."""
+    if code % 1000 not in _TABLES:
+        return f"results of kind {code % 1000}, not displacements"
+    if approach == _COMPLEX_EIGENVALUES:
+        return "complex modes; real ones (SOL 103) are read"
+    if approach in _BUCKLING:
+        return "buckling shapes (SOL 105)"
+    if approach != _REAL_EIGENVALUES:
+        return f"displacements of another solution (approach {approach}), not modes"
+    if code // 1000:
+        return "shapes that are sorted by node or not real (SORT1, REAL is read)"
+    return None

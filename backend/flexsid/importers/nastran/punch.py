@@ -6,12 +6,22 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+
 from flexsid.errors import UnreadableFile
 from flexsid.importers.nastran import bulk
-from flexsid.importers.nastran.f06 import shape_fields
+from flexsid.importers.nastran.vectors import Vectors
 from flexsid.importers.source import Content, Field
 
 _MODE = re.compile(r"\$EIGENVALUE\s*=\s*(\S+)\s+MODE\s*=\s*(\d+)", re.IGNORECASE)
+_SUBCASE = re.compile(r"\$SUBCASE ID\s*=\s*(\d+)", re.IGNORECASE)
+_SHAPES = ("$EIGENVECTOR", "$DISPLACEMENTS")
+_DESCRIPTIONS = ("$SUBTITLE", "$LABEL", "$REAL OUTPUT", "$SUBCASE ID", "$SUBCOM", "$SEID")
+_NOT_READ = {
+    "$REAL-IMAGINARY": "complex mode shapes; real ones (SOL 103) are read",
+    "$MAGNITUDE-PHASE": "complex mode shapes; real ones (SOL 103) are read",
+    "$POINT": "mode shapes sorted by node (SORT2); those sorted by mode are read",
+}
 
 
 def recognises(head: bytes) -> bool:
@@ -25,23 +35,29 @@ def read(path: Path) -> Content:
 
 
 def _fields(text: str) -> Iterator[Field]:
-    vectors: dict[int, dict[int, list[float]]] = {}
-    eigenvalues: dict[int, float] = {}
+    shapes = Vectors()
     table: dict[int, list[float]] | None = None
     row: list[float] = []
+    refused: list[str] = []
     wanted = False
+    subcase = 0
     for number, line in enumerate(text.splitlines(), start=1):
         line = line[:72]  # a running number follows
         if line.startswith("$"):
-            if line.startswith(("$EIGENVECTOR", "$DISPLACEMENTS")):
-                wanted = True
-            elif line.startswith(("$TITLE", "$ELEMENT", "$SPCF", "$MPCF")):
+            title = line.split("=")[0].rstrip()
+            if title in _SHAPES:
+                wanted, table = True, None
+            elif (why := _NOT_READ.get(title.split()[0])) is not None:
+                if wanted and why not in refused:
+                    refused.append(why)
                 wanted = False
+            elif title not in _DESCRIPTIONS and not title.startswith(("$EIGENVALUE", "$ ")):
+                wanted = False  # another kind of result
+            if (case := _SUBCASE.search(line)) is not None:
+                subcase = int(case[1])
             found = _MODE.search(line)
             if found is not None and wanted:
-                mode = int(found[2])
-                eigenvalues.setdefault(mode, float(found[1]))
-                table = vectors.setdefault(mode, {})
+                table = shapes.begin(subcase, int(found[2]), float(found[1]))
             elif not wanted:
                 table = None
             continue
@@ -53,17 +69,19 @@ def _fields(text: str) -> Iterator[Field]:
                 row.extend(float(part) for part in parts[1:4])
             elif len(parts) >= 5 and parts[1] == "G":
                 row = [float(part) for part in parts[2:5]]
+                if int(parts[0]) in table:
+                    raise ValueError(f"node {parts[0]} comes twice in this mode")
                 table[int(parts[0])] = row
         except ValueError as error:
             raise UnreadableFile(
-                f"line {number}: '{line.strip()[:60]}' cannot be read.", row=number
+                f"line {number}: '{line.strip()[:60]}' cannot be read ({error}).", row=number
             ) from error
-    for mode, rows in vectors.items():
-        short = [node for node, values in rows.items() if len(values) != 6]
-        if short:
-            raise UnreadableFile(
-                f"mode {mode}, node {short[0]} has {len(rows[short[0]])} components, 6 expected."
-            )
-    yield from shape_fields(vectors, eigenvalues)
+    if short := shapes.short():
+        mode, node, count = short
+        raise UnreadableFile(f"mode {mode}, node {node} has {count} components, 6 expected.")
+    yield from shapes.fields()
+    refused += shapes.notes()
+    if refused:
+        yield Field("refused", np.array(refused, dtype=np.str_))
     if any(line[:4].upper() in ("GRID", "CORD") for line in text.splitlines()):
         yield from bulk.read_text(text)

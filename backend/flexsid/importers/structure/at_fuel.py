@@ -15,6 +15,7 @@ from flexsid.sysid.modes.assurance import real_shapes
 
 STILL = 2.0 * np.pi * 0.05  # rad/s: below it a mode is a motion of the rigid body
 _COLLINEAR = 0.9
+_SAME_FREQUENCY = 1e-3  # relative: two printings of one mode
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -47,9 +48,9 @@ def modes_at_fuel(
     ]
     best = max(results, key=lambda source: (source.name.lower().endswith(".op2"), 0))
     found = best.arrays
+    notes = _check_alike(best, results, fuel)
     frames = frames_of([*results, *(s for s in usable if s not in results)])
     numbers = np.asarray(found["shape/number"])
-    notes: list[str] = []
     values = np.asarray(found["shape/values"])
     for name in ("values", "imaginary", "radians", "damping", "mass"):
         if f"shape/{name}" in found:
@@ -72,7 +73,10 @@ def modes_at_fuel(
             code="missing-node",
             node=missing[0],
         )
-    values = frames[0].turn(node, values)
+    if "shape/basic" not in found:
+        values = frames[0].turn(node, values)
+    if ids.size > node.size:
+        notes.append(f"Shapes are given at {node.size} of the {ids.size} nodes.")
     rows = [place[int(n)] for n in node]
     omega = _better_frequencies(np.asarray(found["shape/radians"], dtype=float), numbers, usable)
     kept = np.ones(numbers.size, dtype=bool) if answers.rigid_modes else omega > STILL
@@ -81,12 +85,9 @@ def modes_at_fuel(
     if not kept.all():
         notes.append(f"{int((~kept).sum())} modes below 0.05 Hz are left out: the rigid body's.")
     zeta = np.asarray(found["shape/damping"])[kept] if "shape/damping" in found else None
-    masses = next((m for m in (masses_of(s) for s in [best, *usable]) if m is not None), None)
     mass = None
-    if masses is not None and answers.generalized_mass in (None, "file"):
-        known = [masses.get(int(number), 0.0) for number in numbers[kept]]
-        if min(known) > 0:
-            mass = np.array(known)
+    if answers.generalized_mass in (None, "file"):
+        mass = _masses(best, usable, numbers[kept], omega[kept], notes)
     largest = next((s.arrays["shape/largest"] for s in usable if "shape/largest" in s.arrays), None)
     if largest is not None and largest.shape[0] == numbers.size:
         own = np.abs(np.asarray(found["shape/values"])).max(axis=1)
@@ -104,6 +105,67 @@ def modes_at_fuel(
     )
 
 
+def _check_alike(best: Source, results: Sequence[Source], fuel: float) -> list[str]:
+    """Refuse results of one fuel weight that hold other modes than those that are read."""
+    numbers = np.asarray(best.arrays["shape/number"])
+    omega = np.asarray(best.arrays["shape/radians"], dtype=float)
+    left = []
+    for other in results:
+        if other is best:
+            continue
+        others = np.asarray(other.arrays["shape/radians"], dtype=float)
+        same = np.array_equal(np.asarray(other.arrays["shape/number"]), numbers)
+        if not same or not np.allclose(others, omega, rtol=_SAME_FREQUENCY, atol=STILL):
+            raise BadInput(
+                f"{best.name} and {other.name} hold different modes for fuel fraction {fuel:g}; "
+                "give each file of results its fuel fraction, or import them one by one",
+                code="two-results",
+            )
+        left.append(other.name)
+    return [f"Shapes are those of {best.name}; {', '.join(left)} holds the same."] if left else []
+
+
+def _masses(
+    best: Source,
+    usable: Sequence[Source],
+    numbers: np.ndarray,
+    omega: np.ndarray,
+    notes: list[str],
+) -> np.ndarray | None:
+    """Generalised masses of these modes, from a file whose modes have these frequencies."""
+    for source in dict.fromkeys([best.name, *(s.name for s in usable)]):
+        file = next(s for s in (best, *usable) if s.name == source)
+        masses = masses_of(file)
+        if masses is None:
+            continue
+        of = "shape" if "shape/mass" in file.arrays else "mode"
+        radians = dict(
+            zip(
+                np.asarray(file.arrays[f"{of}/number"]).tolist(),
+                np.asarray(file.arrays[f"{of}/radians"], dtype=float).tolist(),
+                strict=True,
+            )
+        )
+        known = np.array([masses.get(int(number), 0.0) for number in numbers])
+        at = np.array([radians.get(int(number), np.nan) for number in numbers])
+        other = ~np.isclose(at, omega, rtol=_SAME_FREQUENCY, atol=STILL)
+        if other.any():
+            row = int(np.argmax(other))
+            printed = "none" if np.isnan(at[row]) else f"{at[row] / (2.0 * np.pi):.4g} Hz"
+            notes.append(
+                f"Generalised masses of {file.name} are not used: its mode {numbers[row]} has "
+                f"{printed}, the shapes {omega[row] / (2.0 * np.pi):.4g} Hz."
+            )
+        elif (known > 0).all():
+            return known
+        else:
+            notes.append(
+                f"Generalised masses of {file.name} are not used: it has none for mode "
+                f"{numbers[int(np.argmax(known <= 0))]}."
+            )
+    return None
+
+
 def _better_frequencies(
     omega: np.ndarray, numbers: np.ndarray, files: Sequence[Source]
 ) -> np.ndarray:
@@ -119,7 +181,7 @@ def _better_frequencies(
             )
             table = np.array([known.get(int(number), np.nan) for number in numbers])
             moving = omega > STILL
-            if moving.any() and np.allclose(table[moving], omega[moving], rtol=1e-3):
+            if moving.any() and np.allclose(table[moving], omega[moving], rtol=_SAME_FREQUENCY):
                 return np.where(np.isfinite(table), table, omega)
     return omega
 

@@ -11,11 +11,15 @@ from flexsid.errors import BadInput
 from flexsid.importers.modal_files import modes_of_csv
 from flexsid.importers.source import Source, Sources
 from flexsid.importers.structure.answers import StructureAnswers
-from flexsid.importers.structure.at_fuel import modes_at_fuel
+from flexsid.importers.structure.at_fuel import masses_of, modes_at_fuel
 from flexsid.importers.structure.axes import TO_BODY, axes_of
 from flexsid.importers.structure.nodes import lines_between
 from flexsid.importers.structure.units import units_of
+from flexsid.importers.structure.unused import unused
 from flexsid.records.modal_table import ModalKind
+
+_UNIT_MASS = 1e-3
+"""Farther from one than round-off of a normalised mode."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -83,6 +87,7 @@ def extract_structure(sources: Sources, answers: StructureAnswers) -> RawStructu
     if any(part.omega.size != n_modes for part in parts):
         notes.append(f"Only the first {n_modes} modes are there at every fuel weight.")
     notes += [note for part in parts for note in part.notes]
+    notes += unused(sources)
     precision = np.result_type(*(part.shape.dtype for part in parts))
     scale = np.concatenate([length * TO_BODY, TO_BODY])
     shape = np.empty((len(parts), n_modes, first.ids.size, 6), dtype=precision)
@@ -95,6 +100,14 @@ def extract_structure(sources: Sources, answers: StructureAnswers) -> RawStructu
     mass = _stack([part.mass for part in parts], n_modes)
     if answers.generalized_mass == "unit" and mass is None:
         mass = np.ones((len(parts), n_modes))
+    if answers.generalized_mass == "unit":
+        _check_unit_mass(sources)
+    if answers.generalized_mass == "file" and mass is None:
+        raise BadInput(
+            "no file gives the generalised masses of these modes; answer unit or unknown",
+            code="mass-missing",
+            field="generalized_mass",
+        )
     return RawStructure(
         name=answers.name,
         kind=answers.kind,
@@ -111,6 +124,19 @@ def extract_structure(sources: Sources, answers: StructureAnswers) -> RawStructu
         origin=", ".join(source.name for source in sources.items),
         notes=tuple(dict.fromkeys(notes)),
     )
+
+
+def _check_unit_mass(sources: Sources) -> None:
+    """Refuse the answer that all generalised masses are one where a file gives others."""
+    for source in sources.items:
+        for mode, mass in (masses_of(source) or {}).items():
+            if mass > 0.0 and abs(mass - 1.0) > _UNIT_MASS:
+                raise BadInput(
+                    f"{source.name} gives mode {mode} a generalised mass of {mass:.6g}, unit was "
+                    "answered; answer file to take those of the file",
+                    code="mass-differs",
+                    field="generalized_mass",
+                )
 
 
 def _stack(parts: Sequence[np.ndarray | None], n_modes: int) -> np.ndarray | None:

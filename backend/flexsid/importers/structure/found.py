@@ -10,6 +10,7 @@ from flexsid.importers.modal_files import modes_of_csv
 from flexsid.importers.source import Source, Sources
 from flexsid.importers.structure.at_fuel import masses_of
 from flexsid.importers.structure.units import LENGTHS, MASSES
+from flexsid.importers.structure.unused import missing_includes, refused_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,7 +45,7 @@ class StructureFound:
 def look_at_structure(sources: Sources) -> StructureFound:
     """Say what files hold and what they leave open."""
     sources = Sources(tuple(modes_of_csv(source) for source in sources.items))
-    files = tuple(_describe(source) for source in sources.items)
+    files = tuple(_describe(source, sources) for source in sources.items)
     results = [source for source in sources.items if "shape/values" in source.arrays]
     questions: list[Question] = []
     if not any("unit/length" in source.arrays for source in sources.items):
@@ -81,7 +82,7 @@ def look_at_structure(sources: Sources) -> StructureFound:
     )
 
 
-def _describe(source: Source) -> FoundFile:
+def _describe(source: Source, sources: Sources) -> FoundFile:
     found = source.arrays
     holds: list[str] = []
     if "shape/values" in found:
@@ -103,10 +104,7 @@ def _describe(source: Source) -> FoundFile:
     functions = [path for path in found if path.startswith("function/") and path[-2:] != " x"]
     if functions:
         holds.append(f"{len(functions)} measured functions")
-    refused = [str(text) for text in found.get("refused", ())]
-    refused += [
-        f"it includes {name}: import that file too" for name in found.get("deck/include", ())
-    ]
+    refused = [*refused_of(source), *missing_includes(source, sources)]
     return FoundFile(
         name=source.name,
         holds=tuple(holds) or ("nothing that tells of modes",),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from flexsid.importers.nastran.frames import Frames
 from flexsid.importers.source import Source, Sources
 
 _LARGEST = 1e50
+_SAME = 1e-4  # of the size of the structure: single precision, and decks of eight characters
 
 
 def check_finite(values: np.ndarray, what: str) -> None:
@@ -20,17 +21,31 @@ def check_finite(values: np.ndarray, what: str) -> None:
 
 
 def frames_of(files: Sequence[Source]) -> tuple[Frames, np.ndarray, np.ndarray]:
-    """Coordinate systems, ids and places of all nodes of these files."""
+    """Coordinate systems, ids and places of all nodes of these files.
+
+    Raises
+    ------
+    BadInput
+        If there are no nodes, or two files define a node or a coordinate system otherwise.
+    """
+    default = _grdset(files)
     grids: dict[str, list[np.ndarray]] = {name: [] for name in ("id", "cp", "xyz", "cd")}
     frames: dict[str, list[np.ndarray]] = {}
+    names: list[str] = []
     for source in files:
         if "grid/id" in source.arrays:
-            for name, values in grids.items():
-                values.append(np.asarray(source.arrays[f"grid/{name}"]))
+            own = {name: np.asarray(source.arrays[f"grid/{name}"]) for name in grids}
+            if default is not None and "deck/left_open" in source.arrays:
+                left = np.asarray(source.arrays["deck/left_open"]).astype(bool)
+                for column, name in enumerate(("cp", "cd")):
+                    own[name] = np.where(left[:, column], default[column], own[name])
+            for name, values in own.items():
+                grids[name].append(values)
+            names += [source.name] * own["id"].size
         for path, values in source.arrays.items():
             if path.startswith("frame/"):
                 frames.setdefault(path.removeprefix("frame/"), []).append(np.asarray(values))
-    if not grids["id"]:
+    if not names:
         raise BadInput(
             "the files do not say where the nodes are; import the deck (.bdf) with all that it "
             "includes, or the file with the geometry",
@@ -40,10 +55,81 @@ def frames_of(files: Sequence[Source]) -> tuple[Frames, np.ndarray, np.ndarray]:
     check_finite(joined["xyz"], "coordinates of nodes")
     for points in frames.get("points", ()):
         check_finite(points, "points of coordinate systems")
-    _, first = np.unique(joined["id"], return_index=True)  # a deck may come twice
-    joined = {name: values[first] for name, values in joined.items()}
-    known = Frames(joined, {name: np.concatenate(values) for name, values in frames.items()})
-    return known, joined["id"], known.places()
+    _, first, row = np.unique(joined["id"], return_index=True, return_inverse=True)
+    defined = {name: np.concatenate(values) for name, values in frames.items()}
+    _check_frames(defined)
+    known = Frames({name: values[first] for name, values in joined.items()}, defined)
+    places = known.places()
+    _check_repeated(known, joined, np.array(names), first[row], places[row])
+    return known, joined["id"][first], places
+
+
+def _grdset(files: Sequence[Source]) -> tuple[int, int] | None:
+    """Systems that GRDSET gives to nodes which name none, in whichever file it stands."""
+    found: dict[tuple[int, int], str] = {}
+    for source in files:
+        if "deck/grdset" in source.arrays:
+            cp, cd = (int(number) for number in source.arrays["deck/grdset"])
+            found.setdefault((cp, cd), source.name)
+    if len(found) > 1:
+        raise BadInput(
+            f"{' and '.join(found.values())} hold different GRDSET entries; import the decks of "
+            "one model",
+            code="two-defaults",
+        )
+    return next(iter(found), None)
+
+
+def _check_frames(defined: Mapping[str, np.ndarray]) -> None:
+    """Refuse a coordinate system that two files define otherwise."""
+    known: dict[int, np.ndarray] = {}
+    if "id" in defined:
+        columns = [defined[name].reshape(-1, 1) for name in ("id", "kind", "reference")]
+        for one in np.hstack([*columns, defined["points"]]):
+            before = known.setdefault(int(one[0]), one)
+            size = max(float(np.abs(one[3:]).max()), 1.0)
+            if not (before[1:3] == one[1:3]).all() or np.abs(before - one).max() > _SAME * size:
+                raise _defined_twice(int(one[0]))
+    by_grid: dict[int, np.ndarray] = {}
+    for one in defined.get("by_grid", ()):
+        number = int(one[0])
+        if number in known or not np.array_equal(by_grid.setdefault(number, one), one):
+            raise _defined_twice(number)
+
+
+def _defined_twice(number: int) -> BadInput:
+    return BadInput(
+        f"coordinate system {number} is defined twice, and otherwise; import the files of one "
+        "model",
+        code="two-definitions",
+        frame=number,
+    )
+
+
+def _check_repeated(
+    known: Frames,
+    joined: Mapping[str, np.ndarray],
+    names: np.ndarray,
+    first: np.ndarray,
+    places: np.ndarray,
+) -> None:
+    """Refuse a node that comes again in another place, or with another displacement system."""
+    again = np.flatnonzero(first != np.arange(first.size))
+    if not again.size:
+        return
+    size = float(np.linalg.norm(np.ptp(places, axis=0))) or 1.0
+    for row in again:
+        own = known.place_of(int(joined["cp"][row]), joined["xyz"][row])
+        moved = float(np.linalg.norm(own - places[row]))
+        turned = int(joined["cd"][row]) != int(joined["cd"][first[row]])
+        if moved > _SAME * size or turned:
+            what = f"{moved:.3g} apart" if moved > _SAME * size else "with other displacement axes"
+            raise BadInput(
+                f"node {int(joined['id'][row])} of {names[row]} is defined in {names[first[row]]} "
+                f"too, {what}; import the files of one model, one geometry each",
+                code="two-definitions",
+                node=int(joined["id"][row]),
+            )
 
 
 def lines_between(sources: Sources, ids: np.ndarray) -> np.ndarray:

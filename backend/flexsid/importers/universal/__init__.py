@@ -1,6 +1,7 @@
 """Universal files (.uff, .unv): nodes, coordinate systems, mode shapes, lines, functions.
 
-Data sets 15, 18, 55, 58 (text and binary), 82, 151, 164, 2411, 2412 and 2414 are read.
+Data sets 15, 18, 55, 58 (text and binary), 82, 151, 164, 781, 2411, 2412, 2414 and 2420 are
+read.
 Numbers are taken by their shape rather than by column, as writers keep to columns loosely
 and let negative numbers touch.
 """
@@ -14,7 +15,7 @@ from flexsid.errors import UnreadableFile
 from flexsid.importers.source import Content, Field
 from flexsid.importers.universal.blocks import Refused, data_sets
 from flexsid.importers.universal.fields import fields_of
-from flexsid.importers.universal.kinds import READERS, Found
+from flexsid.importers.universal.kinds import READERS, Contradiction, Found
 
 
 def recognises(head: bytes) -> bool:
@@ -36,15 +37,24 @@ def read(path: Path) -> Content:
 
 def _fields(path: Path) -> Iterator[Field]:
     found = Found()
+    unread: dict[int, list[int]] = {}
     for place, block in enumerate(data_sets(path), start=1):
         reader = READERS.get(block.kind)
         if reader is None:
-            found.refused.append(f"data set {place} is of kind {block.kind}, which is not read")
+            unread.setdefault(block.kind, []).append(place)
             continue
         try:
             reader(found, block)
+        except Contradiction as error:
+            raise UnreadableFile(
+                f"data set {place} (kind {block.kind}): {error}; take the one that is meant.",
+                code="contradiction",
+            ) from error
         except (Refused, ValueError, IndexError) as error:
             found.refused.append(f"data set {place} (kind {block.kind}): {error}")
+    for kind, places in unread.items():
+        which = f"data set {places[0]} is" if len(places) == 1 else f"{len(places)} data sets are"
+        found.refused.append(f"{which} of kind {kind}, which is not read")
     content = list(fields_of(found))
     if not any(f.path.split("/")[0] in ("grid", "shape", "function", "frf") for f in content):
         raise UnreadableFile(

@@ -14,7 +14,15 @@ from flexsid.importers.source import LARGEST_CONTENT
 
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?")
 _BINARY = re.compile(r"\s*58b\s+(\d+)\s+(\d+)\s+(\d+)\s+(\d+)")
-_RESPONSES = (2, 3, 4)  # cross spectrum and frequency response between two points
+_FREQUENCY_RESPONSE = 4
+FUNCTION_TYPES = {
+    0: "general functions", 1: "time responses", 2: "auto spectra", 3: "cross spectra",
+    4: "frequency responses", 5: "transmissibilities", 6: "coherences", 7: "autocorrelations",
+    8: "cross correlations", 9: "power spectral densities", 10: "energy spectral densities",
+    12: "spectra", 18: "mode indicator functions", 19: "force patterns", 20: "partial powers",
+    21: "partial coherences", 25: "impulse responses", 26: "multiple coherences",
+}  # fmt: skip
+"""Data set 58, record 6, field 1."""
 _DOUBLE = (4, 6)
 _COMPLEX = (5, 6)
 _IEEE = 2
@@ -46,13 +54,14 @@ class Function:
     reference_node: int
     reference_direction: int
     quantity: int
+    reference_quantity: int
     abscissa: np.ndarray
     values: np.ndarray
 
     @property
     def is_response(self) -> bool:
-        """Whether it is a complex response over frequency."""
-        return self.kind in _RESPONSES and np.iscomplexobj(self.values)
+        """Whether it is a complex frequency response; spectra of two points are none."""
+        return self.kind == _FREQUENCY_RESPONSE and np.iscomplexobj(self.values)
 
 
 def data_sets(path: Path) -> Iterator[Block]:
@@ -155,6 +164,7 @@ def read_function(block: Block) -> Function:
         reference_node=reference_node,
         reference_direction=reference_direction,
         quantity=int(head[8][:10]),
+        reference_quantity=int(head[9][:10]),
         abscissa=abscissa,
         values=values,
     )

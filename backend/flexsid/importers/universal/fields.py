@@ -2,36 +2,42 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
 
+from flexsid.errors import UnreadableFile
 from flexsid.importers.source import Field
-from flexsid.importers.universal.blocks import Function
+from flexsid.importers.universal.blocks import FUNCTION_TYPES, Function
 from flexsid.importers.universal.kinds import Found, Shape
+
+_GLOBAL = 1
+"""Largest number that writers give the global system without defining it."""
+_GLOBAL_POINTS = (0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
 
 
 def fields_of(found: Found) -> Iterator[Field]:
     """Fields that every reader of structures gives, and functions that were measured."""
     if found.grids:
         labels = sorted(found.grids)
-        # A coordinate system that no data set defines is the global one, whatever its number.
-        known = {0, *found.frames}
         rows = [found.grids[label] for label in labels]
         yield Field("grid/id", np.array(labels, dtype=np.int64))
-        for column, name in enumerate(("cp", "cd")):
-            systems = [row[column] if row[column] in known else 0 for row in rows]
+        for name, numbers in (("cp", [cp for cp, _, _ in rows]), ("cd", [cd for _, cd, _ in rows])):
+            systems = [_known_system(found, number) for number in numbers]
             yield Field(f"grid/{name}", np.array(systems, dtype=np.int64))
         yield Field("grid/xyz", np.array([row[2] for row in rows]))
+        found.refused += _undefined(found)
     if found.frames:
         numbers = sorted(found.frames)
         kinds, references, points = zip(*(found.frames[n] for n in numbers), strict=True)
-        references = [r if r in found.frames else 0 for r in references]
+        references = [_known_system(found, r) for r in references]
         yield Field("frame/id", np.array(numbers, dtype=np.int64))
         yield Field("frame/kind", np.array(kinds, dtype=np.int64))
         yield Field("frame/reference", np.array(references, dtype=np.int64))
         yield Field("frame/points", np.array(points))
+    found.refused += _lacking(found.shapes)
     yield from _shape_fields(found.shapes)
     yield from _line_fields(found)
     for name, factor in found.units.items():
@@ -41,6 +47,42 @@ def fields_of(found: Found) -> Iterator[Field]:
     yield from _function_fields(found)
     if found.refused:
         yield Field("refused", np.array(found.refused, dtype=np.str_))
+
+
+def _known_system(found: Found, number: int) -> int:
+    """A system that data sets define, or the global one: many writers number it as they like.
+
+    Where a file defines systems of its own, another number is kept, and refused where it is used.
+    """
+    if number in found.frames:
+        return number
+    return number if found.has_systems and number > _GLOBAL else 0
+
+
+def _undefined(found: Found) -> list[str]:
+    """Systems that nodes name and no data set defines, in words."""
+    named = {number for row in found.grids.values() for number in row[:2]}
+    left = sorted(number for number in named if number and not _known_system(found, number))
+    notes = []
+    if left:
+        listed = ", ".join(map(str, left))
+        notes.append(f"coordinate systems {listed} are defined by no data set: taken as global")
+    exported = sorted({n for n in found.exported.values() if _is_local(found, n)})
+    if exported:
+        listed = ", ".join(map(str, exported))
+        notes.append(
+            f"nodes of data set 2411 are exported from coordinate systems {listed}: their "
+            "coordinates are taken in the part system, as the data set is defined"
+        )
+    return notes
+
+
+def _is_local(found: Found, number: int) -> bool:
+    """Whether a system is defined and is another one than the global."""
+    if number not in found.frames:
+        return False
+    kind, _, points = found.frames[number]
+    return kind != 1 or not np.allclose(points, _GLOBAL_POINTS, atol=1e-9)
 
 
 def _shape_fields(shapes: list[Shape]) -> Iterator[Field]:
@@ -63,6 +105,15 @@ def _shape_fields(shapes: list[Shape]) -> Iterator[Field]:
         known = np.array([getattr(shape, name) for shape in shapes])
         if (known > 0).any():
             yield Field(f"shape/{name}", known)
+
+
+def _lacking(shapes: list[Shape]) -> list[str]:
+    """Modes that are not given at all nodes, in words."""
+    nodes = {node for shape in shapes for node in shape.values}
+    short = [place for place, shape in enumerate(shapes, start=1) if len(shape.values) < len(nodes)]
+    if not short:
+        return []
+    return [f"{len(short)} mode shapes (first: {short[0]}) lack nodes: taken as zero there"]
 
 
 def _line_fields(found: Found) -> Iterator[Field]:
@@ -96,8 +147,15 @@ def _function_fields(found: Found) -> Iterator[Field]:
         if np.iscomplexobj(function.values):
             imaginary = np.imag(function.values).copy()
             yield Field(f"function/{name} imaginary", imaginary, function.unit, clock)
-    if responses:  # the set of lines that most responses have
-        best = max(responses.values(), key=len)
+    if responses:
+        if len(responses) > 1:
+            counts = ", ".join(str(len(one)) for one in responses.values())
+            raise UnreadableFile(
+                f"its frequency responses lie at {len(responses)} different sets of frequencies "
+                f"({counts} responses); export them at one, or one file each.",
+                code="unequal-lengths",
+            )
+        (best,) = responses.values()
         yield Field("frf/frequency", best[0].abscissa)
         values = np.stack([function.values for function in best])
         yield Field("frf/real", np.ascontiguousarray(np.real(values)))
@@ -108,6 +166,15 @@ def _function_fields(found: Found) -> Iterator[Field]:
             "reference_node",
             "reference_direction",
             "quantity",
+            "reference_quantity",
         ):
             numbers = [getattr(function, name) for function in best]
             yield Field(f"frf/{name}", np.array(numbers, dtype=np.int64))
+        units = [function.unit for function in best]
+        yield Field("frf/unit", np.array(units, dtype=np.str_))
+        others = Counter(f.kind for f in found.functions if not f.is_response)
+        found.refused += [
+            f"{count} {FUNCTION_TYPES.get(kind, f'functions of type {kind}')}, which are no "
+            "complex frequency responses"
+            for kind, count in sorted(others.items())
+        ]

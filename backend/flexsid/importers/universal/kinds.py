@@ -19,6 +19,11 @@ from flexsid.importers.universal.blocks import (
 _BEAMS = {11, 21, 22, 23, 24}
 _MODES = {2: "normal", 3: "complex", 7: "complex"}
 _COMPLEX = {5, 6}
+_ORTHOGONAL = 1e-4
+
+
+class Contradiction(Exception):
+    """Two data sets of a file that cannot both be right."""
 
 
 @dataclass(slots=True)
@@ -34,10 +39,17 @@ class Shape:
 
 @dataclass(slots=True)
 class Found:
-    """What the data sets of a file hold together, in the file's own labels and units."""
+    """What the data sets of a file hold together, in the file's own labels and units.
+
+    ``has_systems``: it defines coordinate systems, read or refused. ``exported`` names the
+    system that a node of data set 2411 was written from; by the definition of that data set
+    its coordinates are those of the part all the same.
+    """
 
     grids: dict[int, tuple[int, int, tuple[float, ...]]] = field(default_factory=dict)
     frames: dict[int, tuple[int, int, tuple[float, ...]]] = field(default_factory=dict)
+    has_systems: bool = False
+    exported: dict[int, int] = field(default_factory=dict)
     shapes: list[Shape] = field(default_factory=list)
     lines: list[int] = field(default_factory=list)
     elements: list[list[int]] = field(default_factory=list)
@@ -52,14 +64,27 @@ def _nodes_15(found: Found, block: Block) -> None:
     for line in lines:
         if line.strip():
             label, cp, cd = (int(line[10 * i : 10 * i + 10]) for i in range(3))
-            found.grids[label] = (cp, cd, _three(numbers_in(line[40:])))
+            _add_node(found, label, (cp, cd, _three(numbers_in(line[40:]))))
 
 
 def _nodes_2411(found: Found, block: Block) -> None:
     lines = block.lines
     for head, place in zip(lines[::2], lines[1::2], strict=True):
+        label, exported, cd = integers_in(head)[:3]
+        _add_node(found, label, (0, cd, _three(numbers_in(place))))
+        found.exported[label] = exported
+
+
+def _nodes_781(found: Found, block: Block) -> None:
+    lines = block.lines
+    for head, place in zip(lines[::2], lines[1::2], strict=True):
         label, cp, cd = integers_in(head)[:3]
-        found.grids[label] = (cp, cd, _three(numbers_in(place)))
+        _add_node(found, label, (cp, cd, _three(numbers_in(place))))
+
+
+def _add_node(found: Found, label: int, node: tuple[int, int, tuple[float, ...]]) -> None:
+    if found.grids.setdefault(label, node) != node:
+        raise Contradiction(f"node {label} is defined twice, and otherwise")
 
 
 def _three(numbers: list[float]) -> tuple[float, ...]:
@@ -69,6 +94,7 @@ def _three(numbers: list[float]) -> tuple[float, ...]:
 
 
 def _frames_18(found: Found, block: Block) -> None:
+    found.has_systems = True
     lines = block.lines
     for row in range(0, len(lines) - 3, 4):
         number, kind, reference = integers_in(lines[row])[:3]
@@ -78,7 +104,33 @@ def _frames_18(found: Found, block: Block) -> None:
         along, in_plane = x - o, p - o
         normal = np.cross(np.cross(along, in_plane), along)  # z, in the plane of x and p
         points = np.concatenate([o, o + normal, x])
-        found.frames[number] = (kind + 1, reference, tuple(map(float, points)))
+        _add_frame(found, number, (kind + 1, reference, tuple(map(float, points))))
+
+
+def _frames_2420(found: Found, block: Block) -> None:
+    """Rows of the matrix are the unit vectors of the system in the part, then its origin."""
+    found.has_systems = True
+    lines = block.lines[2:]  # of the part: number and name
+    if len(lines) % 6:
+        raise Refused("its coordinate systems have other than six records each")
+    for row in range(0, len(lines), 6):
+        number, kind = integers_in(lines[row])[:2]
+        if kind not in (0, 1, 2):
+            raise Refused(f"coordinate system {number} is of type {kind}; 0, 1 or 2 is expected")
+        matrix = np.array([_three(numbers_in(line)) for line in lines[row + 2 : row + 6]])
+        axes, origin = matrix[:3], matrix[3]
+        if not np.allclose(axes @ axes.T, np.eye(3), atol=_ORTHOGONAL) or np.linalg.det(axes) < 0:
+            raise Refused(
+                f"the matrix of coordinate system {number} is not that of three right-handed "
+                "unit vectors"
+            )
+        points = np.concatenate([origin, origin + axes[2], origin + axes[0]])
+        _add_frame(found, number, (kind + 1, 0, tuple(map(float, points))))
+
+
+def _add_frame(found: Found, number: int, frame: tuple[int, int, tuple[float, ...]]) -> None:
+    if found.frames.setdefault(number, frame) != frame:
+        raise Contradiction(f"coordinate system {number} is defined twice, and otherwise")
 
 
 def _lines_82(found: Found, block: Block) -> None:
@@ -187,8 +239,14 @@ def _units_164(found: Found, block: Block) -> None:
     lines = block.lines
     factors = [number for line in lines[1:] for number in numbers_in(line)]
     length, force = factors[:2]
-    if length > 0 and force > 0:  # in file units per SI unit
-        found.units = {"length": 1.0 / length, "force": 1.0 / force}
+    if not (length > 0 and force > 0):
+        raise Refused(
+            f"its factors of length and force, {length:g} and {force:g}, are not positive"
+        )
+    units = {"length": 1.0 / length, "force": 1.0 / force}  # file units per SI unit
+    if found.units not in ({}, units):
+        raise Contradiction("its units are not those of an earlier data set 164")
+    found.units = units
 
 
 def _function_58(found: Found, block: Block) -> None:
@@ -203,7 +261,9 @@ READERS = {
     82: _lines_82,
     151: _header_151,
     164: _units_164,
+    781: _nodes_781,
     2411: _nodes_2411,
     2412: _elements_2412,
     2414: _shape_2414,
+    2420: _frames_2420,
 }

@@ -1,0 +1,97 @@
+"""Text: which names and notes are accepted, and how they are written into other formats."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+LONGEST_NAME = 200
+"""Characters of a name, a label or a title."""
+
+LONGEST_NOTE = 10_000
+"""Characters of a note, a comment or a description."""
+
+LONGEST_FIELD = 500
+"""Characters of the path of a field in a file."""
+
+_INVISIBLE = (
+    "\u2028-\u2029"  # separators of lines and paragraphs
+    "\u202a-\u202e\u2066-\u2069"  # embeddings, overrides and isolates of direction
+    "\u00ad\u180e\u200b\u2060-\u2065\u206a-\u206f\ufeff\ufff9-\ufffb"  # characters without width
+    "\U000e0000-\U000e007f"  # tags
+    "\ud800-\udfff\ufdd0-\ufdef\ufffe\uffff"  # surrogates and what is no character
+)
+# Joiners and marks of direction are needed to write Persian, Hebrew and Arabic.
+_NOT_IN_A_LINE = re.compile(f"[\x00-\x1f\x7f-\x9f{_INVISIBLE}]")
+_NOT_IN_LINES = re.compile(f"[\x00-\x08\x0b-\x1f\x7f-\x9f{_INVISIBLE}]")
+
+_FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
+
+
+def check_line(text: str, longest: int = LONGEST_NAME) -> str:
+    """Return a name or label in one spelling (NFC).
+
+    Raises
+    ------
+    ValueError
+        If it is too long, nothing but blanks, or holds a line break, a control character, an
+        override of the writing direction or another character that nobody sees.
+    """
+    return _check(text, _NOT_IN_A_LINE, longest)
+
+
+def check_lines(text: str, longest: int = LONGEST_NOTE) -> str:
+    """Return a note in one spelling (NFC); it may hold line breaks and tabs.
+
+    Raises
+    ------
+    ValueError
+        As ``check_line``.
+    """
+    return _check(text.replace("\r\n", "\n"), _NOT_IN_LINES, longest)
+
+
+def _check(text: str, unwanted: re.Pattern[str], longest: int) -> str:
+    if len(text) > longest:
+        raise ValueError(f"has {len(text)} characters; at most {longest} are accepted")
+    found = unwanted.search(text)
+    if found is not None:
+        code = ord(found.group())
+        name = unicodedata.name(found.group(), "control character")
+        raise ValueError(
+            f"holds the character U+{code:04X} ({name.lower()}) at place {found.start() + 1}; "
+            "write it with visible characters"
+        )
+    if text and not text.strip():
+        raise ValueError("holds nothing but blanks; leave it out or write a name")
+    return unicodedata.normalize("NFC", text)
+
+
+def spreadsheet_cell(text: str) -> str:
+    """Text that no spreadsheet takes for a formula.
+
+    Notes
+    -----
+    A quotation mark before ``= + - @`` and control characters, as OWASP's "CSV injection" advises.
+    """
+    return f"'{text}" if text.startswith(_FORMULA) or text.lstrip()[:1] in _FORMULA else text
+
+
+def one_line(text: str) -> str:
+    """Text of a record, whatever it holds, as one line of a file of fixed form."""
+    return " ".join(_NOT_IN_A_LINE.sub(" ", text).split())
+
+
+def c_identifiers(names: tuple[str, ...], longest: int = 48) -> tuple[str, ...]:
+    """Identifiers of C and MATLAB for names: letters of ASCII, digits, ``_``; each only once."""
+    made: list[str] = []
+    for name in names:
+        plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
+        if not plain[:1].isalpha():
+            plain = f"u_{plain}"
+        plain = plain[:longest]
+        number, own = 2, plain
+        while own in made:
+            own, number = f"{plain[: longest - 4]}_{number}", number + 1
+        made.append(own)
+    return tuple(made)

@@ -1,0 +1,88 @@
+"""The rate of a recording is that at which it was taken, whatever its clock was rounded to."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexsid.errors import FlexsidError
+from flexsid.importers.clock import Clock, TimeRule, Timing, find_resolution
+from flexsid.importers.source import Source, Sources
+
+
+def clock(stamps: np.ndarray, unit: str = "s", **more: np.ndarray) -> Clock:
+    rng = np.random.default_rng(1)
+    arrays = {"t": stamps, "q": rng.standard_normal(stamps.size), **more}
+    source = Source(name="f.csv", sha256="", arrays=arrays, first_row=2)
+    timing = Timing(TimeRule(column="t", unit=unit), {}, Sources((source,)))
+    return timing.clock(source, "q", "q", stamps.size, None)
+
+
+def stamps(rate: float, seconds: float, resolution: float, start: float = 0.0) -> np.ndarray:
+    exact = start + np.arange(round(rate * seconds)) / rate
+    return np.round(exact / resolution) * resolution if resolution else exact
+
+
+@pytest.mark.parametrize(
+    ("rate", "resolution"),
+    [(200, 0.01), (200, 0.05), (80, 0.01), (256, 0.001), (60, 0.01), (1000, 0.01), (128, 0.02)],
+)
+@pytest.mark.parametrize("start", [0.0, 12.3, 1.7e9])
+def test_a_rounded_clock_gives_the_rate_of_the_recorder(
+    rate: float, resolution: float, start: float
+) -> None:
+    found = clock(stamps(rate, 30.0, resolution, start))
+    assert found.rate_hz == pytest.approx(rate, rel=1e-9)
+    assert found.rounded_s == pytest.approx(resolution, rel=1e-3)
+
+
+@pytest.mark.parametrize(("rate", "resolution"), [(200, 0.0), (200, 0.001), (100, 0.01)])
+def test_a_fine_clock_is_not_taken_for_a_rounded_one(rate: float, resolution: float) -> None:
+    found = clock(stamps(rate, 20.0, resolution))
+    assert (found.rate_hz, found.rounded_s) == (rate, None)
+
+
+@pytest.mark.parametrize("cut", [False, True])
+def test_a_lost_sample_is_found_under_rounding(cut: bool) -> None:
+    whole = stamps(200, 30.0, 0.01)
+    if cut:
+        whole = np.floor(np.arange(6000) / 2 + 1e-9) * 0.01
+    place = "row 300" if cut else "no uniform rate near 19"  # stamps rounded to even are uneven
+    with pytest.raises(FlexsidError, match=place) as error:
+        clock(np.delete(whole, 3001))
+    assert error.value.code == "time-not-uniform"
+
+
+def test_where_the_rate_stays_open_it_is_asked_for() -> None:
+    with pytest.raises(FlexsidError, match=r"leaves the sampling rate open .* rate = \{") as error:
+        clock(stamps(33.37, 3.0, 0.1))
+    assert error.value.code == "clock-rounded"
+
+
+def test_rows_that_repeat_are_no_faster_rate() -> None:
+    twice = np.repeat(stamps(100, 10.0, 0.0), 2)
+    with pytest.raises(FlexsidError, match="repeats the row before it") as error:
+        clock(twice, q=np.repeat(np.random.default_rng(2).standard_normal(1000), 2))
+    assert error.value.code == "rows-repeated"
+
+
+def test_milliseconds_since_1970_are_no_seconds() -> None:
+    with pytest.raises(FlexsidError, match=r"at most 1e\+11"):
+        clock(1000.0 * stamps(200, 10.0, 0.0, 1.7e9))
+    found = clock(np.round(1000.0 * stamps(200, 10.0, 0.0, 1.7e9)), unit="ms")
+    assert found.rate_hz == 200.0
+    assert found.start_s == pytest.approx(1.7e9)
+
+
+def test_time_that_steps_back_or_stands_still_for_ever_is_refused() -> None:
+    back = stamps(200, 10.0, 0.01)
+    back[500] = 0.0
+    with pytest.raises(FlexsidError, match="does not increase"):
+        clock(back)
+    with pytest.raises(FlexsidError, match="does not increase"):
+        clock(np.zeros(100))
+
+
+def test_jitter_is_no_resolution() -> None:
+    jitter = np.random.default_rng(3).uniform(-2e-4, 2e-4, 2000)
+    assert find_resolution(np.arange(2000) / 200.0 + jitter) is None
