@@ -15,7 +15,8 @@ from alembic.runtime.migration import MigrationContext
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.storage import migrate
-from flexsid.storage.database import DatabaseUnavailable, make_engine, parse_url
+from flexsid.storage.database import make_engine, parse_url
+from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Literal
 
 from flexsid.sysid.model.instruments import Instrument
 
@@ -64,14 +65,18 @@ class DragPolar:
     lift_slope: float
 
 
+SurfaceSymmetry = Literal["symmetric", "antisymmetric", "single"]
+"""How what one channel holds moves: a pair alike, a pair against each other, or one side alone."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surface:
-    """A control surface, or a symmetric pair moved as one.
+    """A control surface, or a pair moved as one.
 
-    ``instrument`` lies between the true deflection and its recording. Where the
-    command was recorded instead, ``actuator`` turns it into the true deflection.
-    ``servo`` lies between command and deflection where both were recorded; control loops
-    are broken in front of it.
+    ``symmetry`` of None leaves it to the name; see ``symmetry_of``. ``instrument`` lies
+    between the true deflection and its recording. Where the command was recorded instead,
+    ``actuator`` turns it into the true deflection. ``servo`` lies between command and
+    deflection where both were recorded; control loops are broken in front of it.
     """
 
     name: str
@@ -79,6 +84,7 @@ class Surface:
     actuator: str | None = None
     servo: str | None = None
     noise_std_rad: float | None = None
+    symmetry: SurfaceSymmetry | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,25 +5,43 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+PREDICTED = "prediction"  # kind of the sources that were not estimated from flight
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Source:
-    """One column of a comparison; ``kind`` is OE, FRE, EE or prediction."""
+    """One column of a comparison; ``kind`` is OE, FRE, EE or prediction.
+
+    ``changed_since`` names data of a run that were corrected after it was computed.
+    """
 
     key: str
     label: str
     kind: str
     run_id: int | None = None
     prediction_id: int | None = None
+    changed_since: tuple[str, ...] = ()
+
+    @property
+    def is_prediction(self) -> bool:
+        """Whether it was predicted; all others were estimated from flight."""
+        return self.kind == PREDICTED
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SourceValue:
-    """What one source says about a derivative; ``std_error`` is None where it gives none."""
+    """What one source says about a derivative; ``std_error`` is None where it gives none.
+
+    Of a prediction, ``difference_sigma`` is the largest |prediction - run| over the runs, in
+    combined standard errors, and ``consistent`` whether that is at most 2; None of a run, and
+    where one of the two has no standard error.
+    """
 
     key: str
     value: float
     std_error: float | None = None
+    difference_sigma: float | None = None
+    consistent: bool | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,9 +49,10 @@ class Row:
     """One derivative; ``values`` follow the order of the sources, None where one has no say.
 
     ``max_difference_sigma`` is the largest |a - b| / sqrt(sigma_a^2 + sigma_b^2) over
-    pairs of sources with a standard error; ``consistent`` says that it is at most 2.
-    ``mean`` is that of those sources, weighted by their errors, ``chi_square`` their
-    scatter about it and ``probability`` that of a scatter at least as large.
+    pairs of runs with a standard error; ``consistent`` says that it is at most 2.
+    ``mean`` is that of those runs, weighted by their errors, ``chi_square`` their
+    scatter about it and ``probability`` that of a scatter at least as large. Predictions
+    take no part: each is judged against the runs in its own value.
     """
 
     name: str
@@ -74,14 +93,29 @@ class Setup:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """How many of the derivatives that can be judged agree within 2 combined standard errors.
+
+    ``source`` is the key of the prediction that is judged against the runs; None of the runs
+    judged among each other.
+    """
+
+    source: str | None = None
+    n_judged: int = 0
+    n_consistent: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Comparison:
-    """Rows per derivative, columns per source."""
+    """Rows per derivative, columns per source; the runs' verdict, and one per prediction."""
 
     maneuver_ids: tuple[int, ...]
     sources: tuple[Source, ...]
     rows: tuple[Row, ...]
     pairs: tuple[Pair, ...] = ()
     setup: tuple[Setup, ...] = ()
+    runs_verdict: Verdict = Verdict()
+    prediction_verdicts: tuple[Verdict, ...] = ()
 
 
 class Against(StrEnum):

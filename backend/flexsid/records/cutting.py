@@ -26,11 +26,14 @@ class FoundManeuver:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cut:
-    """What to cut out of a flight; without an excitation it is looked for in the window."""
+    """What to cut out of a flight.
+
+    ``axis`` of None: longitudinal, and refused where surfaces or gyros contradict that.
+    """
 
     label: str
     start_s: float
     stop_s: float
     fta: int | None = None
-    axis: str = "longitudinal"
+    axis: str | None = None
     note: str = ""

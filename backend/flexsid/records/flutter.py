@@ -24,7 +24,7 @@ class StructureForecast:
     were carried in a second fit; ``left_out_modes`` are known to a prediction but not to the
     model, whose derivatives hold their static response. ``check`` is a second fit with one mode
     fewer, of which half of the difference counts. ``airspeed_m_s`` is None where the model stays
-    stable.
+    stable, or flight contradicts it; ``airspeed_std_m_s`` counts the modal frequencies too.
     """
 
     run_ids: tuple[int, ...]
@@ -44,8 +44,8 @@ class StructureForecast:
 class RunForecast:
     """Flutter speed of one run, against the speed at which it was flown.
 
-    ``separation`` is the lowest elastic over the short-period frequency there; None where the
-    short period does not oscillate.
+    ``sentence`` says why there is none where it is None. ``separation`` is the lowest elastic over
+    the short-period frequency there; None where the short period does not oscillate.
     """
 
     run_id: int
@@ -53,6 +53,7 @@ class RunForecast:
     tested_m_s: float
     airspeed_m_s: float | None
     airspeed_std_m_s: float | None
+    sentence: str
     separation: float | None
 
 
@@ -128,12 +129,18 @@ class Flutter:
     """The answer to "next point at V: margin, and how sure"; ``safe`` if nothing is against it.
 
     ``airspeed_std_m_s`` is statistical, ``spread_m_s`` the standard deviation between model
-    structures; ``low_m_s`` to ``high_m_s`` holds the flutter speed with 95 % probability.
-    ``margin`` is that of the fastest point flown, ``known_m_s`` what the aircraft's table
-    predicted before flight.
+    structures, ``modal_std_m_s`` that from the frequencies of the modal table; ``low_m_s`` to
+    ``high_m_s`` holds the flutter speed with 95 % probability. ``margin`` is that of the fastest
+    point flown, ``known_m_s`` what the aircraft's table predicted before flight. ``refusal`` says
+    why no flutter speed is taken from a model that flight contradicts, or whose unstable root the
+    data do not determine; empty otherwise. Instabilities were searched from ``searched_from_m_s``
+    to ``searched_to_m_s``.
     """
 
     sentence: str
+    refusal: str
+    searched_from_m_s: float
+    searched_to_m_s: float
     next_point: str
     safe: bool
     fuel_fraction: float
@@ -144,6 +151,7 @@ class Flutter:
     airspeed_m_s: float | None
     airspeed_std_m_s: float | None
     spread_m_s: float
+    modal_std_m_s: float
     low_m_s: float | None
     high_m_s: float | None
     frequency_rad_s: float | None

@@ -10,11 +10,12 @@ import numpy as np
 
 
 class Verdict(StrEnum):
-    """Whether a maneuver may be estimated from."""
+    """Whether a maneuver may be estimated from; ``unchecked`` where this cannot be concluded."""
 
     GOOD = "good"
     DOUBTFUL = "doubtful"
     BAD = "bad"
+    UNCHECKED = "unchecked"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +43,9 @@ class ChannelQuality:
     """One channel; what cannot be told is None.
 
     ``signal_to_noise_db`` is the median over the lines, ``coherence`` that with what all
-    other sensors say, ``noise_excess`` what it disagrees with them by over its known noise.
+    other sensors say, ``noise_excess`` what it disagrees with them by, over its noise and one
+    per cent of its level. ``not_checked`` is the reason why an output could not be checked
+    against the others: nothing is concluded of its delay, scale factor and sign.
     ``delay_s`` counts from the reference, ``scale`` is recorded over true, ``bias`` in SI.
     At most fifty ``stretches`` are listed; ``n_stretches`` counts all.
     """
@@ -63,6 +66,7 @@ class ChannelQuality:
     saturated: float = 0.0  # share of samples
     n_stretches: int = 0
     stretches: tuple[FoundStretch, ...] = ()
+    not_checked: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

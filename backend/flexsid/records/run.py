@@ -7,6 +7,7 @@ from datetime import datetime
 from enum import StrEnum
 
 from flexsid.records.model_structure import Structure
+from flexsid.records.proposal_basis import ProposalBasis
 
 
 class Method(StrEnum):
@@ -69,7 +70,7 @@ class Progress:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParameterEstimate:
-    """One estimated derivative or delay; ``std_error`` is None where it is not identifiable."""
+    """One estimated derivative or delay; ``no_error`` says why ``std_error`` is None."""
 
     name: str
     value: float
@@ -77,6 +78,7 @@ class ParameterEstimate:
     start: float | None = None
     cramer_rao: float | None = None  # bound for white residuals
     insensitivity: float | None = None  # standard error were all others known
+    no_error: str | None = None  # "not converged", "at its limit", "not identifiable"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,11 +110,16 @@ class FitBlock:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Iteration:
-    """One step of the maximisation."""
+    """One step of the maximisation; the first one of a stage is where it starts.
+
+    Stages after the first fit lines that were corrected anew for the ends of the record: costs
+    of different stages are of different data and cannot be compared.
+    """
 
     iteration: int
     cost: float
     step: float
+    stage: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -162,6 +169,19 @@ class RunResult:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Provenance:
+    """Hashes of what a run was computed from, as it was read.
+
+    ``rests_on`` names each record ("maneuver 3", "aircraft 1"); for the others see
+    ``EstimationRun``.
+    """
+
+    rests_on: dict[str, str]
+    data_hash: str | None
+    input_hash: str | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
     """What a run may take before it is stopped; None leaves it to the server."""
 
@@ -176,6 +196,10 @@ class EstimationRun:
     Of those that wait, the one with the highest ``priority`` starts first, and none
     before ``after_run_id`` has succeeded. ``data_hash`` names what was recorded and
     assumed, ``input_hash`` that and all that was asked for: equal inputs are one run.
+    ``rests_on`` are the hashes of the records it was computed from (None: not recorded, by an
+    earlier release). ``result_hash`` was kept with the result; ``altered`` tells that the
+    result, or what was asked for, is not any more what it was then.
+    ``proposal`` is there where the model structure is the one that was proposed.
     """
 
     maneuver_id: int
@@ -204,4 +228,8 @@ class EstimationRun:
     data_hash: str | None = None
     input_hash: str | None = None
     worker: str | None = None
+    rests_on: dict[str, str] | None = None
+    result_hash: str | None = None
+    altered: bool = False
+    proposal: ProposalBasis | None = None
     id: int | None = None

@@ -283,16 +283,42 @@ class DesignedExcitation:
 class ExpectedMode:
     """How well a design shows a mode: the best output around its frequency.
 
-    ``lines`` are those within the mode's half-power band or next to it;
-    ``signal_to_noise`` is the amplitude ratio of ``output`` there. [Hz], [1], [1]
+    ``lines`` are those within the mode's half-power band; ``signal_to_noise`` is the amplitude
+    ratio of ``output`` there or at the nearest lines. Both are None where no line excites the
+    mode. [Hz], [1], [1]
     """
 
     name: str
     frequency_hz: float
     damping: float
     lines: int
-    output: str
-    signal_to_noise: float
+    output: str | None
+    signal_to_noise: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TargetMode:
+    """A structural mode that a design targets, with its frequencies over fuel. [Hz]
+
+    ``group`` is LE or HE of Table 1, or "all" for a design that is no row of it.
+    """
+
+    number: int
+    name: str
+    group: str
+    low_hz: float
+    high_hz: float
+    in_band: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TargetModes:
+    """The band of a design [Hz] and the structural modes it targets; ``sentence`` compares them."""
+
+    low_hz: float
+    high_hz: float
+    modes: tuple[TargetMode, ...]
+    sentence: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

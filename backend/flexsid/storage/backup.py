@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import logging
 import sqlite3
 import tempfile
 from contextlib import closing
@@ -9,8 +11,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from flexsid.errors import BadInput, Conflict
-from flexsid.storage.database import DatabaseUnavailable, parse_url, sqlite_file
+from flexsid.storage.arrays import content_hash
+from flexsid.storage.database import parse_url, sqlite_file
+from flexsid.storage.files import DatabaseUnavailable, new_file
 from flexsid.storage.migrate import upgrade
+
+_log = logging.getLogger(__name__)
 
 
 def backup(url: str, target: Path) -> int:
@@ -35,22 +41,26 @@ def backup(url: str, target: Path) -> int:
     Conflict
         If the file exists.
     DatabaseUnavailable
-        If the copy is not sound; it is not kept then.
+        If the copy is not sound, or samples are damaged; it is not kept then.
     """
     source = _file_of(url, "pg_dump --format=custom --file=flexsid.dump")
     if not source.is_file():
         raise BadInput(f"there is no database {source}")
     if target.exists():
         raise Conflict(f"{target} exists; name a new file", code="file-exists")
-    partial = target.with_name(f"{target.name}.partial")
     try:
-        _copy(source, partial)
-        check(partial)
-        partial.rename(target)
+        with new_file(target) as partial:
+            _copy(source, partial)
+            check(partial)
+            damaged = find_damaged(partial)
+            if damaged:
+                raise DatabaseUnavailable(
+                    f"{target} is not kept, for samples in {source} are not those that were stored:"
+                    f" {', '.join(damaged[:5])}; `flexsid check` lists all, and what to do",
+                    code="damaged-data",
+                )
     except OSError as error:
         raise BadInput(f"{target} cannot be written: {error.strerror}") from error
-    finally:
-        partial.unlink(missing_ok=True)
     return target.stat().st_size
 
 
@@ -59,6 +69,9 @@ def restore(url: str, source: Path) -> Path | None:
 
     Servers on the database go on with what was restored; the runs that they carry out
     are dropped, and those that were under way in the backup start again.
+
+    Damaged samples in the backup are warned of, not refused: the rest may be all that is left,
+    and nothing is computed with them.
 
     Returns
     -------
@@ -79,20 +92,41 @@ def restore(url: str, source: Path) -> Path | None:
         check(source)
     except DatabaseUnavailable as error:
         raise BadInput(f"{source} is no sound backup: {error.message}") from error
+    damaged = find_damaged(source)
+    if damaged:
+        _log.warning(
+            "%d arrays in %s are not what was stored (the first: %s); nothing is computed with"
+            " them, and `flexsid check` names the maneuvers to be imported again",
+            len(damaged),
+            source,
+            damaged[0],
+        )
     kept = None
-    if target.exists():
-        moment = datetime.now(UTC).strftime("%Y%m%d-%H%M%S-%f")
-        kept = target.with_name(f"{target.name}.before-restore-{moment}")
-        _copy(target, kept)
+    moment = datetime.now(UTC).strftime("%Y%m%d-%H%M%S-%f")
+    beside = target.with_name(f"{target.name}.before-restore-{moment}")
+    if target.exists() and target.stat().st_size > 0:
+        kept = beside
+        with new_file(kept) as partial:
+            _copy(target, partial)
     else:
+        _move_remains(target, beside)
         upgrade(url)
     with tempfile.TemporaryDirectory(dir=target.parent) as folder:
         ready = Path(folder) / "ready.db"
+        ready.touch(mode=0o600)
         _copy(source, ready)
         upgrade(f"sqlite:///{ready}")
         _make_ready(ready, target)
         _copy(ready, target)
     return kept
+
+
+def _move_remains(target: Path, beside: Path) -> None:
+    """Move an empty file, and the log of one that is gone, out of the way of a new database."""
+    for end in ("", "-wal", "-shm"):
+        one = target.with_name(f"{target.name}{end}")
+        if one.exists():
+            one.rename(beside.with_name(f"{beside.name}{end}"))
 
 
 def check(file: Path) -> None:
@@ -117,6 +151,17 @@ def check(file: Path) -> None:
             opened.execute("SELECT version_num FROM alembic_version").fetchone()
     except sqlite3.Error as error:
         raise DatabaseUnavailable(f"{file} is no database of flexsid: {error}") from error
+
+
+def find_damaged(file: Path) -> list[str]:
+    """Return the names of arrays whose content is not what was stored."""
+    with closing(sqlite3.connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as opened:
+        rows = opened.execute("SELECT hash, dtype, shape, unit, data FROM arrays")
+        return [
+            name
+            for name, dtype, shape, unit, data in rows
+            if content_hash(dtype, json.loads(shape), unit, data) != name
+        ]
 
 
 def _file_of(url: str, instead: str) -> Path:

@@ -14,6 +14,7 @@ from sqlalchemy.engine import Connection
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.run import RunState
+from flexsid.storage.evidence_use import refuse_evidence
 from flexsid.storage.store import Store
 from flexsid.storage.tables import maneuver_tags, maneuvers, run_tags, runs
 from flexsid.storage.tags import put_tag, take_tag
@@ -45,7 +46,8 @@ def change_maneuvers(
     UnknownRecord
         If one of them does not exist; nothing is changed then.
     Conflict
-        If one that is to be deleted has a run that has not ended.
+        If one that is to be deleted has a run that has not ended, or is evidence of a
+        decision that stands.
     """
     active = sa.select(runs.c.maneuver_id).where(
         runs.c.maneuver_id.in_(ids), runs.c.state.in_(_ACTIVE), runs.c.deleted_at.is_(None)
@@ -107,6 +109,7 @@ def _change(
                 raise Conflict(
                     f"{what} queued or running; cancel it first", code="run-active", id=still
                 )
+            refuse_evidence(connection, noun, wanted)
         return _hide(connection, table, wanted, hide=action is Action.DELETE)
 
 

@@ -11,7 +11,9 @@ import numpy as np
 
 from flexsid.records.flight import FlightChannel
 from flexsid.records.maneuver import Channel, Role
-from flexsid.storage.database import Database, DatabaseUnavailable
+from flexsid.storage.arrays import content_hash, damaged
+from flexsid.storage.database import Database
+from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.tables import arrays, channels, flight_channels
 
 _Kind = TypeVar("_Kind", Channel, FlightChannel)
@@ -36,6 +38,11 @@ def read_channels(
     -------
     dict
         Channels with samples in native unit and precision, which cannot be written to.
+
+    Raises
+    ------
+    DamagedData
+        If samples are not those that were stored.
     """
     return _read(database, Channel, channels.name, "maneuver_id", maneuver_id, names)
 
@@ -72,8 +79,14 @@ def _read(
             cursor.close()
     # Sorted here, for the database would sort the samples with their rows.
     rows = sorted(rows, key=itemgetter(fields.index("id")))
-    found = ((_record(kind, fields, row), np.frombuffer(row[-1], row[-2])) for row in rows)
-    return {channel.name: (channel, samples) for channel, samples in found}
+    found: dict[str, tuple[_Kind, np.ndarray]] = {}
+    for row in rows:
+        channel, (unit, dtype, data) = _record(kind, fields, row), row[-3:]
+        if content_hash(dtype, (channel.n_samples,), unit, data) != channel.array:
+            with database.reading() as connection:
+                raise damaged(connection, channel.array)
+        found[channel.name] = channel, np.frombuffer(data, dtype)
+    return found
 
 
 @lru_cache(maxsize=256)
@@ -83,7 +96,7 @@ def _query(table: str, owner: str, fields: tuple[str, ...], mark: str, n_names: 
     columns = ", ".join(f'{table}."{name}"' for name in fields)
     chosen = "" if n_names is None else f" AND name IN ({', '.join([mark] * n_names)})"
     return (
-        f"SELECT {columns}, dtype, data FROM {table} "
+        f"SELECT {columns}, arrays.unit, dtype, data FROM {table} "
         f'JOIN {arrays.name} ON hash = "array" WHERE {owner} = {mark}{chosen}'
     )
 

@@ -1,15 +1,15 @@
-"""Content: what a run rests on, as one hash, read without its samples."""
+"""Content: what a run rests on, as hashes, read without samples."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import sqlalchemy as sa
 
-from flexsid.storage.store import Store
+from flexsid.storage.database import Database
 from flexsid.storage.tables import (
     aircraft,
     channels,
@@ -27,6 +27,7 @@ _FLOWN = (
     *(maneuvers.c.start_s, maneuvers.c.duration_s, maneuvers.c.condition),
     *(maneuvers.c.axis, maneuvers.c.excitation),
 )
+_ASSUMED = {"aircraft": aircraft, "modal table": modal_tables, "prediction": predictions}
 _AT_ONCE = 500  # maneuvers in one query
 
 
@@ -36,14 +37,14 @@ def hash_of(content: Any) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def maneuver_hashes(store: Store, ids: Sequence[int]) -> dict[int, tuple[int, str]]:
+def maneuver_hashes(database: Database, ids: Sequence[int]) -> dict[int, tuple[int, str]]:
     """Aircraft of each maneuver, and hash of what was recorded, corrected and flown.
 
     Sample arrays stand in it by their names, which are hashes of what they hold.
     """
     rows: dict[int, list[list[Any]]] = {}
     flew: dict[int, int] = {}
-    with store.database.reading() as connection:
+    with database.reading() as connection:
         for first in range(0, len(ids), _AT_ONCE):
             some = ids[first : first + _AT_ONCE]
             flown = sa.select(maneuvers.c.id, maneuvers.c.aircraft_id, *_FLOWN).where(
@@ -70,9 +71,40 @@ def maneuver_hashes(store: Store, ids: Sequence[int]) -> dict[int, tuple[int, st
     return {number: (flew[number], hash_of(values)) for number, values in rows.items()}
 
 
-def record_hash(store: Store, table: str, ids: Iterable[int]) -> str:
+def contents_of(database: Database, names: Iterable[str]) -> dict[str, str]:
+    """Hash each record that is named, as "maneuver 3"; one that is gone is left out."""
+    wanted: dict[str, list[int]] = {}
+    for name in dict.fromkeys(names):
+        noun, _, number = name.rpartition(" ")
+        wanted.setdefault(noun, []).append(int(number))
+    found = {
+        f"maneuver {number}": content
+        for number, (_, content) in maneuver_hashes(database, wanted.pop("maneuver", [])).items()
+    }
+    with database.reading() as connection:
+        for noun, numbers in wanted.items():
+            table = _ASSUMED[noun]
+            for row in connection.execute(sa.select(table).where(table.c.id.in_(numbers))):
+                # What is empty is left out: a later release may add columns.
+                kept = {name: value for name, value in row._mapping.items() if value is not None}
+                found[f"{noun} {row.id}"] = hash_of(kept)
+    return found
+
+
+def changed_since(
+    database: Database, rested_on: Sequence[Mapping[str, str] | None]
+) -> list[tuple[str, ...]]:
+    """Return, for what each run rested on, the records that are not any more as they were."""
+    now = contents_of(database, [name for one in rested_on for name in one or ()])
+    return [
+        tuple(name for name, content in (one or {}).items() if now.get(name) != content)
+        for one in rested_on
+    ]
+
+
+def record_hash(database: Database, table: str, ids: Iterable[int]) -> str:
     """Hash of an aircraft, modal tables or predictions."""
     kept = {"aircraft": aircraft, "modal_tables": modal_tables, "predictions": predictions}[table]
     query = sa.select(kept).where(kept.c.id.in_(list(ids))).order_by(kept.c.id)
-    with store.database.reading() as connection:
+    with database.reading() as connection:
         return hash_of([list(row) for row in connection.execute(query)])

@@ -1,8 +1,13 @@
-"""Engine and transactions: SQLite as it should be run, PostgreSQL by URL."""
+"""Engine and transactions: SQLite as it should be run, PostgreSQL by URL.
+
+What a transaction has written is on disk when it ends: a power cut takes nothing that was
+acknowledged. Only a ``lax`` transaction, of what is written again within seconds, may be lost.
+"""
 
 from __future__ import annotations
 
 import json
+import re
 import sqlite3
 import threading
 from collections.abc import Iterator
@@ -22,22 +27,24 @@ from sqlalchemy.exc import (
     OperationalError,
 )
 
-from flexsid.errors import BadInput, FlexsidError
+from flexsid.errors import BadInput
+from flexsid.storage.files import DatabaseUnavailable
 
 _WRITES = "flexsid_writes"
+_LAX = "flexsid_lax"
 _ALONE = 0x666C6578  # any number that nobody else takes
-
-
-class DatabaseUnavailable(FlexsidError):
-    """The database cannot be opened or does not answer."""
-
-    code = "database-unavailable"
 
 
 class NotFinite(BadInput, DontWrapMixin):
     """A number that is to be kept is NaN or infinite."""
 
     code = "not-finite"
+
+
+class NotText(BadInput, DontWrapMixin):
+    """A text that is to be kept holds what no database keeps."""
+
+    code = "bad-text"
 
 
 def parse_url(url: str) -> URL:
@@ -89,32 +96,30 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
     -----
     Writers say BEGIN IMMEDIATE and wait for their turn; a deferred BEGIN fails
     with "database is locked" as soon as two transactions that have read want to
-    write, and the driver's own default loses updates.
+    write, and the driver's own default loses updates. With ``synchronous = NORMAL``
+    a commit in WAL mode waits for no disk, and a power cut takes it back.
     """
     file = sqlite_file(url)
-    if file is not None:
-        try:
-            file.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise DatabaseUnavailable(
-                f"the folder of the database {file} cannot be made: {error.strerror}"
-            ) from error
     if file is None:
         return _make_postgresql_engine(url)
-    engine = sa.create_engine(url, **_JSON)
+    if not file.parent.is_dir():
+        raise DatabaseUnavailable(f"the folder of the database {file} is not there")
+    # Never made by opening it: a file that is missing or empty is a loss to be reported.
+    address = f"{file.absolute().as_uri()}?mode=rw"
+    engine = sa.create_engine(
+        url,
+        creator=lambda: sqlite3.connect(address, uri=True, check_same_thread=False),
+        **_JSON,
+    )
+    event.listen(engine, "before_cursor_execute", _check_text)
 
     @event.listens_for(engine, "connect")
     def _prepare(connection: sqlite3.Connection, _record: object) -> None:
         connection.isolation_level = None  # we say BEGIN ourselves
-        if connection.execute("PRAGMA page_count").fetchone() == (0,):
-            # Later these would need the write lock for every connection, and have no effect.
-            # Most of a database are samples, which larger pages write and read much faster.
-            connection.execute("PRAGMA page_size = 32768")
-            connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
         for pragma in (
             "busy_timeout = 30000",
             "journal_mode = WAL",
-            "synchronous = NORMAL",
+            "synchronous = FULL",
             "journal_size_limit = 67108864",
             f"foreign_keys = {'ON' if foreign_keys else 'OFF'}",
         ):
@@ -122,8 +127,14 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
 
     @event.listens_for(engine, "begin")
     def _begin(connection: Connection) -> None:
-        writes = connection.get_execution_options().get(_WRITES, False)
-        connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+        options = connection.get_execution_options()
+        if options.get(_WRITES, False):
+            # Has no effect within a transaction, and stays with the connection after it.
+            level = "NORMAL" if options.get(_LAX, False) else "FULL"
+            connection.exec_driver_sql(f"PRAGMA synchronous = {level}")
+            connection.exec_driver_sql("BEGIN IMMEDIATE")
+        else:
+            connection.exec_driver_sql("BEGIN")
 
     return engine
 
@@ -131,11 +142,29 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
 def _make_postgresql_engine(url: URL) -> Engine:
     try:
         # Pinged before use, for the server may have been started again meanwhile.
-        return sa.create_engine(url, pool_pre_ping=True, pool_size=10, **_JSON)
+        engine = sa.create_engine(url, pool_pre_ping=True, pool_size=10, **_JSON)
     except ModuleNotFoundError as error:
         raise BadInput(
             "PostgreSQL needs the extra `postgresql`: pip install 'flexsid[postgresql]'"
         ) from error
+    event.listen(engine, "before_cursor_execute", _check_text)
+
+    @event.listens_for(engine, "connect")
+    def _prepare(connection: Any, _record: object) -> None:
+        # A server may be set up to acknowledge what is not on its disk yet.
+        with connection.cursor() as cursor:
+            cursor.execute(
+                "SELECT set_config('synchronous_commit', 'on', false)"
+                " WHERE current_setting('synchronous_commit') = 'off'"
+            )
+        connection.commit()
+
+    @event.listens_for(engine, "begin")
+    def _begin(connection: Connection) -> None:
+        if connection.get_execution_options().get(_LAX, False):
+            connection.exec_driver_sql("SET LOCAL synchronous_commit = off")
+
+    return engine
 
 
 class Database:
@@ -145,6 +174,7 @@ class Database:
         self.url = parse_url(url)
         self.engine = make_engine(self.url)
         self._writing_engine = self.engine.execution_options(**{_WRITES: True})
+        self._lax_engine = self._writing_engine.execution_options(**{_LAX: True})
         self._reading_engine = self.engine
         if self.url.get_backend_name() == "postgresql":
             self._reading_engine = self.engine.execution_options(
@@ -157,16 +187,26 @@ class Database:
         self.engine.dispose()
 
     @contextmanager
-    def transaction(self) -> Iterator[Connection]:
-        """Write all or nothing; a transaction inside another joins it."""
+    def transaction(self, *, lax: bool = False) -> Iterator[Connection]:
+        """Write all or nothing; a transaction inside another joins it.
+
+        Parameters
+        ----------
+        lax
+            A power cut may take what is written, as of beats and progress, which follow each
+            other within seconds and are waited for by nobody.
+        """
         current = self._writing
         if current is not None:
+            if self._is_lax and not lax:
+                raise RuntimeError("what is acknowledged cannot be written in a lax transaction")
             yield current
             return
         if self._reading is not None:
             raise RuntimeError("what is read here would not show what is written")
-        with answering(), self._writing_engine.begin() as connection:
-            self._of_thread.writing = connection
+        engine = self._lax_engine if lax else self._writing_engine
+        with answering(), engine.begin() as connection:
+            self._of_thread.writing, self._of_thread.lax = connection, lax
             try:
                 yield connection
             finally:
@@ -201,18 +241,52 @@ class Database:
         return getattr(self._of_thread, "writing", None)
 
     @property
+    def _is_lax(self) -> bool:
+        return getattr(self._of_thread, "lax", False)
+
+    @property
     def _reading(self) -> Connection | None:
         return getattr(self._of_thread, "reading", None)
+
+
+def _check_text(
+    _connection: Connection,
+    _cursor: object,
+    _statement: str,
+    parameters: Any,
+    _context: object,
+    many: bool,
+) -> None:
+    """Refuse text that PostgreSQL cannot keep, on both databases and in every statement.
+
+    What is entered is checked where it comes in; this is for what nobody thought of.
+    """
+    for row in parameters if many else (parameters,):
+        for value in row.values() if isinstance(row, dict) else row or ():
+            if isinstance(value, str) and ("\x00" in value or not _is_unicode(value)):
+                raise NotText("a text holds the character U+0000 or half of one; write it without")
+
+
+def _is_unicode(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _to_json(value: Any) -> str:
     """Write JSON; a NaN is refused here, so that it cannot be met later as a number."""
     try:
-        return json.dumps(value, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
+        text = json.dumps(value, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
     except ValueError as error:
         raise NotFinite(
             f"a record cannot be kept ({error}); numbers that are not known are None"
         ) from error
+    if _ESCAPED_NUL.search(text):
+        raise NotText("a text holds the character U+0000; write it without")
+    return text
 
 
+_ESCAPED_NUL = re.compile(r"(?<!\\)(?:\\\\)*\\u0000")
 _JSON: dict[str, Any] = {"json_serializer": _to_json, "json_deserializer": orjson.loads}

@@ -42,7 +42,7 @@ def take(store: Store, seen: Lease, holder: str) -> Lease | None:
 
 def renew(store: Store, lease: Lease, status: dict[str, Any]) -> Lease | None:
     """Count one beat and tell what the holder is doing; None where another has taken over."""
-    if not _change(store, lease, beats=lease.beats + 1, status=status):
+    if not _change(store, lease, lax=True, beats=lease.beats + 1, status=status):
         return None
     return Lease(lease.holder, lease.epoch, lease.beats + 1)
 
@@ -64,7 +64,7 @@ def status(store: Store) -> dict[str, Any] | None:
         return connection.scalar(query)
 
 
-def _change(store: Store, seen: Lease, **values: Any) -> bool:
+def _change(store: Store, seen: Lease, *, lax: bool = False, **values: Any) -> bool:
     same = sa.and_(_DISPATCHER, leases.c.epoch == seen.epoch, leases.c.beats == seen.beats)
-    with store.database.transaction() as connection:
+    with store.database.transaction(lax=lax) as connection:
         return connection.execute(sa.update(leases).where(same).values(values)).rowcount == 1

@@ -19,6 +19,8 @@ from sqlalchemy.engine import Connection
 import flexsid
 from flexsid.errors import FlexsidError
 from flexsid.storage.database import answering, make_engine, parse_url, sqlite_file
+from flexsid.storage.files import DatabaseUnavailable, begin_database, new_file
+from flexsid.storage.tables.columns import metadata
 
 _log = logging.getLogger(__name__)
 _MIGRATING = 0x666C6D67  # any number that nobody else takes
@@ -62,6 +64,9 @@ def move(url: str, target: str) -> str:
     config = Config()
     config.set_main_option("script_location", str(find_migrations()).replace("%", "%%"))
     scripts = ScriptDirectory.from_config(config)
+    file = sqlite_file(parsed)
+    if file is not None:
+        begin_database(file)
     engine = make_engine(parsed, foreign_keys=False)
     writing = engine.execution_options(flexsid_writes=True)
     try:
@@ -74,8 +79,10 @@ def move(url: str, target: str) -> str:
             wanted = scripts.get_current_head() if target == "head" else target
             if present == wanted and present is not None:
                 return present
-            if present is not None:
-                _keep_copy(sqlite_file(parsed), present)
+            if present is None:
+                _refuse_foreign(connection)
+            else:
+                _keep_copy(file, present)
             config.attributes["connection"] = connection
             going_down = target == "base" or (
                 present is not None
@@ -97,6 +104,20 @@ def find_migrations() -> Path:
         f"the migrations are neither in {package} nor beside the source; install flexsid again",
         code="broken-installation",
     )
+
+
+def _refuse_foreign(connection: Connection) -> None:
+    """Refuse to put tables beside those of another program, or beside ours without their schema."""
+    present = set(sa.inspect(connection).get_table_names()) - {"alembic_version"}
+    if connection.dialect.name == "postgresql":  # others may share a database there
+        present &= set(metadata.tables)
+    if present:
+        raise DatabaseUnavailable(
+            f"the database has tables ({', '.join(sorted(present)[:3])}, ...) but no schema of"
+            " flexsid: it is another program's, or its table alembic_version was lost. Name"
+            " another database, or restore a backup",
+            code="foreign-database",
+        )
 
 
 def _present_revision(connection: Connection, scripts: ScriptDirectory) -> str | None:
@@ -122,6 +143,10 @@ def _keep_copy(file: Path | None, revision: str) -> None:
     while copy.exists():
         number += 1
         copy = file.with_name(f"{file.name}.backup-{revision}-{number}")
-    with closing(sqlite3.connect(file)) as source, closing(sqlite3.connect(copy)) as target:
+    with (
+        new_file(copy) as partial,
+        closing(sqlite3.connect(file)) as source,
+        closing(sqlite3.connect(partial)) as target,
+    ):
         source.backup(target, pages=-1)
     _log.info("copied the database to %s before its schema changes", copy)

@@ -65,8 +65,9 @@ _shown = (
 _severity = sa.case(
     (maneuver_quality.c.verdict == Verdict.BAD.value, 0),
     (maneuver_quality.c.verdict == Verdict.DOUBTFUL.value, 1),
-    (maneuver_quality.c.verdict == Verdict.GOOD.value, 3),
-    else_=2,
+    (maneuver_quality.c.verdict == Verdict.UNCHECKED.value, 2),
+    (maneuver_quality.c.verdict == Verdict.GOOD.value, 4),
+    else_=3,
 )
 _figure = {
     name: maneuver_quality.c.figures[name].as_float()

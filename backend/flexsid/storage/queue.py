@@ -8,14 +8,15 @@ earlier attempt still says, or says after the run was cancelled, changes nothing
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import Any
 
 import sqlalchemy as sa
 
 from flexsid.errors import Conflict
-from flexsid.records.run import EstimationRun, Progress, RunResult, RunState
-from flexsid.storage import leases, run_log
+from flexsid.records.run import EstimationRun, Progress, Provenance, RunResult, RunState
+from flexsid.storage import leases, run_log, run_results
 from flexsid.storage.store import Store
 from flexsid.storage.tables import runs
 
@@ -92,12 +93,12 @@ def claim(
 
 def note_progress(store: Store, run_id: int, attempt: int, progress: Progress) -> bool:
     """Write how far a run is; False where this attempt no longer counts."""
-    return _change(store, _is_attempt(run_id, attempt), progress=progress)
+    return _change(store, _is_attempt(run_id, attempt), lax=True, progress=progress)
 
 
 def say(store: Store, run_id: int, attempt: int, message: str) -> None:
     """Add a line to the log of a run."""
-    with store.database.transaction() as connection:
+    with store.database.transaction(lax=True) as connection:
         if connection.scalar(sa.select(sa.exists().where(runs.c.id == run_id))):
             run_log.write(connection, [run_id], "said", attempt, message)
 
@@ -109,8 +110,9 @@ def finish(
     result: RunResult,
     versions: Mapping[str, str],
     worker: str | None = None,
+    provenance: Provenance | None = None,
 ) -> EstimationRun:
-    """Keep the result of a run.
+    """Keep the result of a run, what it was computed from, and the hash of both.
 
     Raises
     ------
@@ -127,6 +129,7 @@ def finish(
             finished_at=_now(),
             error=None,
             worker=worker,
+            **({} if provenance is None else asdict(provenance)),
         )
         if not kept:
             run = store.runs.get(run_id)
@@ -134,6 +137,7 @@ def finish(
                 f"attempt {attempt} of run {run_id} comes too late: the run is {run.state.value}"
                 f" in attempt {run.attempt}"
             )
+        run_results.seal(connection, run_id)
         run_log.write(connection, [run_id], "succeeded", attempt, worker or "")
         return store.runs.get(run_id)
 
@@ -321,14 +325,16 @@ def _end_those_waiting(store: Store, run_ids: Sequence[int], state: RunState) ->
         _end_those_waiting(store, found, state)
 
 
-def _change(store: Store, condition: sa.ColumnElement[bool], **values: Any) -> bool:
+def _change(
+    store: Store, condition: sa.ColumnElement[bool], *, lax: bool = False, **values: Any
+) -> bool:
     row = {
         name: value
         if isinstance(value, sa.ColumnElement) or name not in store.runs.fields
         else store.runs.encode_field(name, value)
         for name, value in values.items()
     }
-    with store.database.transaction() as connection:
+    with store.database.transaction(lax=lax) as connection:
         return connection.execute(sa.update(runs).where(condition).values(row)).rowcount >= 1
 
 

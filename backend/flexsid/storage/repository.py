@@ -48,6 +48,8 @@ class Repository(Generic[R]):
         What an analyst calls it, for messages.
     copied
         Further columns, computed from the record so that SQL can filter by them.
+    derived
+        Fields without a column, computed from the row as it is read.
     """
 
     def __init__(
@@ -57,13 +59,16 @@ class Repository(Generic[R]):
         record: type[R],
         noun: str,
         copied: Callable[[R], Mapping[str, Any]] | None = None,
+        derived: Mapping[str, Callable[[Mapping[str, Any]], Any]] | None = None,
     ) -> None:
         self.table = table
         self._database = database
         self._noun = noun
         self._copied = copied
         self._adapter = TypeAdapter(record)
-        self.fields = tuple(field.name for field in fields(record))
+        self._derived = derived or {}
+        names = (field.name for field in fields(record))
+        self.fields = tuple(name for name in names if name not in self._derived)
         hints = get_type_hints(record)
         self._nested = {
             name: TypeAdapter(hints[name])
@@ -169,7 +174,11 @@ class Repository(Generic[R]):
 
     def decode(self, rows: Sequence[sa.RowMapping]) -> list[R]:
         """Return the records of rows."""
-        return [self._adapter.validate_python({n: row[n] for n in self.fields}) for row in rows]
+        return [self._adapter.validate_python(self._values(row)) for row in rows]
+
+    def _values(self, row: sa.RowMapping) -> dict[str, Any]:
+        kept = {name: row[name] for name in self.fields}
+        return kept | {name: derive(kept) for name, derive in self._derived.items()}
 
     def _select(self, *conditions: sa.ColumnElement[bool], lock: bool = False) -> list[R]:
         columns = [self.table.c[name] for name in self.fields]

@@ -11,6 +11,8 @@ from sqlalchemy.engine import Connection
 
 from flexsid.errors import BadInput
 from flexsid.records.run import Method, RunState
+from flexsid.storage.content import changed_since
+from flexsid.storage.database import Database
 from flexsid.storage.facets import Facet, Facets, count_facets
 from flexsid.storage.paging import Page, read_cursor
 from flexsid.storage.tables import aircraft, flights, maneuvers, run_tags, runs
@@ -55,6 +57,7 @@ class RunItem:
     started_at: datetime | None
     finished_at: datetime | None
     deleted_at: datetime | None
+    changed_since: tuple[str, ...]
 
 
 class RunFilters(TypedDict, total=False):
@@ -110,6 +113,7 @@ _read = (
     runs.c.method,
     runs.c.state,
     runs.c.structure["modes"].label("modes"),
+    runs.c.rests_on,
     runs.c.settings["start"].as_string().label("start"),
     runs.c.error["code"].as_string().label("error_code"),
     runs.c.result["poles"].label("poles"),
@@ -132,14 +136,14 @@ RUN_SORT_FIELDS = tuple(sorted(_sortable))
 
 
 def select_runs(
-    connection: Connection, filters: RunFilters, sort: str, limit: int, after: str | None
+    database: Database, filters: RunFilters, sort: str, limit: int, after: str | None
 ) -> Page[RunItem]:
-    """Read one page of the list.
+    """Read one page of the list, in one state of the database.
 
     Parameters
     ----------
-    connection
-        A transaction to read in.
+    database
+        Where they are.
     filters
         What to narrow it to.
     sort
@@ -156,20 +160,26 @@ def select_runs(
     are read from the rows, whose results weigh tens of kilobytes each.
     """
     offset = 0 if after is None else read_cursor(after)
-    found = connection.scalars(
+    chosen = (
         sa.select(runs.c.id)
         .select_from(_joined)
         .where(*_conditions(filters))
         .order_by(*_order(sort))
         .offset(offset)
         .limit(limit + 1)  # one more tells whether there is a next page
-    ).all()
-    ids = found[:limit]
-    query = sa.select(*_shown, *_read).select_from(_joined).where(runs.c.id.in_(ids))
-    rows = {row["id"]: row for row in connection.execute(query).mappings()}
-    tags = tags_of(connection, run_tags, ids)
+    )
+    with database.reading() as connection:
+        found = connection.scalars(chosen).all()
+        ids = found[:limit]
+        query = sa.select(*_shown, *_read).select_from(_joined).where(runs.c.id.in_(ids))
+        rows = {row["id"]: row for row in connection.execute(query).mappings()}
+        tags = tags_of(connection, run_tags, ids)
+        changed = changed_since(database, [rows[identity]["rests_on"] for identity in ids])
     return Page(
-        items=[_item(rows[identity], tags[identity]) for identity in ids],
+        items=[
+            _item(rows[identity], tags[identity], since)
+            for identity, since in zip(ids, changed, strict=True)
+        ],
         next=str(offset + limit) if len(found) > limit else None,
     )
 
@@ -248,7 +258,7 @@ def _order(sort: str) -> list[sa.ColumnElement[Any]]:
     ]
 
 
-def _item(row: sa.RowMapping, tags: list[str]) -> RunItem:
+def _item(row: sa.RowMapping, tags: list[str], changed: tuple[str, ...]) -> RunItem:
     iterations = row["iterations"] or ()
     r_squared = (row["r_squared"] or {}).values()
     return RunItem(
@@ -264,4 +274,5 @@ def _item(row: sa.RowMapping, tags: list[str]) -> RunItem:
         worst_r_squared=min(r_squared, default=None),
         has_model=bool(row["poles"]),
         tags=tuple(tags),
+        changed_since=changed,
     )

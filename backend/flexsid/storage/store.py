@@ -48,6 +48,7 @@ from flexsid.storage.modal_shapes import ModalShapes
 from flexsid.storage.paging import Page
 from flexsid.storage.repository import Repository
 from flexsid.storage.run_list import RunFilters, RunItem, run_facets, select_runs
+from flexsid.storage.run_results import is_altered
 from flexsid.storage.tags import tags_of
 
 
@@ -110,7 +111,9 @@ class Store:
         self.looks = Repository(database, tables.looks, Look, "look")
         self.controllers = Repository(database, tables.controllers, Controller, "controller")
         self.rehearsals = Repository(database, tables.rehearsals, Rehearsal, "rehearsal")
-        self.runs = Repository(database, tables.runs, EstimationRun, "run")
+        self.runs = Repository(
+            database, tables.runs, EstimationRun, "run", derived={"altered": is_altered}
+        )
         self.searches = Repository(database, tables.searches, StructureSearch, "search")
         self.saved_views = Repository(database, tables.saved_views, SavedView, "saved view")
         self.batches = Repository(database, tables.batches, Batch, "batch")
@@ -167,8 +170,7 @@ class Store:
         **filters: Unpack[RunFilters],
     ) -> Page[RunItem]:
         """Return one page of the filtered list of runs."""
-        with self.database.reading() as connection:
-            return select_runs(connection, filters, sort, limit, after)
+        return select_runs(self.database, filters, sort, limit, after)
 
     def run_facets(self, **filters: Unpack[RunFilters]) -> Facets:
         """Count the list of runs, and what each choice of a filter would leave of it."""

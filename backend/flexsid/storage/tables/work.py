@@ -43,6 +43,9 @@ runs = table(
     sa.Column("data_hash", sa.String(64)),
     sa.Column("input_hash", sa.String(64), index=True),
     text("worker", required=False),
+    json("rests_on", required=False),
+    sa.Column("result_hash", sa.String(64)),
+    json("proposal", required=False),
     # Not of the record: which process answers for a running run, and how many
     # workers died of it since it was last asked for.
     text("owner", required=False),

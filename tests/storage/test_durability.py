@@ -1,0 +1,223 @@
+"""What was acknowledged is on disk; a database is begun whole, and never made out of nothing."""
+
+from __future__ import annotations
+
+import sqlite3
+import stat
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sqlalchemy import event
+from sqlalchemy.engine import Connection
+
+from flexsid.errors import Conflict
+from flexsid.records.aircraft import Aircraft
+from flexsid.records.decision import StructureProposal, StructureReference, Vote
+from flexsid.records.maneuver import Maneuver
+from flexsid.records.model_structure import ModelStructure, Structure
+from flexsid.records.run import EstimationRun, Progress
+from flexsid.storage import backup as copies
+from flexsid.storage import leases, queue
+from flexsid.storage.bulk import Action, change_maneuvers
+from flexsid.storage.database import Database
+from flexsid.storage.files import DatabaseUnavailable
+from flexsid.storage.migrate import upgrade
+from flexsid.storage.store import Store
+from flexsid.workflow import review
+from flexsid.workflow.structures import add_structure
+
+only_sqlite = pytest.mark.parametrize("backend", ["sqlite"])
+
+
+@contextmanager
+def _commits(store: Store) -> Iterator[list[bool]]:
+    """Note of every commit whether it waits for the disk."""
+    waits: list[bool] = []
+
+    def note(connection: Connection) -> None:
+        if connection.dialect.name == "sqlite":
+            (level,) = connection.exec_driver_sql("PRAGMA synchronous").one()
+            waits.append(level >= 2)  # FULL: the log is synchronised with every commit
+        else:
+            waits.append(connection.exec_driver_sql("SHOW synchronous_commit").scalar() == "on")
+
+    event.listen(store.database.engine, "commit", note)
+    try:
+        yield waits
+    finally:
+        event.remove(store.database.engine, "commit", note)
+
+
+def test_every_acknowledged_write_waits_for_the_disk(
+    store: Store, aircraft: Aircraft, maneuver: Maneuver, add_run: Callable[..., EstimationRun]
+) -> None:
+    assert aircraft.id is not None
+    assert maneuver.id is not None
+    lease = leases.take(store, leases.read(store), "me")
+    assert lease is not None
+    # A beat before, so that the connection was lax a moment ago.
+    assert leases.renew(store, lease, {}) is not None
+    with _commits(store) as waits:
+        structure = add_structure(
+            store, ModelStructure(aircraft_id=aircraft.id, name="SP", structure=Structure(fixed={}))
+        )
+        assert structure.id is not None
+        decision = review.propose(
+            store,
+            StructureProposal(
+                title="SP",
+                structure=StructureReference(id=structure.id, version=1),
+                limits={},
+                reasoning="enough",
+            ),
+            "Ann",
+        )
+        assert decision.id is not None
+        review.comment(store, decision.id, "a word", "Bob")
+        review.cast_vote(store, decision.id, 1, Vote.APPROVE, "yes", "Bob")
+        store.arrays.put(np.arange(3.0))
+        change_maneuvers(store, [maneuver.id], Action.TAG, "kept")
+        run = add_run()
+        claimed = queue.claim(store, run.id)
+        assert claimed is not None
+        assert claimed.id is not None
+        queue.fail(store, claimed.id, claimed.attempt, "x", "y")
+        queue.request_retry(store, claimed.id)
+        queue.request_cancel(store, claimed.id)
+    assert len(waits) >= 11
+    assert all(waits)
+
+
+def test_only_the_beats_of_the_queue_do_not(
+    store: Store, add_run: Callable[..., EstimationRun]
+) -> None:
+    run = queue.claim(store, add_run().id)
+    assert run is not None
+    assert run.id is not None
+    lease = leases.take(store, leases.read(store), "me")
+    assert lease is not None
+    with _commits(store) as waits:
+        assert leases.renew(store, lease, {"workers": 1}) is not None
+        assert queue.note_progress(store, run.id, run.attempt, Progress(message="step 1"))
+        queue.say(store, run.id, run.attempt, "step 1")
+    assert waits == [False] * 3
+    assert store.runs.get(run.id).progress == Progress(message="step 1")
+
+
+def test_nothing_that_is_acknowledged_hides_in_a_lax_transaction(store: Store) -> None:
+    with pytest.raises(RuntimeError, match="acknowledged"):  # noqa: SIM117
+        with store.database.transaction(lax=True), store.database.transaction():
+            pass
+
+
+@pytest.mark.parametrize("backend", ["postgresql"])
+def test_a_postgresql_that_acknowledges_early_is_not_taken_at_its_word(database_url: str) -> None:
+    name = database_url.rpartition("/")[2]
+    first = Database(database_url)
+    with first.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
+        connection.exec_driver_sql(f'ALTER DATABASE "{name}" SET synchronous_commit = off')
+    first.close()
+    again = Database(database_url)
+    with again.transaction() as connection:
+        assert connection.exec_driver_sql("SHOW synchronous_commit").scalar() == "on"
+    again.close()
+
+
+def test_an_empty_file_is_damage_and_no_new_workbench(tmp_path: Path) -> None:
+    file = tmp_path / "flexsid.db"
+    file.touch()
+    with pytest.raises(DatabaseUnavailable, match="flexsid restore") as refused:
+        upgrade(f"sqlite:///{file}")
+    assert refused.value.code == "database-empty"
+    assert file.stat().st_size == 0
+
+
+def test_a_log_without_its_database_is_damage_too(tmp_path: Path) -> None:
+    (tmp_path / "flexsid.db-wal").write_bytes(b"what was voted")
+    with pytest.raises(DatabaseUnavailable, match="backup") as refused:
+        upgrade(f"sqlite:///{tmp_path}/flexsid.db")
+    assert refused.value.code == "database-gone"
+    assert [file.name for file in tmp_path.iterdir()] == ["flexsid.db-wal"]
+
+
+def test_the_database_of_another_program_is_left_alone(tmp_path: Path) -> None:
+    with closing(sqlite3.connect(tmp_path / "other.db")) as other:
+        other.execute("CREATE TABLE birds (name)")
+    with pytest.raises(DatabaseUnavailable, match="birds"):
+        upgrade(f"sqlite:///{tmp_path}/other.db")
+
+
+@only_sqlite
+def test_a_server_whose_file_is_taken_away_does_not_begin_another(
+    database_url: str, store: Store
+) -> None:
+    file = Path(database_url.removeprefix("sqlite:///"))
+    file.unlink()
+    with pytest.raises(DatabaseUnavailable):
+        store.runs.find()
+    assert not file.exists()
+
+
+@only_sqlite
+def test_a_backup_comes_back_in_place_of_an_empty_file(
+    database_url: str, aircraft: Aircraft, tmp_path: Path
+) -> None:
+    copies.backup(database_url, tmp_path / "copy")
+    lost = tmp_path / "lost.db"
+    lost.touch()
+    copies.restore(f"sqlite:///{lost}", tmp_path / "copy")
+    restored = Store.open(f"sqlite:///{lost}")
+    assert restored.aircraft.find() == [aircraft]
+    restored.close()
+    assert [file.stat().st_size for file in tmp_path.glob("lost.db.before-restore-*")] == [0]
+
+
+def test_nobody_else_reads_a_database_its_logs_or_its_copies(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path}/var/flexsid.db"
+    upgrade(url)
+    store = Store.open(url)
+    store.arrays.put(np.arange(3.0))
+    copies.backup(url, tmp_path / "copy")
+    copies.restore(url, tmp_path / "copy")
+    files = [*(tmp_path / "var").iterdir(), tmp_path / "copy"]
+    assert {"flexsid.db-wal", "flexsid.db-shm"} <= {file.name for file in files}
+    assert {stat.filemode(file.stat().st_mode) for file in files} == {"-rw-------"}
+    assert stat.filemode((tmp_path / "var").stat().st_mode) == "drwx------"
+    store.close()
+
+
+@only_sqlite
+def test_what_others_could_read_until_now_is_closed_to_them_with_a_note(
+    database_url: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    file = Path(database_url.removeprefix("sqlite:///"))
+    older = file.with_name(f"{file.name}.backup-0001")
+    older.write_bytes(b"a copy")
+    beside = file.with_name("notes.txt")
+    beside.write_text("not ours")
+    for one in (file, older, beside):
+        one.chmod(0o644)
+    upgrade(database_url)
+    modes = [stat.S_IMODE(one.stat().st_mode) for one in (file, older, beside)]
+    assert modes == [0o600, 0o600, 0o644]
+    assert caplog.text.count("mode 644") == 2
+
+
+@only_sqlite
+def test_a_backup_that_is_interrupted_leaves_no_half_of_itself(
+    database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def damaged(file: Path) -> None:
+        raise DatabaseUnavailable("damaged")
+
+    monkeypatch.setattr(copies, "check", damaged)
+    with pytest.raises(DatabaseUnavailable):
+        copies.backup(database_url, tmp_path / "copy")
+    assert list(tmp_path.glob("copy*")) == []
+    monkeypatch.undo()
+    (tmp_path / "copy").write_bytes(b"another's")
+    with pytest.raises(Conflict):
+        copies.backup(database_url, tmp_path / "copy")
