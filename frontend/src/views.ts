@@ -66,7 +66,7 @@ export const flightView = view((search) => ({
 }));
 export type FlightView = ReturnType<typeof flightView>;
 
-export const VERDICTS = ["bad", "doubtful", "good", "missing"] as const;
+export const VERDICTS = ["bad", "doubtful", "unchecked", "good", "missing"] as const;
 
 export const qualityView = view((search) => ({
   verdict: oneOf(search.verdict, VERDICTS),
@@ -303,6 +303,8 @@ export const designView = view((search) => ({
   load: number(search.load),
   /** Window of everything over frequency [Hz]. */
   low: number(search.low),
+  /** Whose modes the band is compared with. */
+  aircraft: integer(search.aircraft),
   high: number(search.high),
 }));
 export type DesignView = ReturnType<typeof designView>;

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import pytest
 from fastapi.testclient import TestClient
+from waiting import wait_until
 
 API = "/api/v1"
 SETTINGS = {"max_iterations": 90}  # other than those of the run that is there
@@ -22,13 +22,11 @@ BATCH = {
 
 
 def _finished(client: TestClient, batch_id: int) -> dict[str, Any]:
-    deadline = time.monotonic() + 120.0
-    while True:
+    def look() -> dict[str, Any] | None:
         answer = client.get(f"{API}/batches/{batch_id}").json()
-        if answer["states"]["queued"] + answer["states"]["running"] == 0:
-            return answer
-        assert time.monotonic() < deadline, answer
-        time.sleep(0.05)
+        return None if answer["states"]["queued"] + answer["states"]["running"] else answer
+
+    return wait_until(look, "the end of the batch")
 
 
 def test_the_same_run_asked_twice_is_one_run_and_says_so(client: TestClient) -> None:

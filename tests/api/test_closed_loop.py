@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import time
-
 from fastapi.testclient import TestClient
+from waiting import ended
 
 
 def test_margins_come_as_numbers_or_null_and_as_figures(client: TestClient):
@@ -27,16 +26,8 @@ def test_margins_come_as_numbers_or_null_and_as_figures(client: TestClient):
 def test_an_answer_is_found_as_a_task_and_then_at_hand(client: TestClient):
     begun = client.post("/api/v1/closed-loop/answers?run_ids=1&controller_id=1")
     assert begun.status_code == 202, begun.text
-    assert _ended(client, begun.headers["location"])["state"] == "done"
+    assert ended(client, begun.headers["location"])["state"] == "done"
     nobody = client.post("/api/v1/closed-loop/answers?run_ids=1&controller_id=99")
-    told = _ended(client, nobody.headers["location"])
+    told = ended(client, nobody.headers["location"])
     assert told["state"] == "failed"
     assert "99" in told["message"]
-
-
-def _ended(client: TestClient, task: str) -> dict[str, str]:
-    deadline = time.monotonic() + 60.0
-    while (now := client.get(task).json())["state"] in ("waiting", "running"):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-    return now

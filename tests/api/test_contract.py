@@ -1,14 +1,20 @@
-"""Every route keeps what the description of the interface promises, whatever it is sent."""
+"""Every route keeps what the description of the interface promises, whatever it is sent.
+
+On both databases, always: what one of them refuses or cannot keep the other may let pass.
+"""
 
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+import uuid
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+from postgresql import Cluster
+from tests.conftest import Listening
 
 from flexsid.api.app import create_app
 from flexsid.settings import Settings
@@ -28,7 +34,7 @@ LENIENT = [
 ]
 STREAM = "/api/v1/events"  # it has no end
 bounded = settings(
-    max_examples=4,
+    max_examples=2,  # on each of two databases
     derandomize=True,
     deadline=None,
     database=None,
@@ -48,23 +54,29 @@ def test_what_is_deleted_is_deleted_as_described(case: Any, doomed_url: str) -> 
     case.call_and_validate(base_url=doomed_url, timeout=300, excluded_checks=LENIENT)
 
 
+@pytest.fixture(scope="session", params=["sqlite", "postgresql"])
+def flown(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Callable[[], str]:
+    """Make a database with a maneuver that was flown, on either kind; returns its address."""
+    if request.param == "sqlite":
+        template: Path = request.getfixturevalue("flown_file")
+        folder = tmp_path_factory.mktemp("contract")
+        return lambda: f"sqlite:///{shutil.copy(template, folder / f'{uuid.uuid4().hex}.db')}"
+    cluster: Cluster = request.getfixturevalue("postgresql")
+    name: str = request.getfixturevalue("flown_template")
+    return lambda: cluster.url(cluster.copy(name))
+
+
 @pytest.fixture(scope="session")
-def changed_url(
-    flown_file: Path, listening: Any, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[str]:
+def changed_url(flown: Callable[[], str], listening: Listening) -> Iterator[str]:
     """A server of its own, for what is sent may change anything."""
-    file = tmp_path_factory.mktemp("changed") / "flown.db"
-    shutil.copy(flown_file, file)
-    with listening(file) as url:
+    with listening(flown()) as url:
         yield url
 
 
 @pytest.fixture(scope="session")
-def doomed_url(
-    flown_file: Path, listening: Any, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[str]:
+def doomed_url(flown: Callable[[], str], listening: Listening) -> Iterator[str]:
     """A server of its own, for what others need would be gone."""
-    file = tmp_path_factory.mktemp("doomed") / "flown.db"
-    shutil.copy(flown_file, file)
-    with listening(file) as url:
+    with listening(flown()) as url:
         yield url

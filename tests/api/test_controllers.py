@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 from scipy import io as scipy_io
+from waiting import ended
 
 URL = "/api/v1/controllers"
 TRANSFER: dict[str, Any] = {
@@ -80,7 +80,7 @@ def test_what_is_no_controller_is_refused(client: TestClient, content: object, w
 def test_a_rehearsal_is_a_task_whose_run_is_queued(client: TestClient):
     order = {"maneuver_id": 1, "method": "OE", "structure": {"modes": [7]}}
     job = client.post("/api/v1/runs", json=order).headers["location"]
-    run = finished(client, job)["run_id"]
+    run = ended(client, job)["run_id"]
     wish = {
         "name": "mini", "fta": 500, "duration_s": 12.0, "rate_hz": 100.0, "first_harmonic": 4,
         "peaks": [0.005, 0.01, 0.02], "effort": "quick",
@@ -90,21 +90,13 @@ def test_a_rehearsal_is_a_task_whose_run_is_queued(client: TestClient):
     body = {"run_id": run, "level": 1, "controller_id": controller}
     begun = client.post(f"{design}/rehearsals", json=body)
     assert begun.status_code == 202, begun.text
-    assert finished(client, begun.headers["location"])["state"] == "done"
+    assert ended(client, begun.headers["location"])["state"] == "done"
     (one,) = client.get(f"{design}/rehearsals").json()["items"]
     assert one["rehearsal"]["controller_id"] == controller
-    finished(client, f"/api/v1/jobs/{one['rehearsal']['run_id']}")
+    ended(client, f"/api/v1/jobs/{one['rehearsal']['run_id']}")
     (one,) = client.get(f"{design}/rehearsals").json()["items"]
     assert one["state"] == "succeeded"
     assert {"CZ_alpha", "Cm_q"} <= {row["name"] for row in one["derivatives"]}
     assert client.delete(f"{URL}/{controller}").json()["code"] == "controller-used"
     missing = client.post(f"{design}/rehearsals", json=body | {"controller_id": 999})
     assert missing.status_code == 404
-
-
-def finished(client: TestClient, where: str) -> dict[str, Any]:
-    deadline = time.monotonic() + 90.0
-    while (now := client.get(where).json())["state"] in ("waiting", "queued", "running"):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-    return now

@@ -170,15 +170,18 @@ def test_rules_change_openly_and_not_over_each_other(act: Act) -> None:
 
 def test_new_runs_take_the_baseline_of_their_condition(act: Act) -> None:
     wanted = {"maneuver_id": 1, "method": "EE"}
-    assert act("Ann", "post", "runs", wanted).json()["code"] == "no-structure"
+    assert act("Ann", "post", "runs", wanted).json()["structure_id"] is None
     elsewhere = propose(act, title="slow", limits={"airspeed_m_s": [0.0, 1.0]})
     vote(act, "Bo", elsewhere)
-    assert act("Ann", "post", "runs", wanted).json()["code"] == "no-structure"
+    of_band = act("Ann", "get", "maneuvers/1/run-proposal").json()
+    assert of_band["basis"]["source"] == "band"
     everywhere = propose(act, title="everywhere", limits={}, structure={"id": 2, "version": 1})
     vote(act, "Bo", everywhere)
     asked = act("Ann", "post", "runs", wanted)
     assert asked.status_code == 202, asked.text
     assert (asked.json()["structure_id"], asked.json()["structure_version"]) == (2, 1)
+    basis = asked.json()["proposal"]
+    assert (basis["source"], basis["decision_id"]) == ("approved-baseline", everywhere["id"])
     batch = {"name": "all", "maneuver_ids": [1], "methods": ["OE"]}
     assert act("Ann", "post", "batches", batch).status_code == 202
     (queued,) = act("Ann", "get", "runs?structure_id=2&method=OE").json()["items"]

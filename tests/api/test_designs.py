@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
+from waiting import ended
+
+from flexsid.errors import BadInput
+from flexsid.sysid.excitation.designer import InputWish, Wish
+from flexsid.workflow import excitation
+from flexsid.workflow.excitation import check_evaluation
 
 URL = "/api/v1/designs"
 FTA_503: dict[str, Any] = {
@@ -80,6 +85,112 @@ def test_what_cannot_be_is_refused(
     assert words in answer.json()["detail"]
 
 
+@pytest.mark.parametrize(
+    ("changes", "code", "words"),
+    [
+        ({"duration_s": 99_000.0}, "too-many-samples", "shorter period"),
+        ({"count": 500}, "too-many-harmonics", "fewer harmonics"),
+        ({"high_hz": 60.0}, "above-nyquist", "Nyquist frequency 50 Hz"),
+    ],
+)
+def test_a_design_that_costs_too_much_is_refused_before_anything_is_computed(
+    empty: TestClient, changes: dict[str, Any], code: str, words: str
+):
+    """Forty bands in a long record: all of it within what each field allows."""
+    band = {"low_hz": 0.05, "high_hz": 40.0, "count": 50} | changes
+    period = band.pop("duration_s", 200.0)
+    bands = [{"name": f"u{place}", **band} for place in range(40)]
+    wanted = FTA_503 | {"fta": None, "bands": bands, "duration_s": period}
+    for where in (URL, f"{URL}/searches"):
+        answer = empty.post(where, json=wanted)
+        assert answer.status_code == 422, answer.text
+        assert answer.json()["code"] == code
+        assert words in answer.json()["detail"]
+
+
+def test_a_search_that_is_too_long_for_a_request_is_a_task_or_refused(empty: TestClient):
+    inputs = [
+        {"name": f"u{place}", "harmonics": list(range(1 + place, 2001, 4))} for place in range(4)
+    ]
+    wanted = FTA_503 | {"fta": None, "inputs": inputs, "duration_s": 100.0, "effort": "patient"}
+    for where, words in ((URL, "POST /designs/searches"), (f"{URL}/searches", "less effort")):
+        answer = empty.post(where, json=wanted)
+        assert answer.json()["code"] == "search-too-long", answer.text
+        assert words in answer.json()["detail"]
+        assert "500" in answer.json()["detail"]
+
+
+def test_amplitudes_in_degrees_are_refused_wherever_they_come_from(empty: TestClient):
+    degrees = FTA_503 | {"peaks": [1.0, 2.0, 4.0]}
+    for where in (URL, f"{URL}/searches"):
+        answer = empty.post(where, json=degrees)
+        assert answer.status_code == 422, answer.text
+        assert answer.json()["code"] == "amplitude-too-large"
+        assert "4 rad, 229.2 deg" in answer.json()["detail"]
+    made = empty.post(URL, json=FTA_503).headers["location"]
+    louder = empty.post(f"{made}/rescaled", json={"name": "x", "gains": {"bfs": 57.3}})
+    assert louder.json()["code"] == "amplitude-too-large"
+    limits = f"{made}/checks?natural_frequency=60"
+    assert empty.get(f"{limits}&position=0.4&rate=4").status_code == 200
+    for wrong in ("position=25", "rate=200"):
+        assert empty.get(f"{limits}&{wrong}").status_code == 422
+
+
+def test_a_design_says_which_of_its_target_modes_its_band_holds(client: TestClient):
+    """FLEX-28 has its fourth symmetric mode, the last of HE, at 15 Hz."""
+    aircraft = client.get("/api/v1/aircraft").json()["items"][0]["id"]
+    rows = {
+        "FTA 503": ({}, {"SW1B"}, set()),
+        "FTA 506": ({"fta": 506}, {"SW1B", "SW1T", "SFA"}, {"SWL"}),
+        "FTA 515": (
+            {"fta": 515, "duration_s": 96.0, "aircraft_id": aircraft},
+            {"SW1B", "SW1T", "SFA", "SWL"},
+            set(),
+        ),
+    }
+    for name, (changes, within, outside) in rows.items():
+        design = client.post(URL, json=FTA_503 | {"name": name} | changes)
+        assert design.status_code == 201, design.text
+        where = design.headers["location"]
+        told = client.get(f"{where}/target-modes?aircraft_id={aircraft}").json()
+        found = {mode["name"]: mode["in_band"] for mode in told["modes"]}
+        assert {name for name, held in found.items() if held} == within
+        assert {name for name, held in found.items() if not held} == outside
+        assert all(name in told["sentence"] for name in outside)
+        assert ("do not reach" in told["sentence"]) == bool(outside)
+    wrong = client.post(
+        URL, json=FTA_503 | {"fta": None, "aircraft_id": aircraft, "inputs": [
+            {"name": "bfs", "harmonics": [3]}
+        ]}
+    )  # fmt: skip
+    assert wrong.status_code == 422
+
+
+def test_a_design_that_is_too_large_for_a_model_is_refused_where_it_is_evaluated():
+    inputs = tuple(
+        InputWish(name=name, harmonics=tuple(range(1 + place, 2001, 2)))
+        for place, name in enumerate(("a", "b"))
+    )
+    wish = Wish(duration_s=500.0, rate_hz=100.0, inputs=inputs, peaks=(0.1, 0.1, 0.1))
+    with pytest.raises(BadInput, match="at most 10000 samples of so many harmonics"):
+        check_evaluation(wish)
+    largest = excitation.wish_for(574, 96.0, 100.0, 6, (0.01, 0.02, 0.04))
+    check_evaluation(largest)
+
+
+def test_a_mode_that_no_harmonic_excites_has_no_signal(client: TestClient):
+    run = output_error_run(client)
+    inputs = [
+        {"name": name, "harmonics": list(range(700 + place, 1000, 5))}
+        for place, name in enumerate(("bfs", "wf1s", "wf2s", "wf3s", "wf4s"))
+    ]
+    far = FTA_503 | {"name": "far above", "fta": None, "inputs": inputs}
+    where = client.post(URL, json=far).headers["location"]
+    told = client.get(f"{where}/expected-response?run_id={run}").json()
+    bending = next(mode for mode in told["modes"] if mode["name"] == "SW1B")
+    assert (bending["lines"], bending["output"], bending["signal_to_noise"]) == (0, None, None)
+
+
 def test_bands_targets_and_power_are_wishes_too(empty: TestClient):
     own = {
         "fta": None,
@@ -104,11 +215,7 @@ def test_bands_targets_and_power_are_wishes_too(empty: TestClient):
 def output_error_run(client: TestClient) -> int:
     order = {"maneuver_id": 1, "method": "OE", "structure": {"modes": [7]}}
     job = client.post("/api/v1/runs", json=order).headers["location"]
-    deadline = time.monotonic() + 60.0
-    while client.get(job).json()["state"] in ("queued", "running"):
-        assert time.monotonic() < deadline
-        time.sleep(0.1)
-    return client.get(job).json()["run_id"]
+    return ended(client, job)["run_id"]
 
 
 def test_expected_errors_shrink_where_amplitudes_double(client: TestClient):

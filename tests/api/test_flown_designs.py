@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
+from waiting import ended
 
 from flexsid.cli.main import main
 
@@ -39,14 +39,6 @@ def table(values: np.ndarray) -> str:
     return "\n".join(["wf1s,wf4s", *rows]) + "\n"
 
 
-def finished(client: TestClient, where: str) -> dict[str, Any]:
-    deadline = time.monotonic() + 60.0
-    while (now := client.get(where).json())["state"] in ("waiting", "running"):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-    return now
-
-
 def test_columns_become_the_inputs_of_a_design_that_can_be_bettered(empty: TestClient):
     flown = sent(empty, table(samples()))
     assert flown.status_code == 201, flown.text
@@ -62,7 +54,7 @@ def test_columns_become_the_inputs_of_a_design_that_can_be_bettered(empty: TestC
 
     order = {"name": "anew", "effort": "quick"}
     begun = empty.post(f"{URL}/{design['id']}/redesign", json=order)
-    done = finished(empty, begun.headers["location"])
+    done = ended(empty, begun.headers["location"])
     better = empty.get(f"{URL}/{done['made']}").json()
     assert better["wish"]["inputs"] == design["wish"]["inputs"]
     for name, factor in better["peak_factors"].items():

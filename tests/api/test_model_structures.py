@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import pytest
 from fastapi.testclient import TestClient
+from waiting import ended
 
 # How versions are kept on any database is told in test_decision_records.
 pytestmark = pytest.mark.parametrize("backend", ["sqlite"])
@@ -151,7 +151,7 @@ def test_a_run_holds_to_the_version_it_names(client: TestClient, kept: dict[str,
     unknown = client.post("/api/v1/runs", json=wanted | {"structure_version": 9})
     assert unknown.status_code == 404
     nothing = client.post("/api/v1/runs", json={"maneuver_id": 1, "method": "EE"})
-    assert nothing.json()["code"] == "no-structure"
+    assert nothing.json()["repeated"]
 
 
 def test_a_known_delay_takes_the_place_of_an_estimated_one(client: TestClient) -> None:
@@ -176,8 +176,22 @@ def test_a_name_that_is_none_is_refused(client: TestClient, name: str) -> None:
 
 
 def _ended(client: TestClient, run_id: int) -> dict[str, Any]:
-    deadline = time.monotonic() + 60.0
-    while client.get(f"/api/v1/jobs/{run_id}").json()["state"] in ("queued", "running"):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    ended(client, f"/api/v1/jobs/{run_id}")
     return client.get(f"/api/v1/runs/{run_id}/export").json()
+
+
+def test_a_run_without_structure_takes_what_is_proposed_and_records_it(client: TestClient) -> None:
+    proposed = client.get("/api/v1/maneuvers/1/run-proposal").json()
+    assert proposed["structure"]["modes"] == [7, 9]
+    asked = client.post("/api/v1/runs", json={"maneuver_id": 1, "method": "OE"})
+    assert asked.status_code == 202, asked.text
+    run = asked.json()
+    assert run["structure"]["modes"] == [7, 9]
+    assert run["proposal"] == proposed["basis"]
+    narrow = {"band_hz": [0.25, 5.4]}
+    told = client.post(
+        "/api/v1/runs", json={"maneuver_id": 1, "method": "OE", "settings": narrow}
+    ).json()
+    assert told["structure"]["modes"] == [7]
+    half = client.get("/api/v1/maneuvers/1/run-proposal?low_hz=1.0")
+    assert (half.status_code, half.json()["code"]) == (422, "bad-band")

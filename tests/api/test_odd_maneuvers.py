@@ -111,3 +111,38 @@ def test_no_method_takes_a_dead_sensor_for_a_perfect_one(flown_url: str, method:
     with pytest.raises(BadInput, match="'q' carries no signal"):
         compute(prepare(store, wanted), lambda _progress: None)
     store.close()
+
+
+@pytest.mark.parametrize("backend", ["sqlite"])
+def test_lateral_maneuvers_are_refused_wherever_the_longitudinal_model_is_used(
+    flown_url: str, serve: Serve
+) -> None:
+    _again(flown_url, lambda _name, values: values, "lateral")
+    model = {"modes": [7]}
+    with serve(flown_url) as client:
+        answers = [
+            client.post(f"{API}/runs", json={"maneuver_id": 2, "method": "OE", "structure": model}),
+            client.post(f"{API}/runs", json={"maneuver_id": 2, "method": "EE"}),
+            client.get(f"{API}/maneuvers/2/run-proposal"),
+            client.post(
+                f"{API}/batches",
+                json={
+                    "name": "b",
+                    "maneuver_ids": [2],
+                    "methods": ["EE"],
+                    "structures": [{"structure": model}],
+                },
+            ),
+            client.post(
+                f"{API}/searches",
+                json={"maneuver_ids": [2], "method": "EE", "structure": model},
+            ),
+            client.get(f"{API}/figures/reconstruction?maneuver_id=2"),
+            client.get(f"{API}/figures/time-check?run_id=1&maneuver_id=2"),
+            client.get(f"{API}/figures/plot-matrix?maneuver_id=2&modes=7"),
+        ]
+        told = client.get(f"{API}/maneuvers/2/quality").json()["report"]["not_checked"]
+    assert {(one.status_code, one.json()["code"]) for one in answers} == {
+        (422, "axis-not-supported")
+    }
+    assert any("is lateral" in text for text in told)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import time
-from typing import Any
-
 import pytest
 from fastapi.testclient import TestClient
 from pydantic import TypeAdapter
+from waiting import ended
 
 from flexsid.api import answers, run_answers
 from flexsid.api.routes.batches import BatchList
@@ -34,16 +32,6 @@ FIGURES = (
     "iterations?run_id=1",
     "derivatives?run_ids=1&prediction_ids=1,2&coefficient=Cm",
 )
-
-
-def follow(client: TestClient, job: str) -> dict[str, Any]:
-    deadline = time.monotonic() + 60.0
-    while True:
-        answer = client.get(job).json()
-        if answer["state"] not in ("queued", "running"):
-            return answer
-        assert time.monotonic() < deadline, answer
-        time.sleep(0.05)
 
 
 @pytest.mark.parametrize(
@@ -118,7 +106,7 @@ def test_a_run_is_accepted_followed_and_read(client: TestClient) -> None:
     accepted = client.post(f"{API}/runs", json=wanted)
     assert accepted.status_code == 202
     assert accepted.json()["state"] in ("queued", "running")
-    job = follow(client, accepted.headers["Location"])
+    job = ended(client, accepted.headers["Location"])
     assert job["state"] == "succeeded", job
     run = client.get(f"{API}/runs/{job['run_id']}").json()
     assert run["method"] == "FRE"
@@ -149,12 +137,12 @@ def test_a_queued_run_is_cancelled_and_results_survive_a_restart(serve, flown_ur
         ]
         cancelled = first.post(f"{API}/jobs/{ids[-1]}/cancel")
         assert (cancelled.status_code, cancelled.json()["state"]) == (202, "cancelled")
-        assert follow(first, f"{API}/jobs/{ids[0]}")["state"] == "succeeded"
+        assert ended(first, f"{API}/jobs/{ids[0]}")["state"] == "succeeded"
         before = first.get(f"{API}/runs/{ids[0]}").json()
     with serve(flown_url) as second:
         assert second.get(f"{API}/runs/{ids[0]}").json() == before
         # What was under way when the first server stopped is carried out by the next.
-        assert follow(second, f"{API}/jobs/{ids[1]}")["state"] == "succeeded"
+        assert ended(second, f"{API}/jobs/{ids[1]}")["state"] == "succeeded"
         assert second.get(f"{API}/jobs/{ids[-1]}").json()["state"] == "cancelled"
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 from fastapi.testclient import TestClient
+from waiting import ended
 
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import Method, RunState
@@ -18,16 +18,6 @@ WANTED: dict[str, Any] = {
     "structure": {"modes": [7, 9]},
     "settings": {"draws": 2},
 }
-
-
-def ended(client: TestClient, address: str) -> dict[str, Any]:
-    deadline = time.monotonic() + 60.0
-    while True:
-        found = client.get(address).json()
-        if found["state"] not in ("queued", "running"):
-            return found
-        assert time.monotonic() < deadline, f"the search did not end: {found['progress']}"
-        time.sleep(0.1)
 
 
 def test_a_search_is_followed_to_its_candidates_and_they_open_as_runs(client: TestClient):

@@ -115,7 +115,7 @@ def test_a_name_is_corrected_and_the_reason_kept(client: TestClient, table: Any)
     assert mode["reason"] == "it twists in the GVT (corrected, by Ada)"
     assert client.get(at).json()["names"] == ["SW1B", "AW1T"]
     refused = client.post(f"{at}/corrections", json={**wanted, "reason": " "})
-    assert refused.json()["code"] == "no-reason"
+    assert refused.json()["code"] == "invalid-request"
 
 
 @pytest.mark.parametrize(

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import threading
-import time
 
 import pytest
+import waiting
 from fastapi.testclient import TestClient
+from waiting import wait_until
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.workflow.tasks import Report, Task, Tasks, TaskState
@@ -25,10 +26,8 @@ WISH = {
 
 
 def ended(tasks: Tasks, begun: Task) -> Task:
-    deadline = time.monotonic() + 30.0
-    while tasks.get(begun.id).state in (TaskState.WAITING, TaskState.RUNNING):
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    under_way = (TaskState.WAITING, TaskState.RUNNING)
+    wait_until(lambda: tasks.get(begun.id).state not in under_way, begun.id)
     return tasks.get(begun.id)
 
 
@@ -88,10 +87,7 @@ def test_a_design_is_searched_as_a_task(empty: TestClient):
     begun = empty.post("/api/v1/designs/searches", json=WISH)
     assert begun.status_code == 202, begun.text
     where = begun.headers["location"]
-    deadline = time.monotonic() + 60.0
-    while (now := empty.get(where).json())["state"] in ("waiting", "running"):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    now = waiting.ended(empty, where)
     assert now["state"] == "done"
     kept = empty.get(f"/api/v1/designs/{now['made']}").json()
     assert kept["name"] == "interleaved"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
@@ -33,6 +35,12 @@ class Service:
         await send({"type": "http.response.body", "body": body})
 
 
+def _run(scenario: Coroutine[Any, Any, None]) -> None:
+    """Run in a thread of its own: a browser of other tests keeps a loop in this one."""
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(asyncio.run, scenario).result()
+
+
 async def ask(app: Together, path: str = "/list", query: bytes = b"", **scope: Any) -> str:
     sent: list[Message] = []
 
@@ -57,7 +65,7 @@ def test_fifty_pages_cost_what_two_do() -> None:
         assert answers == ["1"] + 49 * ["2"]
         assert await ask(app) == "3"  # nothing is kept for later
 
-    asyncio.run(scenario())
+    _run(scenario())
 
 
 def test_whoever_asks_after_a_change_sees_it() -> None:
@@ -73,7 +81,7 @@ def test_whoever_asks_after_a_change_sees_it() -> None:
         service.pause.set()
         assert (await first, await second) == ("1", "101")
 
-    asyncio.run(scenario())
+    _run(scenario())
 
 
 def test_other_questions_are_answered_for_themselves() -> None:
@@ -92,7 +100,7 @@ def test_other_questions_are_answered_for_themselves() -> None:
         )
         assert sorted(answers) == list("1234567")
 
-    asyncio.run(scenario())
+    _run(scenario())
 
 
 def test_a_stream_is_not_waited_for() -> None:
@@ -106,7 +114,7 @@ def test_a_stream_is_not_waited_for() -> None:
         service.pause.set()
         assert sorted(await asyncio.gather(*streams)) == ["1", "2", "3"]
 
-    asyncio.run(scenario())
+    _run(scenario())
 
 
 def test_an_error_is_nobody_elses() -> None:
@@ -125,4 +133,4 @@ def test_an_error_is_nobody_elses() -> None:
         service.fails = False
         assert await ask(app) == "3"
 
-    asyncio.run(scenario())
+    _run(scenario())

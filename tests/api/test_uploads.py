@@ -6,13 +6,13 @@ import io
 import signal
 import subprocess
 import sys
-import time
 from typing import Any
 
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 from scipy.io import savemat
+from waiting import ended
 
 from flexsid.api.app import create_app
 from flexsid.settings import Settings
@@ -46,14 +46,10 @@ def upload(client: TestClient, *files: tuple[str, bytes]) -> Any:
 
 
 def bring_in(client: TestClient, identity: str, mapping: str) -> Any:
-    begun = client.post(f"/api/v1/uploads/{identity}/import", json={"mapping": mapping})
+    body = {"mapping": mapping, "confirmed": True}
+    begun = client.post(f"/api/v1/uploads/{identity}/import", json=body)
     assert begun.status_code == 202, begun.text
-    for _ in range(200):
-        state = client.get(f"/api/v1/uploads/{identity}/state").json()
-        if state["state"] != "importing":
-            return state
-        time.sleep(0.05)
-    pytest.fail("the import does not end")
+    return ended(client, f"/api/v1/uploads/{identity}/state")
 
 
 def test_names_are_recognised_and_the_proposal_imports(client: TestClient) -> None:
@@ -82,6 +78,39 @@ def test_names_are_recognised_and_the_proposal_imports(client: TestClient) -> No
     assert detail["condition"]["airspeed_m_s"] == pytest.approx(70 * 1852 / 3600)
     again = bring_in(client, identity, mapping)
     assert (again["state"], again["code"]) == ("failed", "already-imported")
+
+
+def test_nothing_guessed_is_stored_before_it_is_confirmed(client: TestClient) -> None:
+    # Radians, m/s2 and a clock rounded to 0.01 s, of which the file says nothing.
+    time_s = np.round(np.arange(600) / 200.0, 2)
+    rows = [
+        f"{t:.2f},{0.1 * np.sin(k / 50):.6f},{9.8 + np.cos(k / 9):.6f},{0.03 * np.sin(k / 30):.6f}"
+        for k, t in enumerate(time_s)
+    ]
+    found = upload(client, ("x.csv", "\n".join(["time,alpha,az,elevator", *rows]).encode()))
+    identity, mapping = found["upload"]["id"], found["proposal"]["text"]
+    at = f"/api/v1/uploads/{identity}"
+    checked = client.post(f"{at}/check", json={"mapping": mapping}).json()
+    assert checked["problem"] is None
+    assert [c["name"] for c in checked["channels"]] == ["alpha", "az", "elevator"]
+    assert {c["rate_hz"] for c in checked["channels"]} == {200.0}
+    guesses = {own["key"]: own["consequence"] for own in checked["guesses"]}
+    assert "rounded to 0.01 s" in guesses["time.column"]
+    assert "0.1 deg, 5.73 deg if it is rad" in guesses["channels[1].unit"]
+    assert "g if it is" in guesses["channels[2].unit"]
+    assert "1 of 3 channels are surfaces or sensors" in guesses["aircraft.name"]
+    refused = client.post(f"{at}/import", json={"mapping": mapping})
+    assert (refused.status_code, refused.json()["code"]) == (422, "unconfirmed")
+    assert len(refused.json()["guesses"]) == len(guesses)
+    stated = "\n".join(line for line in mapping.split("\n") if not line.startswith("guessed"))
+    begun = client.post(f"{at}/import", json={"mapping": stated.replace("deg", "rad")})
+    assert begun.status_code == 202, begun.text
+
+
+def test_a_file_of_a_foreign_aircraft_is_not_taken_for_the_newest_one(client: TestClient) -> None:
+    rows = [b"%.2f,%d,%d" % (k / 50, k % 7, k % 5) for k in range(50)]
+    found = upload(client, ("f.csv", b"\n".join([b"t_s,rudder [deg],N1 [%]", *rows])))
+    assert 'name = "?"' in found["proposal"]["text"]
 
 
 def test_what_a_recorder_writes_of_units_is_never_overruled(client: TestClient) -> None:
@@ -136,7 +165,7 @@ def test_the_multisines_of_recorded_commands_are_recognised(client: TestClient) 
 
 def test_the_matrix_of_sidpac_users_is_recognised(client: TestClient) -> None:
     found = upload(client, ("maneuver.mat", fdata()))
-    mapping = found["proposal"]["text"]
+    mapping = found["proposal"]["text"].replace('"?"', '"FLEX-28"')
     checked = client.post(
         f"/api/v1/uploads/{found['upload']['id']}/check", json={"mapping": mapping}
     ).json()
@@ -155,7 +184,8 @@ def test_a_condition_from_another_recorder_follows_its_clock(client: TestClient)
     air = b"t_s,VTAS [kt],H [ft]\n" + b"\n".join(b"%.1f,70,2000" % (k / 5) for k in range(20))
     flaps = b"time,bf\n" + b"\n".join(b"%.2f,%d" % (k / 50, k % 5) for k in range(200))
     found = upload(client, ("fti.csv", flaps), ("air.csv", air))
-    state = bring_in(client, found["upload"]["id"], found["proposal"]["text"])
+    mapping = found["proposal"]["text"].replace('"?"', '"FLEX-28"')
+    state = bring_in(client, found["upload"]["id"], mapping)
     assert state["state"] == "imported", state
     detail = client.get(f"/api/v1/maneuvers/{state['maneuver_id']}").json()
     assert {c["name"]: c["rate_hz"] for c in detail["channels"]} == {
@@ -252,17 +282,18 @@ from flexsid.workflow import keeping, uploads
 keeping.BYTES_AT_ONCE = 1
 keep = uploads.keep_upload
 
-def killed(store, upload, aircraft_id, report, bring_along):
+def killed(store, upload, aircraft_id, report, bring_along, confirmed):
     def tell(fraction):
         report(fraction)
         if fraction > 0.5:
             os.kill(os.getpid(), signal.SIGKILL)
-    return keep(store, upload, aircraft_id, tell, bring_along)
+    return keep(store, upload, aircraft_id, tell, bring_along, confirmed=confirmed)
 
 uploads.keep_upload = killed
 with TestClient(create_app(Settings(database=sys.argv[1])), "http://127.0.0.1:8000") as client:
     at = f"/api/v1/uploads/{sys.argv[2]}/import"
-    assert client.post(at, json={"mapping": sys.argv[3]}).status_code == 202
+    body = {"mapping": sys.argv[3], "confirmed": True}
+    assert client.post(at, json=body).status_code == 202
     time.sleep(60)
 """
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from plotly.graph_objects import Figure
 from scipy.io import loadmat
+from waiting import PATIENCE_S
 
 from flexsid.client import Refused, RunFailed, Unreachable, Workbench
 from flexsid.client import workbench as client
@@ -61,7 +62,7 @@ def test_lists_are_tables(workbench: Workbench) -> None:
 def test_lists_come_page_by_page(workbench: Workbench, monkeypatch) -> None:
     first = workbench.submit(1, "EE", [7])
     second = workbench.submit(1, "EE", [9])
-    workbench.wait(first, second, timeout_s=60)
+    workbench.wait(first, second, timeout_s=PATIENCE_S)
     whole = workbench.get
     monkeypatch.setattr(workbench, "get", lambda path, **query: whole(path, **{"limit": 1} | query))
     monkeypatch.setattr("flexsid.client.workbench._PAGE", 1)
@@ -71,12 +72,12 @@ def test_lists_come_page_by_page(workbench: Workbench, monkeypatch) -> None:
 
 def test_a_run_that_is_not_there_is_not_waited_for(workbench: Workbench) -> None:
     with pytest.raises(Refused, match="99"):
-        workbench.wait(1, 99, timeout_s=60)
+        workbench.wait(1, 99, timeout_s=PATIENCE_S)
 
 
 def test_a_run_is_submitted_waited_for_and_read(workbench: Workbench) -> None:
     run = workbench.submit(1, "EE", modes=[7, 9], band_hz=[0.5, 12.0], author="notebook")
-    workbench.wait(run, timeout_s=60)
+    workbench.wait(run, timeout_s=PATIENCE_S)
     answered = workbench.run(run)
     assert (answered["state"], answered["author"]) == ("succeeded", "notebook")
     assert answered["settings"]["band_hz"] == [0.5, 12.0]
@@ -90,7 +91,7 @@ def test_a_run_is_submitted_waited_for_and_read(workbench: Workbench) -> None:
 
 def test_runs_and_predictions_stand_side_by_side(workbench: Workbench) -> None:
     other = workbench.submit(1, "EE", [7])
-    workbench.wait(other, timeout_s=60)
+    workbench.wait(other, timeout_s=PATIENCE_S)
     table: Any = workbench.comparison([1, other], [1])
     (estimate, *_) = table.columns.get_level_values(0)
     parameters = workbench.parameters(1)
@@ -154,7 +155,7 @@ def test_a_run_that_is_cancelled_raises_when_waited_for(workbench: Workbench) ->
     run = workbench.submit(1, "OE", modes=[7, 9], max_iterations=1000)
     workbench.cancel(run)
     with pytest.raises(RunFailed, match=f"run {run} cancelled"):
-        workbench.wait(run, timeout_s=60)
+        workbench.wait(run, timeout_s=PATIENCE_S)
 
 
 def test_tables_without_pandas_say_what_to_install(workbench: Workbench, monkeypatch) -> None:
@@ -195,7 +196,7 @@ def test_every_choice_of_the_interface_can_be_given(workbench: Workbench) -> Non
 
 def test_a_run_takes_a_kept_structure(workbench: Workbench) -> None:
     run = workbench.submit(1, "EE", structure_id=2, structure_version=1)
-    workbench.wait(run, timeout_s=60)
+    workbench.wait(run, timeout_s=PATIENCE_S)
     assert workbench.run(run)["structure_id"] == 2
     rigid = workbench.submit(1, "EE", modes=[])
     assert workbench.run(rigid)["structure"]["modes"] == []

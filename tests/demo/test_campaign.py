@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -31,22 +34,41 @@ def test_plan_covers_the_envelope():
     assert Card(1.09, 0.50, 506) in cards
 
 
-def test_fill_flies_the_plan_once_and_keeps_what_the_user_added(store: Store, database_url: str):
-    told: list[tuple[float, str]] = []
-    added = fill(store, lambda fraction, message: told.append((fraction, message)))
+@pytest.fixture
+def whole(campaign: Path, tmp_path: Path) -> Iterator[Store]:
+    """The campaign as ``fill`` leaves it in an empty workbench."""
+    file = tmp_path / "campaign.db"
+    shutil.copy(campaign, file)
+    assert file.stat().st_size < 250e6
+    opened = Store.open(f"sqlite:///{file}")
+    yield opened
+    opened.close()
+
+
+def test_the_campaign_is_complete_and_one_flight_was_damaged(whole: Store):
     cards = sum(len(sortie.cards) for sortie in PLAN)
-    assert added == cards + 2 * len(PLAN) == len(store.maneuvers.find())
-    assert len(store.maneuver_page(limit=None).items) == cards, "the ground is not listed"
-    assert len(store.maneuver_page(limit=None, ground=True).items) == 2 * len(PLAN)
+    assert len(whole.maneuvers.find()) == cards + 2 * len(PLAN)
+    assert len(whole.maneuver_page(limit=None).items) == cards, "the ground is not listed"
+    assert len(whole.maneuver_page(limit=None, ground=True).items) == 2 * len(PLAN)
     damaged = [sortie.number for sortie in PLAN if sortie.stiffness_lost]
-    told_of = {test.flight_number: test for test in ground_tests(store)}
-    assert len(told_of) == len(PLAN)
-    assert [n for n, t in told_of.items() if t.verdict is Verdict.ALARM] == damaged
-    assert {t.verdict for n, t in told_of.items() if n not in damaged} == {Verdict.HEALTHY}
-    assert "Inspect the structure" in told_of[damaged[0]].message
-    assert [fraction for fraction, _ in told] == sorted(fraction for fraction, _ in told)
-    assert told[-1][0] == 1.0
-    assert Path(database_url.removeprefix("sqlite:///")).stat().st_size < 250e6
+    found = {test.flight_number: test for test in ground_tests(whole)}
+    assert len(found) == len(PLAN)
+    assert [n for n, t in found.items() if t.verdict is Verdict.ALARM] == damaged
+    assert {t.verdict for n, t in found.items() if n not in damaged} == {Verdict.HEALTHY}
+    assert "Inspect the structure" in found[damaged[0]].message
+    assert fill(whole) == 0
+
+
+def test_fill_flies_the_plan_once_and_keeps_what_the_user_added(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+):
+    sortie = replace(PLAN[2], cards=PLAN[2].cards[:1])
+    monkeypatch.setattr("flexsid.demo.campaign.PLAN", (sortie,))
+    reported: list[tuple[float, str]] = []
+    added = fill(store, lambda fraction, message: reported.append((fraction, message)))
+    assert added == 3 == len(store.maneuvers.find())
+    assert [fraction for fraction, _ in reported] == sorted(fraction for fraction, _ in reported)
+    assert reported[-1][0] == 1.0
 
     aircraft = add_aircraft(store)
     assert aircraft.id is not None

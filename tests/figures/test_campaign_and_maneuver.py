@@ -127,6 +127,30 @@ def test_spectrum_colours_lines_by_owner(drawable, numbers):
     assert sum(trace["showlegend"] for trace in spec["data"]) == 3, "each owner is named once"
 
 
+@pytest.mark.parametrize(
+    ("phase_deg", "flagged"), [(-90.0, False), (60.0, False), (0.0, True), (180.0, True)]
+)
+def test_only_the_real_part_of_a_correlation_of_spectra_is_flagged(drawable, phase_deg, flagged):
+    """A mode's displacement and its own rate are at a right angle: apart for real derivatives."""
+    turned = 0.92 * np.exp(1j * np.radians(phase_deg))
+    spec = plot_matrix(
+        PlotMatrix(
+            maneuver_id=3,
+            names=("eta7", "etadot7"),
+            units=("s", "s"),
+            samples=np.ones((4, 2), dtype=complex),
+            correlation=np.array([[1.0, turned], [np.conj(turned), 1.0]]),
+            inflation=np.ones(2),
+            condition=1.0,
+        )
+    )
+    drawable(spec)
+    (coefficient,) = [one["text"] for one in spec["layout"]["annotations"] if "∠" in one["text"]]
+    assert ("!" in coefficient) is flagged
+    assert f"{turned.real:z.2f}" in coefficient
+    assert "0.92∠" in coefficient
+
+
 def test_plot_matrix_names_crosses_and_flags(drawable):
     rng = np.random.default_rng(1)
     samples = rng.standard_normal((1000, 3))

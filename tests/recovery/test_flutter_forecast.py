@@ -73,6 +73,10 @@ def test_the_next_point_is_answered_with_its_margin(store: Store, runs):
     assert answer.low_m_s < truth < answer.high_m_s
     assert answer.sentence.startswith("Flutter of SW1B with the short period at")
     assert answer.participation[0].name == "SW1B"
+    assert (answer.searched_from_m_s, answer.searched_to_m_s) == pytest.approx(
+        (0.35 * answer.tested_m_s, 2.0 * answer.tested_m_s)
+    )
+    assert f"Searched from 16.6 to {answer.searched_to_m_s:.1f} m/s" in answer.sentence
     assert [one.held_modes for one in answer.structures] == [PREDICTED, ()]
     assert [one.preferred for one in answer.structures] == [True, False]
     assert len(answer.runs) == 2
@@ -159,19 +163,89 @@ def test_modes_are_not_carried_where_the_data_speak_against_them(store: Store):
     assert "fit the data worse" not in told[Method.EE].sentence, "its sensors see them anyway"
 
 
-def _estimated(store: Store, maneuver_id: int, method: Method) -> int:
+def _estimated(
+    store: Store,
+    maneuver_id: int,
+    method: Method,
+    modes: tuple[int, ...] = ESTIMATED,
+    modal_table_id: int | None = None,
+    fixed: dict[str, float] | None = None,
+) -> int:
     run = store.runs.add(
         EstimationRun(
             maneuver_id=maneuver_id,
             method=method,
-            structure=Structure(modes=ESTIMATED, fixed={}),
+            structure=Structure(modes=modes, fixed=fixed or {}),
             settings=RunSettings(),
+            modal_table_id=modal_table_id,
         )
     )
     claimed = queue.claim(store, run.id)
     assert claimed is not None
     keep(store, run.id or 0, claimed.attempt, compute(prepare(store, run), lambda progress: None))
     return run.id or 0
+
+
+@pytest.mark.parametrize("backend", ["sqlite"])
+def test_a_model_whose_unstable_root_no_data_excited_predicts_nothing(store: Store):
+    """FTA 503 ends at 5.4 Hz, SW1T lies at 10.8 Hz: nothing contradicts its negative damping."""
+    aircraft = add_aircraft(store)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
+    maneuver = add_maneuver(store, fly(airspeed_ratio=0.65, fta=503, seed=1), flight.id or 0)
+    run = _estimated(
+        store, maneuver.id or 0, Method.EE, (7, 9), fixed={"CQ9_etadot9": 0.2, "CQ9_eta9": 0.0}
+    )
+    question = Question(run_ids=(run,), others=Others.RESIDUALIZED)
+    answer = flutter(store, question)
+    assert answer.airspeed_m_s is None
+    assert answer.low_m_s is None
+    assert "SW1T (10.8 Hz in vacuo) lies outside the band of their data" in answer.refusal
+    assert answer.sentence.startswith("No flutter speed is predicted.")
+    assert "no flutter speed can be predicted" in answer.next_point
+    assert not answer.safe
+    assert answer.runs[0].airspeed_m_s is None
+    assert answer.refusal in answer.runs[0].sentence
+    assert all(step.airspeed_m_s is None for step in answer.progress)
+    assert np.isnan(flutter_map(store, question).airspeed_m_s).all()
+    assert flutter_roots(store, question).flutter is None
+    one = _estimated(store, maneuver.id or 0, Method.OE, (7,))
+    both = flutter(store, Question(run_ids=(run, one), others=Others.RESIDUALIZED))
+    assert both.structures[0].modes == (7,), "a model that flight allows is preferred"
+    assert both.airspeed_m_s is not None
+
+
+@pytest.mark.parametrize("backend", ["sqlite"])
+def test_a_maneuver_beyond_flutter_in_closed_loop_keeps_its_flutter_speed(store: Store):
+    aircraft = add_aircraft(store)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
+    flown = fly(airspeed_ratio=1.09, fuel=FUEL, peak_deg=1.2, seed=1)
+    maneuver = add_maneuver(store, flown, flight.id or 0)
+    run = _estimated(store, maneuver.id or 0, Method.OE)
+    answer = flutter(store, Question(run_ids=(run,)))
+    truth = load_truth().flutter_speed_at(FUEL)
+    assert not answer.refusal
+    assert (answer.low_m_s or np.nan) < truth < (answer.high_m_s or np.nan) < answer.tested_m_s
+    assert f"run {run} was flown and identifies this open-loop root as unstable" in answer.sentence
+    assert not answer.safe
+
+
+@pytest.mark.parametrize("backend", ["sqlite"])
+def test_frequencies_of_the_modal_table_that_are_wrong_are_within_the_interval(store: Store):
+    """All modes 3 % too low, as a finite element model may be before it is updated."""
+    aircraft = add_aircraft(store)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
+    maneuver = add_maneuver(store, fly(airspeed_ratio=0.65, seed=(7, 65)), flight.id or 0)
+    table = next(one for one in store.modal_tables.find() if one.name == "FEM")
+    omega = np.asarray(store.arrays.get(table.arrays["omega"]))
+    arrays = {**table.arrays, "omega": store.arrays.put(0.97 * omega)}
+    off = store.modal_tables.add(replace(table, id=None, name="not updated", arrays=arrays))
+    run = _estimated(store, maneuver.id or 0, Method.OE, modal_table_id=off.id)
+    answer = flutter(store, Question(run_ids=(run,)))
+    truth = load_truth().flutter_speed_at(maneuver.condition.fuel_fraction)
+    assert answer.airspeed_m_s is not None
+    without = 1.96 * np.hypot(answer.airspeed_std_m_s or np.nan, answer.spread_m_s)
+    assert abs(answer.airspeed_m_s - truth) > without, "else the case shows nothing"
+    assert (answer.low_m_s or np.nan) < truth < (answer.high_m_s or np.nan)
 
 
 def test_everything_is_drawn(store: Store, runs):

@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexsid.demo.campaign import add_aircraft
+from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
+from flexsid.demo.flights import fly
+from flexsid.records.flight import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.records.search import SearchSettings, StructureSearch
@@ -137,7 +139,11 @@ AUTHORS_FREE = (
 
 @geri
 def test_structure_of_the_flown_maneuver_beside_the_masks_of_its_authors(store):
-    """All their control derivatives are found; eta9 in C_Z and C_m is not, and ended at a bound."""
+    """Their control derivatives are found; eta9 in C_Z and C_m is not, and ended at a bound.
+
+    CQ9_wf2s has no support where none of the six outputs is taken as exact: four motions leave
+    too little to find the noise of three of them, which the search says.
+    """
     mapping = PROJECT / "examples" / "maewing1" / "maewing1.toml"
     imported = import_files(store, [FLIGHT / name for name in GERI_FILES], mapping)
     assert imported.maneuver is not None
@@ -152,8 +158,26 @@ def test_structure_of_the_flown_maneuver_beside_the_masks_of_its_authors(store):
     result = search(prepare_search(store, wanted), lambda progress: None)
     chosen = set(result.proposed.structure.free or ())
     supported = {name for name in AUTHORS_FREE if name in chosen}
-    assert {name for name in AUTHORS_FREE if "_wf" in name} <= supported
+    assert {name for name in AUTHORS_FREE if "_wf" in name} - {"CQ9_wf2s"} <= supported
+    assert any("too few to find the noise of" in warning for warning in result.warnings)
     assert not {"CZ_eta9", "Cm_eta9", "Cm_etadot9"} & supported
     assert any("ends while the aircraft still moves" in warning for warning in result.warnings)
     # Fewer terms predict the lines that were left out better than all 32.
     assert result.candidates[0] is result.proposed
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("inputs", [("bfs",), ("wf3s",)])
+def test_responses_of_some_inputs_near_flutter_hold_the_truth(store, inputs):
+    """Feedback moves all surfaces there: what separates them amplifies the noise."""
+    aircraft = add_aircraft(store)
+    assert aircraft.id is not None
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=99))
+    assert flight.id is not None
+    flown = fly(airspeed_ratio=0.9, seed=3, modes_in_truth=2)
+    maneuver = add_maneuver(store, flown, flight.id)
+    wanted = Structure(modes=(7, 9), fixed={}, inputs=inputs)
+    found = estimate(store, maneuver.id, Method.FRE, wanted).estimate
+    truth = load_truth().derivatives_at(0.5, 2).named()
+    error = (found.values - [truth[name] for name in found.names]) / found.std_errors
+    assert np.sqrt(np.mean(error**2)) < 1.3

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from flexsid.errors import BadInput, Conflict
+from flexsid.records.comparison import Verdict
+from flexsid.records.prediction import Prediction
 from flexsid.records.run import Method
 from flexsid.workflow.comparison import compare, of_coefficient
 
@@ -33,6 +38,53 @@ def test_runs_are_judged_in_combined_standard_errors(store, add_result, predicti
     assert agreed.consistent is True
     assert apart.max_difference_sigma == pytest.approx(1.0 / (0.1 * 2**0.5))
     assert apart.consistent is False
+
+
+@pytest.fixture
+def wind_tunnel(store, aircraft):
+    """A prediction that gives standard errors, far from what the runs below have."""
+    return store.predictions.add(
+        Prediction(
+            aircraft_id=aircraft.id,
+            source="wind tunnel",
+            kind="wind tunnel",
+            fuel=(0.5,),
+            names=("Cm_alpha", "Cm_q"),
+            values=store.arrays.put(np.array([[-3.0, -8.0]])),
+            std_errors=store.arrays.put(np.array([[0.1, 0.1]])),
+        )
+    )
+
+
+def test_a_prediction_changes_nothing_in_how_the_runs_agree(store, add_result, wind_tunnel):
+    runs = [
+        add_result({"Cm_alpha": (-1.0 - 0.01 * k, 0.1), "Cm_q": (-8.0, 0.1)}, method=method)
+        for k, method in enumerate((Method.OE, Method.EE))
+    ]
+    numbers = [run.id for run in runs]
+    alone, beside = compare(store, numbers, []), compare(store, numbers, [wind_tunnel.id])
+    assert beside.runs_verdict == alone.runs_verdict == Verdict(n_judged=2, n_consistent=2)
+    for one, other in zip(alone.rows, beside.rows, strict=True):
+        assert replace(one, values=()) == replace(other, values=())
+    (verdict,) = beside.prediction_verdicts
+    key = f"prediction-{wind_tunnel.id}"
+    assert verdict == Verdict(source=key, n_judged=2, n_consistent=1)
+    far, near = (row(beside, name).values[2] for name in ("Cm_alpha", "Cm_q"))
+    assert far is not None
+    assert near is not None
+    assert (far.consistent, near.consistent) == (False, True)
+    assert far.difference_sigma == pytest.approx(2.0 / (0.1 * 2**0.5)), "from the farthest run"
+    (only,) = of_coefficient(beside, "Cm").prediction_verdicts
+    assert only == verdict
+
+
+def test_one_run_beside_a_prediction_is_judged_as_that_only(store, add_result, wind_tunnel):
+    run = add_result({"Cm_alpha": (-1.0, 0.1)})
+    comparison = compare(store, [run.id], [wind_tunnel.id])
+    assert comparison.runs_verdict.n_judged == 0
+    assert row(comparison, "Cm_alpha").consistent is None
+    assert row(comparison, "Cm_alpha").mean is None
+    assert comparison.prediction_verdicts[0].n_judged == 1
 
 
 def test_what_has_no_standard_error_is_not_judged(store, add_result, prediction):

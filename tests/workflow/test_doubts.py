@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import numpy as np
 import pytest
 
+from flexsid.demo.flex28 import load_truth
 from flexsid.errors import BadInput
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
@@ -47,10 +49,34 @@ def test_excited_inputs_that_the_model_leaves_out_are_told(ask: Ask) -> None:
     assert warning.startswith("wf2s is excited too")
 
 
-def test_frequency_responses_name_the_inputs_that_they_lack(ask: Ask) -> None:
+@pytest.mark.parametrize("inputs", [("wf4s",), ("bfs", "wf1s")])
+def test_frequency_response_error_of_some_inputs_finds_the_truth(
+    ask: Ask, inputs: tuple[str, ...]
+) -> None:
+    task = ask(Method.FRE, inputs=inputs)
+    assert task.model.inputs == inputs
+    assert task.warnings == ()
+    found = compute(task, lambda progress: None).estimate
+    assert {block.name for block in found.lines} == set(inputs)
+    truth = load_truth().derivatives_at(0.5, 2).named()
+    wanted = np.array([truth[name] for name in found.names])
+    error = (found.values - wanted) / found.std_errors
+    assert np.mean(np.abs(error) <= 2.0) >= 0.85
+    assert 0.5 < np.sqrt(np.mean(error**2)) < 1.4
+
+
+def test_frequency_responses_need_the_deflection_of_every_excited_input(
+    ask: Ask, flown_url: str
+) -> None:
+    store = Store.open(flown_url)
+    channel = store.channels.find(maneuver_id=1, name="wf2s")[0]
+    with store.transaction():
+        store.channels.delete(channel.id or 0)
     task = ask(Method.FRE, inputs=("bfs", "wf1s"))
-    with pytest.raises(BadInput, match="belong to none of bfs, wf1s"):
+    with pytest.raises(BadInput, match="belong to none of bfs, wf1s, wf3s, wf4s") as refused:
         compute(task, lambda progress: None)
+    assert refused.value.code == "inputs-left-out"
+    store.close()
 
 
 def test_equation_error_holds_delays_that_the_other_methods_estimate(ask: Ask) -> None:

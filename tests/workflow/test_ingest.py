@@ -15,6 +15,7 @@ from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
+from flexsid.workflow.guesses import find_guesses
 from flexsid.workflow.ingest import import_files, import_maneuver, read_upload
 from flexsid.workflow.keeping import largest_correlation
 
@@ -181,7 +182,11 @@ needs_records = pytest.mark.skipif(
 @needs_records
 def test_a_simulated_record_is_recognised(store: Store, flex28: Aircraft) -> None:
     file = RECORDS / "065Vf_n4_fta506.npz"
-    done = import_files(store, [file])
+    with pytest.raises(BadInput, match="nobody confirmed"):
+        import_files(store, [file])
+    kinds = {str(guess.kind) for guess in find_guesses(store, read_upload([file]))}
+    assert kinds == {"aircraft", "flight", "clock", "unit"}
+    done = import_files(store, [file], confirmed=True)
     maneuver = done.maneuver
     assert maneuver is not None
     assert (maneuver.label, maneuver.fta, maneuver.start_s) == ("065Vf_n4_fta506", 506, -2.0)
@@ -215,7 +220,7 @@ def test_the_same_record_gives_its_noise_free_channels_by_another_mapping(
     store: Store, flex28: Aircraft
 ) -> None:
     file = RECORDS / "065Vf_n4_fta506.npz"
-    import_files(store, [file])
+    import_files(store, [file], confirmed=True)
     quiet = import_maneuver(store, [file], EXAMPLES / "flex28/record-noise-free.toml")
     assert quiet.label == "065Vf_n4_fta506-noise-free"
     channel = store.channels.find(maneuver_id=quiet.id, name="q")[0]
@@ -228,12 +233,41 @@ def test_an_upload_says_which_built_in_aircraft_it_needs(store: Store) -> None:
     upload = read_upload([RECORDS / "080Vf_n8_fta503.npz"])
     assert upload.builtin == "FLEX-28"
     with pytest.raises(UnknownRecord, match="There is no aircraft 'FLEX-28'"):
-        import_files(store, [RECORDS / "080Vf_n8_fta503.npz"])
+        import_files(store, [RECORDS / "080Vf_n8_fta503.npz"], confirmed=True)
 
 
-def test_the_shipped_example_is_the_built_in_mapping() -> None:
+def test_a_record_of_the_known_form_of_another_aircraft_is_refused(
+    store: Store, flex28: Aircraft, tmp_path: Path
+) -> None:
+    rng = np.random.default_rng(1)
+    file = tmp_path / "other.npz"
+    np.savez(
+        file,
+        t_s=np.arange(400) / 200.0,
+        outputs=0.1 * rng.standard_normal((400, 2)),
+        output_names=["alpha", "az_pod"],
+        inputs=0.05 * rng.standard_normal((400, 1)),
+        input_names=["elevon"],
+        multisine_command=0.05 * rng.standard_normal((400, 1)),
+        airspeed_ft_s=60.0,
+        rho=0.0023,
+        fuel_fraction=0.5,
+        period_s=2.0,
+        first_harmonic=1,
+        harmonics_per_input=2,
+        interleaving=["elevon"],
+    )
+    with pytest.raises(BadInput, match=r"elevons.* no surface or sensor of it") as refused:
+        import_files(store, [file], confirmed=True)
+    assert refused.value.code == "other-aircraft"
+    assert store.maneuvers.find() == []
+
+
+def test_the_shipped_example_is_the_built_in_mapping_with_nothing_guessed() -> None:
     known = ROOT / "backend/flexsid/importers/known/flex28-record.toml"
-    assert known.read_text() == (EXAMPLES / "flex28/record.toml").read_text()
+    lines = known.read_text().splitlines(keepends=True)
+    stated = "".join(line for line in lines if not line.startswith("guessed = "))
+    assert stated == (EXAMPLES / "flex28/record.toml").read_text()
 
 
 def test_modal_tables_and_predictions_come_in_si_and_body_axes(

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexsid.jobs.direct import carry_out
+from flexsid.jobs.steps import estimation_steps
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage.store import Store
+from flexsid.sysid.estimation import limits
+from flexsid.workflow import views
 from flexsid.workflow.estimation import compute, prepare
+from flexsid.workflow.export import export_run
 
 
 def test_a_fit_that_does_not_converge_is_tried_from_elsewhere(flown_url: str):
@@ -24,3 +29,63 @@ def test_a_fit_that_does_not_converge_is_tried_from_elsewhere(flown_url: str):
     assert any("perturbed" in message for message in said)
     assert computed.estimate.outcome.value == "iteration limit"
     assert np.isfinite(computed.estimate.values).all()
+
+
+def test_a_fit_that_did_not_converge_claims_no_standard_error(flown_url: str):
+    store = Store.open(flown_url)
+    run = EstimationRun(
+        maneuver_id=1,
+        method=Method.OE,
+        structure=Structure(modes=(7, 9), fixed={}),
+        settings=RunSettings(start=Start.PREDICTION, max_iterations=1),
+    )
+    done = carry_out(store, run, estimation_steps(), lambda _: None)
+    result = done.result
+    assert result is not None
+    assert done.id is not None
+    assert result.fit.outcome == "iteration limit"
+    assert {one.std_error for one in result.parameters} == {None}
+    assert {one.no_error for one in result.parameters} == {"not converged"}
+    assert {pole.damping_std for pole in result.poles} == {None}
+    assert any("have no standard errors" in text for text in result.fit.warnings)
+    assert np.isnan(views.parameter_correlation(store, done.id).correlation).all()
+    assert export_run(store, done.id).run.result == result
+    store.close()
+
+
+def test_a_parameter_at_its_limit_is_no_estimate(flown_url: str, monkeypatch):
+    """The limit is set below what the sensor really lags."""
+    monkeypatch.setitem(limits._LIMITS, "delay", (-1e-6, 1e-6))
+    store = Store.open(flown_url)
+    run = EstimationRun(
+        maneuver_id=1,
+        method=Method.OE,
+        structure=Structure(modes=(7, 9), fixed={}, also_free=("delay_q",)),
+        settings=RunSettings(start=Start.PREDICTION),
+    )
+    done = carry_out(store, run, estimation_steps(), lambda _: None)
+    result = done.result
+    assert result is not None
+    assert result.fit.outcome == "converged"
+    delay = next(one for one in result.parameters if one.name == "delay_q")
+    assert (delay.std_error, delay.no_error) == (None, "at its limit")
+    assert {one.no_error for one in result.parameters if one is not delay} == {None}
+    assert all(pole.damping_std for pole in result.poles if pole.imag > 0)
+    assert any(text.startswith("delay_q = ") for text in result.fit.warnings)
+    store.close()
+
+
+def test_values_that_are_those_of_the_prior_are_named(flown_url: str):
+    store = Store.open(flown_url)
+    priors = {"Cm_q": (-12.0, 1e-4), "Cm_alpha": (-1.0, 1e3)}
+    run = EstimationRun(
+        maneuver_id=1,
+        method=Method.EE,
+        structure=Structure(modes=(7, 9), fixed={}),
+        settings=RunSettings(priors=priors),
+    )
+    found = compute(prepare(store, run), lambda progress: None).warnings
+    (text,) = [one for one in found if "prior" in one]
+    assert "Cm_q" in text
+    assert "Cm_alpha" not in text
+    store.close()

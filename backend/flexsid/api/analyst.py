@@ -9,6 +9,7 @@ from urllib.parse import unquote
 from fastapi import Depends, Header
 
 from flexsid.errors import BadInput
+from flexsid.text import check_line
 
 HEADER = "X-Flexsid-Analyst"
 _LONGEST = 100
@@ -27,12 +28,10 @@ def read_name(sent: str) -> str:
     except UnicodeDecodeError as error:
         raise BadInput(f"{HEADER} is not UTF-8, percent-encoded", code="bad-analyst") from error
     name = " ".join(unicodedata.normalize("NFKC", text).split())
-    if len(name) > _LONGEST or any(unicodedata.category(letter)[0] == "C" for letter in name):
-        raise BadInput(
-            f"{HEADER} must be a name of at most {_LONGEST} letters without control characters",
-            code="bad-analyst",
-        )
-    return name
+    try:
+        return check_line(name, _LONGEST)
+    except ValueError as error:
+        raise BadInput(f"{HEADER} {error}", code="bad-analyst") from error
 
 
 _DESCRIPTION = "Name of the analyst, percent-encoded UTF-8; nobody verifies it."

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any, TypeVar
 
+from flexsid.jobs.health import PartHealth, PartState
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.conditioning import ConditioningStep
 from flexsid.records.cutting import FoundManeuver
@@ -26,12 +27,16 @@ from flexsid.workflow.uploads import Upload
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Health:
-    """That the server works, and with which database."""
+    """How the workbench is, and its parts: database, dispatcher, workers, clock.
 
-    status: str
+    ``status`` is ok, or degraded where a part is.
+    """
+
+    status: PartState
     version: str
     database: str
     migration: str
+    parts: tuple[PartHealth, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

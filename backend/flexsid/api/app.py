@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import getpass
+import logging
 import tempfile
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -57,6 +58,7 @@ from flexsid.api.routes import searches as search_routes
 from flexsid.api.routes import tasks as task_routes
 from flexsid.api.together import Together
 from flexsid.jobs.apart import DispatcherApart, Duty
+from flexsid.jobs.health import QueueHealth
 from flexsid.jobs.searches import Searches
 from flexsid.jobs.steps import estimation_steps
 from flexsid.reports import read_template
@@ -65,9 +67,12 @@ from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.workflow.assessing import Assessments
+from flexsid.workflow.clock import find_clock_error
 from flexsid.workflow.ingest import BringAlong
 from flexsid.workflow.tasks import Tasks
 from flexsid.workflow.uploads import Uploads
+
+_log = logging.getLogger(__name__)
 
 # The database and numpy hold the interpreter anyway; many threads only make them
 # wait for each other (forty on one list of a thousand rows came to a standstill).
@@ -98,6 +103,9 @@ def create_app(
         template = None if own is None else read_template(own)
         migration = upgrade(settings.database)
         store = Store.open(settings.database)
+        late = find_clock_error(store)
+        if late is not None:
+            _log.warning(late)
         live = Live(store)
         duty = Duty(settings.database, estimation_steps, settings.dask, settings.workers)
         dispatcher = DispatcherApart(duty, on_change=live.ring)
@@ -119,6 +127,7 @@ def create_app(
             tasks=tasks,
             searches=searches,
             live=live,
+            queue_health=QueueHealth(store),
         )
         try:
             yield

@@ -9,6 +9,7 @@ from fastapi import Depends, Request
 
 from flexsid.api.live import Live
 from flexsid.jobs.apart import DispatcherApart
+from flexsid.jobs.health import QueueHealth
 from flexsid.jobs.searches import Searches
 from flexsid.storage.store import Store
 from flexsid.workflow.assessing import Assessments
@@ -31,6 +32,7 @@ class Context:
     tasks: Tasks
     searches: Searches
     live: Live
+    queue_health: QueueHealth
 
 
 # Asynchronous, so that no thread is spent on handing over a reference.

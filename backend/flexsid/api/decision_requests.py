@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import ConfigDict, Field, StringConstraints
 
-from flexsid.api.requests import Id, Number, Title, Version
+from flexsid.api.requests import Id, Line, Lines, Number, Title, Version
 from flexsid.records.decision import (
     LinkedComparison,
     Quantity,
@@ -16,12 +16,17 @@ from flexsid.records.decision import (
     StructureReference,
     Vote,
 )
+from flexsid.text import LONGEST_NAME, LONGEST_NOTE
 
 _STRICT = ConfigDict(extra="forbid")
 
 # Said for good: never nothing but blanks.
-Said = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=10_000)]
-Subject = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=200)]
+Said = Annotated[
+    str, StringConstraints(strip_whitespace=True, min_length=1, max_length=LONGEST_NOTE), Lines
+]
+Subject = Annotated[
+    str, StringConstraints(strip_whitespace=True, min_length=1, max_length=LONGEST_NAME), Line
+]
 Ids = Annotated[tuple[Id, ...], Field(max_length=200)]
 
 
@@ -45,7 +50,7 @@ class ComparisonRequest:
 
     run_ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=200)]
     prediction_ids: Ids = ()
-    coefficient: Annotated[str, Field(min_length=1, max_length=16)] | None = None
+    coefficient: Annotated[str, Field(min_length=1, max_length=16), Line] | None = None
 
     __pydantic_config__ = _STRICT
 
@@ -104,7 +109,7 @@ class CommentRequest:
     """What is said of a decision as a whole, or of one derivative."""
 
     text: Said
-    derivative: Annotated[str, Field(min_length=1, max_length=64)] | None = None
+    derivative: Annotated[str, Field(min_length=1, max_length=64), Line] | None = None
 
     __pydantic_config__ = _STRICT
 

@@ -10,9 +10,11 @@ from pydantic import ConfigDict, Field
 from flexsid.api.requests import Name, Number, Text, Title
 from flexsid.errors import BadInput
 from flexsid.storage.repository import LARGEST_ID
+from flexsid.storage.store import Store
 from flexsid.sysid.excitation.allotment import Band
 from flexsid.sysid.excitation.designer import InputWish, Wish
 from flexsid.workflow import excitation
+from flexsid.workflow.target_modes import reach_of
 
 _STRICT: Any = ConfigDict(extra="forbid")
 
@@ -53,13 +55,18 @@ class BandRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DesignRequest:
-    """A row of Table 1 by ``fta``, or ``inputs`` by their harmonics, or ``bands``."""
+    """A row of Table 1 by ``fta``, or ``inputs`` by their harmonics, or ``bands``.
+
+    ``peaks`` are the largest commands of an input with relative peak 1 in radians, at most 60 deg.
+    With ``aircraft_id`` the harmonics of a row reach its target modes on that aircraft.
+    """
 
     name: Title
     duration_s: Positive
     rate_hz: Positive
     peaks: tuple[Positive, Positive, Positive]
     fta: Annotated[int, Field(strict=True, ge=1, le=9999)] | None = None
+    aircraft_id: Annotated[int, Field(strict=True, ge=1, le=LARGEST_ID)] | None = None
     first_harmonic: Harmonic = 1
     inputs: Annotated[tuple[InputRequest, ...], Field(max_length=40)] = ()
     bands: Annotated[tuple[BandRequest, ...], Field(max_length=40)] = ()
@@ -69,10 +76,15 @@ class DesignRequest:
 
     __pydantic_config__ = _STRICT
 
-    def wish(self) -> Wish:
+    def wish(self, store: Store) -> Wish:
         """Return what the designer is asked."""
         if (self.fta is not None) + bool(self.inputs) + bool(self.bands) != 1:
             raise BadInput("give either the number of a row of Table 1, or inputs, or bands")
+        if self.aircraft_id is not None and self.fta is None:
+            raise BadInput(
+                "aircraft_id belongs to a row of Table 1; inputs and bands have their own"
+                " frequencies"
+            )
         if self.fta is not None:
             return excitation.wish_for(
                 self.fta,
@@ -82,6 +94,7 @@ class DesignRequest:
                 self.peaks,
                 self.effort,
                 self.seed,
+                None if self.aircraft_id is None else reach_of(store, self.fta, self.aircraft_id),
             )
         if self.bands:
             return excitation.wish_for_bands(

@@ -22,7 +22,7 @@ from flexsid.errors import (
     NotIdentifiable,
     UnknownRecord,
 )
-from flexsid.storage.database import DatabaseUnavailable
+from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.migrate import DatabaseTooNew
 
 _log = logging.getLogger(__name__)

@@ -13,6 +13,7 @@ from fastapi.routing import APIRoute
 
 from flexsid.api.errors import FieldError
 from flexsid.errors import BadInput
+from flexsid.text import LONGEST_NOTE, check_line
 
 DESCRIBED = (
     "A query parameter that a route does not have is refused with 422 and the code"
@@ -38,6 +39,16 @@ async def only_known(request: Request) -> None:
         raise HTTPException(HTTPStatus.METHOD_NOT_ALLOWED)
     if not request.scope["query_string"]:
         return
+    for name, value in request.query_params.multi_items():
+        try:
+            check_line(value, LONGEST_NOTE)
+        except ValueError as error:
+            if value.strip():
+                raise BadInput(
+                    f"{name}: {error}",
+                    code="bad-text",
+                    errors=[FieldError(field=name, message=str(error))],
+                ) from error
     known = _parameters(request.scope["route"])
     given = Counter(name for name, _value in request.query_params.multi_items())
     unknown = [name for name in given if name not in known]

@@ -5,26 +5,35 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import AfterValidator, ConfigDict, Field
 
 from flexsid.records.conditioning import Correction, StepKind
 from flexsid.records.cutting import Cut
 from flexsid.records.saved_view import SavedView
 from flexsid.storage.bulk import Action
 from flexsid.storage.repository import LARGEST_ID
+from flexsid.text import LONGEST_NAME, LONGEST_NOTE, check_line, check_lines
+from flexsid.units import LARGEST
 
 _STRICT: Any = ConfigDict(extra="forbid")
 
 
+LARGEST_NUMBER = LARGEST["number"]
+LATEST_S = LARGEST["time"]
+
 # Strict, for a Boolean is no number here.
 Id = Annotated[int, Field(strict=True, ge=1, le=LARGEST_ID)]
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Number = Annotated[float, Field(strict=True, ge=-LARGEST_NUMBER, le=LARGEST_NUMBER)]
+Moment = Annotated[float, Field(strict=True, ge=-LATEST_S, le=LATEST_S)]
 Delay = Annotated[float, Field(strict=True, ge=-1.0, le=1.0)]
 Version = Annotated[int, Field(strict=True, ge=1, le=2**31 - 1)]
-Name = Annotated[str, Field(min_length=1, max_length=64)]
+Line = AfterValidator(check_line)
+Lines = AfterValidator(check_lines)
+Name = Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), Line]
 Names = Annotated[tuple[Name, ...], Field(max_length=500)]
-Title = Annotated[str, Field(min_length=1, max_length=200)]
-Text = Annotated[str, Field(max_length=10_000)]
+Title = Name
+Author = Annotated[str, Field(max_length=LONGEST_NAME), Line]
+Text = Annotated[str, Field(max_length=LONGEST_NOTE), Lines]
 # Of the longest characters that JSON knows, this many are still a body that is read.
 LONGEST_TEXT = 128 * 1024
 MappingText = Annotated[str, Field(min_length=1, max_length=LONGEST_TEXT)]
@@ -43,10 +52,11 @@ class MappingRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UploadMappingRequest:
-    """A mapping, as TOML, for the files of an upload."""
+    """A mapping, as TOML, for the files of an upload; ``confirmed``: its guesses are right."""
 
     mapping: MappingText
     aircraft_id: Id | None = None
+    confirmed: Annotated[bool, Field(strict=True)] = False
 
     __pydantic_config__ = _STRICT
 
@@ -62,7 +72,7 @@ class PreviewRequest:
 
 
 # A comma would end a tag where several are written into one address.
-Tag = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\s,](?:[^,]*[^\s,])?$")]
+Tag = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\s,](?:[^,]*[^\s,])?$"), Line]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,8 +92,8 @@ class SavedViewRequest:
 
     page: Literal["campaign", "runs", "compare", "flutter"]
     name: Title
-    search: Annotated[str, Field(max_length=10_000)]
-    author: Annotated[str, Field(max_length=200)] = ""
+    search: Text
+    author: Author = ""
 
     __pydantic_config__ = _STRICT
 
@@ -105,8 +115,8 @@ class StepRequest:
     scale: Number = 1.0
     bias: Number = 0.0
     stretches: Annotated[tuple[tuple[Sample, Sample], ...], Field(max_length=1000)] = ()
-    std: Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)] | None = None
-    basis: Annotated[str, Field(max_length=500)] = ""
+    std: Annotated[float, Field(strict=True, ge=0.0, le=LARGEST_NUMBER)] | None = None
+    basis: Annotated[str, Field(max_length=500), Lines] = ""
 
     __pydantic_config__ = _STRICT
 
@@ -150,10 +160,10 @@ class CutRequest:
     """A window of a flight that becomes a maneuver. [s]"""
 
     label: Title
-    start_s: Number
-    stop_s: Number
+    start_s: Moment
+    stop_s: Moment
     fta: Annotated[int, Field(strict=True, ge=0, le=10**9)] | None = None
-    axis: Literal["longitudinal", "lateral"] = "longitudinal"
+    axis: Literal["longitudinal", "lateral"] | None = None
     note: Text = ""
 
     __pydantic_config__ = _STRICT

@@ -7,6 +7,7 @@ from datetime import datetime
 
 from flexsid.nomenclature import describe
 from flexsid.records.model_structure import Structure
+from flexsid.records.proposal_basis import ProposalBasis
 from flexsid.records.run import (
     EstimationRun,
     Fit,
@@ -17,7 +18,9 @@ from flexsid.records.run import (
     RunSettings,
     RunState,
 )
+from flexsid.storage.content import changed_since
 from flexsid.storage.run_list import RunItem
+from flexsid.storage.store import Store
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,7 +28,9 @@ class RunParameter:
     """An estimate with its label.
 
     ``cramer_rao`` is the bound for white residuals, ``insensitivity`` the standard
-    error that was left if all other parameters were known.
+    error that was left if all other parameters were known. ``no_error`` says why there is
+    no standard error: the fit did not converge, or the parameter ended at its limit, or it is
+    not identifiable.
     """
 
     name: str
@@ -35,6 +40,7 @@ class RunParameter:
     start: float | None
     cramer_rao: float | None
     insensitivity: float | None
+    no_error: str | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,6 +63,9 @@ class RunError:
 class Run:
     """An estimation run; ``parameters``, ``fit`` and ``poles`` are there once it succeeded.
 
+    ``altered`` means that the result, or what was asked for, does not match the hash that
+    was kept with it; ``changed_since`` names data that were corrected since the run was
+    computed, null where an earlier release did not record what it was computed from.
     ``repeated`` tells who asked for it that the same run had been asked for before.
     """
 
@@ -91,6 +100,9 @@ class Run:
     data_hash: str | None
     input_hash: str | None
     worker: str | None
+    altered: bool
+    changed_since: tuple[str, ...] | None
+    proposal: ProposalBasis | None = None
     repeated: bool
 
 
@@ -102,8 +114,9 @@ class RunList:
     next: str | None = None
 
 
-def run_answer(run: EstimationRun, *, repeated: bool = False) -> Run:
+def run_answer(store: Store, run: EstimationRun, *, repeated: bool = False) -> Run:
     """Lay the result of a run out as it is answered."""
+    (changed,) = changed_since(store.database, [run.rests_on])
     assert run.id is not None
     assert run.created_at is not None
     result = run.result
@@ -130,6 +143,7 @@ def run_answer(run: EstimationRun, *, repeated: bool = False) -> Run:
                 start=parameter.start,
                 cramer_rao=parameter.cramer_rao,
                 insensitivity=parameter.insensitivity,
+                no_error=parameter.no_error,
             )
             for parameter in result.parameters
         ],
@@ -154,6 +168,9 @@ def run_answer(run: EstimationRun, *, repeated: bool = False) -> Run:
         data_hash=run.data_hash,
         input_hash=run.input_hash,
         worker=run.worker,
+        altered=run.altered,
+        changed_since=None if run.rests_on is None else changed,
+        proposal=run.proposal,
         repeated=repeated,
     )
 

@@ -7,14 +7,25 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from flexsid.api.requests import Delay, Id, Name, Names, Number, Text, Title, Version
+from flexsid.api.requests import (
+    LARGEST_NUMBER,
+    Author,
+    Delay,
+    Id,
+    Name,
+    Names,
+    Number,
+    Text,
+    Title,
+    Version,
+)
 from flexsid.records.model_structure import FixedTo, HeldBy, Structure
 from flexsid.records.run import EstimationRun, Limits, Method, RunSettings, Start
 
 _STRICT: Any = ConfigDict(extra="forbid")
 
 ModeNumber = Annotated[int, Field(strict=True, ge=1, le=9999)]
-Prior = tuple[Number, Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]]
+Prior = tuple[Number, Annotated[float, Field(strict=True, gt=0.0, le=LARGEST_NUMBER)]]
 Frequency = Annotated[float, Field(strict=True, ge=0.0, le=1e4)]
 
 
@@ -132,7 +143,7 @@ class RunRequest:
     prediction_id: Id | None = None
     structure_id: Id | None = None
     structure_version: Version | None = None
-    author: Annotated[str, Field(max_length=200)] = ""
+    author: Author = ""
     priority: Priority = 0
     limits: LimitsRequest | None = None
 

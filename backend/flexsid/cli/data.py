@@ -18,9 +18,11 @@ from flexsid.errors import BadInput, FlexsidError
 from flexsid.records.run import EstimationRun
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
+from flexsid.text import spreadsheet_cell
 from flexsid.workflow.export import export_run
 from flexsid.workflow.identified_export import export_model, matlab_model
 from flexsid.workflow.ingest import Imported, import_each, keep_upload, read_upload
+from flexsid.workflow.results import refuse_altered
 
 
 def bring_in(
@@ -29,12 +31,15 @@ def bring_in(
     mapping: str | None,
     aircraft_id: int | None,
     *,
+    confirmed: bool = False,
     as_json: bool = False,
 ) -> int:
     """Import files that belong together and say what came in."""
     upload = read_upload([Path(file) for file in files], None if mapping is None else Path(mapping))
     with opened(settings, new=True) as store:
-        imported = keep_upload(store, upload, aircraft_id, bring_along=bring_along)
+        imported = keep_upload(
+            store, upload, aircraft_id, bring_along=bring_along, confirmed=confirmed
+        )
     say(_report(imported, len(upload.channels)), _ids(imported), as_json=as_json)
     return 0
 
@@ -45,6 +50,7 @@ def bring_in_each(
     mapping: str | None,
     aircraft_id: int | None,
     *,
+    confirmed: bool = False,
     as_json: bool = False,
 ) -> int:
     """Import a campaign, file by file; those that are refused are named at the end."""
@@ -52,7 +58,7 @@ def bring_in_each(
     text = None if mapping is None else Path(mapping)
     refused: list[str] = []
     with opened(settings, new=True) as store:
-        each = import_each(store, paths, text, aircraft_id, bring_along)
+        each = import_each(store, paths, text, aircraft_id, bring_along, confirmed=confirmed)
         for done, (file, result) in enumerate(each, start=1):
             show_share(done, len(paths), file.name)
             if isinstance(result, FlexsidError):
@@ -132,6 +138,7 @@ def _report(imported: Imported, n_channels: int) -> list[str]:
 
 
 def _parameter_table(run: EstimationRun) -> str:
+    refuse_altered(run)
     if run.result is None:
         raise FlexsidError(
             f"run {run.id} is {run.state.value} and has no parameters", code="run-without-result"
@@ -140,5 +147,12 @@ def _parameter_table(run: EstimationRun) -> str:
     table = csv.writer(text, lineterminator="\n")
     table.writerow(("name", "value", "std_error", "start"))
     for parameter in run.result.parameters:
-        table.writerow((parameter.name, parameter.value, parameter.std_error, parameter.start))
+        table.writerow(
+            (
+                spreadsheet_cell(parameter.name),
+                parameter.value,
+                parameter.std_error,
+                parameter.start,
+            )
+        )
     return text.getvalue()

@@ -17,11 +17,13 @@ from flexsid.importers import confined
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.settings import Settings
 from flexsid.sysid.excitation import designer
-from flexsid.workflow.excitation import MEDIA, export_design, wish_for
+from flexsid.workflow.excitation import MEDIA, check_amplitudes, export_design, row_of, wish_for
 from flexsid.workflow.flown import flown_inputs
 from flexsid.workflow.flown import keep_flown as keep_flown_inputs
 from flexsid.workflow.flutter import Others, Question, flutter
+from flexsid.workflow.target_modes import band_of
 
+_T_S = 24.0  # period of the rows of one T
 _LEVELS = (0.5, 1.0, 2.0)  # of the medium amplitude
 
 
@@ -37,13 +39,14 @@ def design(chosen: argparse.Namespace) -> int:
     low, medium, high = (float(np.deg2rad(level * chosen.peak_deg)) for level in _LEVELS)
     wish = wish_for(
         chosen.fta,
-        chosen.duration,
+        chosen.duration or _T_S * row_of(chosen.fta).periods,
         chosen.rate,
         chosen.first_harmonic,
         (low, medium, high),
         chosen.effort,
         chosen.seed,
     )
+    check_amplitudes(wish)
     made = designer.design(wish, _show)
     kept = ExcitationDesign(
         name=f"FTA {chosen.fta}",
@@ -53,11 +56,13 @@ def design(chosen: argparse.Namespace) -> int:
         fta=chosen.fta,
     )
     write_file(output, export_design(kept, form, 1))
-    say(
-        (f"{name:<10} relative peak factor {one:.4f}" for name, one in kept.peak_factors.items()),
-        {"file": chosen.output, "peak_factors": kept.peak_factors},
-        as_json=chosen.json,
-    )
+    band, targets = band_of(wish), row_of(chosen.fta).targets
+    lines = [
+        f"{name:<10} relative peak factor {one:.4f}" for name, one in kept.peak_factors.items()
+    ]
+    lines.append(f"harmonics from {band[0]:.3g} to {band[1]:.4g} Hz for {targets}")
+    result = {"file": chosen.output, "peak_factors": kept.peak_factors, "band_hz": band}
+    say(lines, result, as_json=chosen.json)
     return 0
 
 

@@ -76,6 +76,8 @@ def _parser() -> argparse.ArgumentParser:
 
     add("migrate", _migrate, "bring the database to the current schema, after a backup copy")
 
+    add("check", _check, "look for damage in the database: hashes, references, decisions")
+
     copy = add("backup", _backup, "copy the database into a new file, while servers use it")
     copy.add_argument("file", metavar="FILE")
 
@@ -91,6 +93,9 @@ def _parser() -> argparse.ArgumentParser:
         "--aircraft", type=int, metavar="ID", help="whose, where the mapping names none"
     )
     bring.add_argument(
+        "--confirm", action="store_true", help="what the mapping marks as guessed is right"
+    )
+    bring.add_argument(
         "--each", action="store_true", help="every file is an import of its own: a campaign"
     )
 
@@ -102,9 +107,13 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--structure",
         metavar="ID[:VERSION]",
-        help="a kept model structure; default: as described below, else the approved baseline",
+        help="a saved model structure; default: as described below, else what is proposed",
     )
-    run.add_argument("--modes", default="", metavar="M,N", help="numbers of structural modes")
+    run.add_argument(
+        "--modes",
+        metavar="M,N",
+        help="numbers of structural modes, '' for none; default: those proposed for the band",
+    )
     run.add_argument("--inputs", default="", metavar="A,B", help="default: all that moved")
     run.add_argument(
         "--outputs", default="", metavar="A,B", help="default: all that a model can use"
@@ -171,7 +180,9 @@ def _parser() -> argparse.ArgumentParser:
 
     design = add("design", _design, "design a multisine of Table 1 for least relative peak factor")
     design.add_argument("--fta", type=int, required=True, metavar="N", help="number of its row")
-    design.add_argument("--duration", type=float, default=24.0, metavar="S")
+    design.add_argument(
+        "--duration", type=float, metavar="S", help="default: 24, or 96 for a row of 4T"
+    )
     design.add_argument("--rate", type=float, default=100.0, metavar="HZ")
     design.add_argument("--first-harmonic", type=int, default=6, metavar="K")
     design.add_argument(
@@ -249,6 +260,12 @@ def _demo(settings: Settings, chosen: argparse.Namespace) -> int:
     return 0
 
 
+def _check(settings: Settings, chosen: argparse.Namespace) -> int:
+    from flexsid.cli.keeping import check
+
+    return check(settings, as_json=chosen.json)
+
+
 def _backup(settings: Settings, chosen: argparse.Namespace) -> int:
     from flexsid.cli.keeping import backup
 
@@ -271,7 +288,14 @@ def _import(settings: Settings, chosen: argparse.Namespace) -> int:
     from flexsid.cli.data import bring_in, bring_in_each
 
     bring = bring_in_each if chosen.each else bring_in
-    return bring(settings, chosen.files, chosen.mapping, chosen.aircraft, as_json=chosen.json)
+    return bring(
+        settings,
+        chosen.files,
+        chosen.mapping,
+        chosen.aircraft,
+        confirmed=chosen.confirm,
+        as_json=chosen.json,
+    )
 
 
 def _run(settings: Settings, chosen: argparse.Namespace) -> int:

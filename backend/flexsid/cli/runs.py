@@ -18,8 +18,9 @@ from flexsid.records.run import EstimationRun, Method, Progress, RunSettings, Ru
 from flexsid.settings import Settings
 from flexsid.storage import batches
 from flexsid.storage.store import Store
-from flexsid.workflow.baselines import baseline_of, with_baseline
+from flexsid.sysid.estimation.estimate import count_iterations
 from flexsid.workflow.identity import identified
+from flexsid.workflow.run_proposal import with_basis, with_proposal
 from flexsid.workflow.structures import get_version
 
 T = TypeVar("T")
@@ -31,7 +32,7 @@ def read_request(chosen: argparse.Namespace) -> EstimationRun:
         maneuver_id=0,  # of each in turn
         method=Method(chosen.method),
         structure=Structure(
-            modes=tuple(numbers(chosen.modes, int, "--modes")),
+            modes=tuple(numbers(chosen.modes or "", int, "--modes")),
             inputs=tuple(numbers(chosen.inputs, str, "--inputs")),
             outputs=tuple(numbers(chosen.outputs, str, "--outputs")),
             free=None if chosen.free is None else tuple(numbers(chosen.free, str, "--free")),
@@ -68,9 +69,7 @@ def run(settings: Settings, chosen: argparse.Namespace) -> int:
     with opened(settings) as store:
         for done, maneuver in enumerate(maneuvers, start=1):
             try:
-                one = _with_structure(
-                    store, replace(wanted, maneuver_id=maneuver), chosen.structure
-                )
+                one = _with_structure(store, replace(wanted, maneuver_id=maneuver), chosen)
                 kept = _begin(store, one, wait=chosen.wait)
             except FlexsidError as error:
                 if len(maneuvers) == 1:
@@ -90,23 +89,37 @@ def run(settings: Settings, chosen: argparse.Namespace) -> int:
     return 1 if failed else 0
 
 
-def _with_structure(store: Store, wanted: EstimationRun, named: str | None) -> EstimationRun:
-    """Take the kept structure that was named, or, where none was described, the baseline."""
-    described = wanted.structure != Structure(fixed={})
-    if named is None:
-        if described or baseline_of(store, store.maneuvers.get(wanted.maneuver_id)) is None:
-            return wanted
-        return with_baseline(store, wanted)
-    if described:
-        raise BadInput("give --structure, or describe one by --modes and the like, not both")
-    number, *version = numbers(named.replace(":", ",", 1), int, "--structure") or [0]
-    kept = get_version(store, number, *version[:1])
-    return replace(
-        wanted,
-        structure=kept.structure,
-        structure_id=kept.structure_id,
-        structure_version=kept.version,
-    )
+def _with_structure(
+    store: Store, wanted: EstimationRun, chosen: argparse.Namespace
+) -> EstimationRun:
+    """Take the saved structure that was named; where no modes were, take what is proposed.
+
+    ``--modes ""`` is a rigid model.
+    """
+    described = chosen.modes is not None or wanted.structure != Structure(fixed={})
+    if chosen.structure is not None:
+        if described:
+            raise BadInput("give --structure, or describe one by --modes and the like, not both")
+        text = chosen.structure.replace(":", ",", 1)
+        number, *version = numbers(text, int, "--structure") or [0]
+        kept = get_version(store, number, *version[:1])
+        return with_basis(
+            store,
+            replace(
+                wanted,
+                structure=kept.structure,
+                structure_id=kept.structure_id,
+                structure_version=kept.version,
+            ),
+        )
+    if chosen.modes is not None:
+        return with_basis(store, wanted)
+    proposed = with_proposal(store, wanted)
+    if not described:
+        return proposed
+    # What was described stays; the modes are those that are proposed.
+    structure = replace(wanted.structure, modes=proposed.structure.modes)
+    return with_basis(store, replace(wanted, structure=structure, settings=proposed.settings))
 
 
 def _begin(store: Store, wanted: EstimationRun, *, wait: bool) -> EstimationRun:
@@ -126,13 +139,14 @@ def _table(run: EstimationRun) -> list[str]:
     fit = result.fit
     lines = [
         f"run {run.id}: {run.method.value} of maneuver {run.maneuver_id}, {fit.outcome},"
-        f" {len(fit.iterations)} iterations, {fit.seconds:.2f} s",
+        f" {count_iterations(fit.iterations[-1].iteration if fit.iterations else 0)},"
+        f" {fit.seconds:.2f} s",
         "",
         f"{'parameter':<16}{'value':>12}{'std error':>12}{'%':>8}",
     ]
     for parameter in result.parameters:
         sigma = parameter.std_error
-        error = f"{'-':>12}{'-':>8}"
+        error = f"{'-':>12}{'-':>8}" + (f"  {parameter.no_error}" if parameter.no_error else "")
         if sigma is not None:
             percent = f"{100 * sigma / abs(parameter.value):.1f}" if parameter.value else "-"
             error = f"{sigma:>12.4g}{percent:>8}"

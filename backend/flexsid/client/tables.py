@@ -28,12 +28,16 @@ def matrix(values: Sequence[Sequence[float]], names: Sequence[str]) -> pandas.Da
 
 
 def side_by_side(comparison: dict[str, Any]) -> pandas.DataFrame:
-    """A comparison with a pair of columns per source, ``value`` and ``std_error``."""
+    """A comparison with columns ``value`` and ``std_error`` per source.
+
+    Predictions also have ``difference_sigma``, their largest difference from a run.
+    """
     rows: dict[str, dict[tuple[str, str], float | None]] = {}
     for row in comparison["rows"]:
         cells: dict[tuple[str, str], float | None] = {}
         for source, value in zip(comparison["sources"], row["values"], strict=True):
-            for part in ("value", "std_error"):
+            predicted = source["kind"] == "prediction"
+            for part in ("value", "std_error", *(("difference_sigma",) if predicted else ())):
                 cells[source["label"], part] = None if value is None else value[part]
         cells["max_difference_sigma", ""] = row["max_difference_sigma"]
         rows[row["name"]] = cells

@@ -140,6 +140,7 @@ class Workbench:
         *files: str | Path,
         mapping: str | Path | None = None,
         aircraft_id: int | None = None,
+        confirmed: bool = False,
     ) -> int:
         """Import a maneuver from files on this computer; return its id.
 
@@ -151,16 +152,21 @@ class Workbench:
             TOML file that says what they hold; not for forms that are recognised.
         aircraft_id
             Whose, where the mapping names none.
+        confirmed
+            Whether what the mapping marks as guessed is right.
 
         Raises
         ------
         Refused
-            If they do not hold what the mapping says; nothing is kept then.
+            If they do not hold what the mapping says, or it guesses something that is not
+            confirmed; nothing is kept then.
         """
         sent = {"files": [Path(file) for file in files]}
         if mapping is not None:
             sent["mapping"] = [Path(mapping)]
-        answer = self._connection.send_files("maneuvers", sent, aircraft_id=aircraft_id)
+        answer = self._connection.send_files(
+            "maneuvers", sent, aircraft_id=aircraft_id, confirmed="true" if confirmed else None
+        )
         return json.loads(answer)["id"]
 
     # --- runs ---
@@ -178,8 +184,8 @@ class Workbench:
             OE, FRE or EE.
         modes
             Numbers of the structural modes in the model; none at all is ``[]``. Where no
-            structure is described, it is that of ``structure_id``, else the one that was
-            approved for the condition of the maneuver.
+            structure is described, it is that of ``structure_id``, else the one that is
+            proposed for the maneuver (approved, saved for its FTA, or the modes in its band).
         **choices
             Of the structure (``inputs``, ``outputs``, ``free``, ``fixed``, ``absent``,
             ``free_delays``, ``also_free`` ...), of the settings (``start``, ``band_hz``,
@@ -260,8 +266,9 @@ class Workbench:
     ) -> pandas.DataFrame:
         """Derivatives side by side: a value and a standard error per source.
 
-        Columns are pairs (source, ``value`` or ``std_error``); the last one,
-        ``max_difference_sigma``, says how far the sources lie apart.
+        Columns are pairs (source, ``value`` or ``std_error``); predictions also have
+        ``difference_sigma``, their largest difference from a run in combined standard errors.
+        The last column, ``max_difference_sigma``, is the largest difference between two runs.
         """
         predictions = list(prediction_ids) or None
         answer = self.get("comparisons", run_ids=run_ids, prediction_ids=predictions)

@@ -10,15 +10,20 @@ import numpy as np
 from flexsid.figures import style
 from flexsid.figures.labels import family, parameter_label, parameter_unit
 from flexsid.figures.spec import Spec, axis, column, empty, layout_key, title
-from flexsid.records.comparison import Comparison, Row, Source
+from flexsid.records.comparison import Comparison, Row, Source, SourceValue
 
 _GAP = 0.06
 _SPREAD = 0.7  # of the distance between derivatives, shared by the sources
 _N_SIGMA = 2.0
+_RING = 2.5  # pixels, around a prediction that departs from the runs
 
 
 def derivatives(value: Comparison) -> Spec:
-    """Draw one panel per kind of variable: derivatives differ by powers of ten between kinds."""
+    """Draw one panel per kind of variable: derivatives differ by powers of ten between kinds.
+
+    Marked names are derivatives on which the runs differ, ringed points predictions that
+    differ from a run.
+    """
     if not value.rows or not value.sources:
         return empty("No derivatives in common")
     panels = [list(group) for _, group in groupby(value.rows, key=lambda row: family(row.name))]
@@ -87,7 +92,15 @@ def _trace(
         "y": column([value.value for _, _, value in shown]),
         "xaxis": axis(number, "x"),
         "yaxis": axis(number),
-        "marker": {"color": colour, "symbol": symbol, "size": 8},
+        "marker": {
+            "color": colour,
+            "symbol": symbol,
+            "size": 8,
+            "line": {
+                "color": style.FLAG,
+                "width": [_RING if value.consistent is False else 0 for _, _, value in shown],
+            },
+        },
         "error_y": {
             "type": "data",
             "array": column(errors),
@@ -99,10 +112,18 @@ def _trace(
         "text": [
             parameter_label(row.name)
             + ("" if value.std_error is None else f" (2σ = {_N_SIGMA * value.std_error:.3g})")
+            + _departure(value)
             for _, row, value in shown
         ],
         "hovertemplate": f"%{{text}}<br>%{{y:.5g}}<extra>{source.label}</extra>",
     }
+
+
+def _departure(value: SourceValue) -> str:
+    """How far a prediction is from the run that it differs from most."""
+    if value.difference_sigma is None:
+        return ""
+    return f", up to {value.difference_sigma:.1f}σ from the runs"
 
 
 def _name_once(data: list[Spec]) -> None:

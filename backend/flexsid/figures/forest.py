@@ -1,4 +1,4 @@
-"""Forest plot: what each source says about one derivative, over their weighted mean."""
+"""Forest plot: what each source says about one derivative, over the weighted mean of the runs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _N_SIGMA = 2.0
 
 
 def forest(value: Comparison, name: str) -> Spec:
-    """Draw one line per source with ±2 standard errors; the band is the weighted mean's."""
+    """Draw one line per source with ±2 standard errors; the band is that of the runs' mean."""
     row = next((row for row in value.rows if row.name == name), None)
     if row is None:
         return empty(f"{text(name)} was not estimated")

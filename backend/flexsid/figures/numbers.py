@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from flexsid.figures.spec import Spec
+from flexsid.text import spreadsheet_cell
 
 _MARKUP = re.compile(r"<[^>]*>")
 _COLUMNS = ("x", "y", "error", "x_error", "z")
@@ -46,18 +47,13 @@ def comma_separated(spec: Spec) -> str:
         nothing = np.full(len(curve.columns["y"]), np.nan)
         columns = (curve.columns.get(name, nothing).tolist() for name in _COLUMNS)
         for point in zip(*columns, strict=True):
-            writer.writerow([*map(_safe, (curve.name, *curve.axes)), *map(_cell, point)])
+            writer.writerow([*map(spreadsheet_cell, (curve.name, *curve.axes)), *map(_cell, point)])
     return out.getvalue()
-
-
-def _safe(text: str) -> str:
-    """Text that no spreadsheet takes for a formula."""
-    return f"'{text}" if text.lstrip()[:1] in ("=", "+", "-", "@") else text
 
 
 def _cell(value: Any) -> Any:
     if isinstance(value, str):
-        return _safe(value)
+        return spreadsheet_cell(value)
     return "" if isinstance(value, float) and not np.isfinite(value) else value
 
 

@@ -8,7 +8,7 @@ from flexsid.figures import quantities, style
 from flexsid.figures.spec import Spec, axis, column, empty, layout_key
 from flexsid.records.views import PlotMatrix
 
-LIMIT = 0.9  # |r| beyond which equation error and output error suffer (ref. 14 of the paper)
+LIMIT = 0.9  # of |Re r|: beyond it equation and output error suffer (ref. 14 of the paper)
 _POINTS = 400  # in one cross plot
 _ALL_POINTS = 8_000  # a browser draws so many within half a second
 _GAP = 0.01
@@ -18,8 +18,10 @@ _FEW = 8  # channels whose cells have room for large letters
 def plot_matrix(value: PlotMatrix) -> Spec:
     """Draw names on the diagonal, cross plots above it, coefficients below.
 
-    Spectra show real and imaginary parts in one cloud, their coefficient as magnitude
-    and phase.
+    Spectra show real and imaginary parts in one cloud, and below the real part of their
+    coefficient its magnitude and phase. Derivatives are real, so that the real part is what
+    two regressors have in common for them, and it alone is flagged: a motion and its rate are
+    at a right angle, and apart however large the magnitude.
     """
     count = len(value.names)
     if count < 2:
@@ -127,12 +129,13 @@ def _name(quantity: quantities.Quantity, centre: tuple[float, float], size: int)
 def _coefficient(value: complex, centre: tuple[float, float], size: int) -> Spec:
     if not np.isfinite(value):  # a channel that never moves has no correlation
         return _text("–", centre, {"size": size})
-    text = f"{np.real(value):z.2f}"
+    text, phasor = f"{np.real(value):z.2f}", ""
     if np.iscomplexobj(value):
-        text = f"{abs(value):.2f}<br>∠{np.degrees(np.angle(value)):z.0f}°"
-    if abs(value) > LIMIT:
-        return _text(f"<b>{text} !</b>", centre, {"size": size, "color": style.FLAG})
-    return _text(text, centre, {"size": size})
+        phasor = f"<br>({abs(value):.2f}∠{np.degrees(np.angle(value)):z.0f}°)"
+    if abs(np.real(value)) > LIMIT:
+        flagged = f"<b>{text} !</b>{phasor}"
+        return _text(flagged, centre, {"size": size, "color": style.FLAG})
+    return _text(text + phasor, centre, {"size": size})
 
 
 def _text(text: str, centre: tuple[float, float], font: Spec) -> Spec:

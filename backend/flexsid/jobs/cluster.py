@@ -26,6 +26,7 @@ _log = logging.getLogger(__name__)
 
 _CONNECT_S = 10.0
 _LOOK_S = 1.0  # between looks at who is there
+_ALONE_S = 5.0  # without a worker; one that is started again by its nanny is away for less
 _FETCH_S = 30.0
 _CLOSE_S = 2.0
 _WATCH_S = 0.05  # between looks whether a task is still wanted
@@ -59,6 +60,7 @@ class ClusterWorkers:
         self._fetching = threading.Lock()
         self._topic = f"flexsid-{uuid.uuid4().hex}"
         self._looked = -_LOOK_S
+        self._alone_since: float | None = None
         self._client: Any = None
         self._connect()
 
@@ -136,7 +138,7 @@ class ClusterWorkers:
             self._client = None
             raise FlexsidError(
                 f"no Dask scheduler answers at {self._address} ({error}); start one with"
-                " `dask scheduler`, or leave FLEXSID_DASK empty",
+                " `dask scheduler --host 127.0.0.1`, or leave FLEXSID_DASK empty",
                 code="no-scheduler",
             ) from error
 
@@ -155,13 +157,24 @@ class ClusterWorkers:
         except (FlexsidError, OSError, TimeoutError) as error:
             _log.warning("the cluster is away: %s", error)
             self.count = 0
+        if self.count > 0:
+            self._alone_since = None
+        elif self._alone_since is None:
+            self._alone_since = now
+        elif now - self._alone_since >= _ALONE_S:
+            # The scheduler would keep them for a worker that may never come.
+            self._lose_tasks("the cluster has no worker")
 
     def _give_up_tasks(self) -> None:
         """Say of every task that it was lost, and take leave of the old connection."""
-        for key in self._futures:
-            self._futures[key] = None
-            self._said.put((key, Lost("the scheduler of the cluster went away")))
+        self._lose_tasks("the scheduler of the cluster went away")
         self._take_leave(0.0)
+
+    def _lose_tasks(self, why: str) -> None:
+        for key, future in self._futures.items():
+            if future is not None:
+                self._futures[key] = None
+                self._said.put((key, Lost(why)))
 
     def _take_leave(self, timeout: float) -> None:
         """Close the connection, but not below a result that is being fetched over it."""

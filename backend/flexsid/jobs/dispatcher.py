@@ -24,7 +24,7 @@ from flexsid.jobs.place import short
 from flexsid.jobs.steps import Steps
 from flexsid.records.run import EstimationRun, Limits, Progress
 from flexsid.storage import queue
-from flexsid.storage.database import DatabaseUnavailable
+from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.store import Store
 
 _log = logging.getLogger(__name__)
@@ -123,6 +123,7 @@ class Dispatcher:
         self._last_logged: dict[Key, float] = {}
         self._checked = 0.0
         self._interrupted = False
+        self._idle_since: float | None = None  # without a worker
 
     def start(self) -> None:
         """Begin, as soon as no other server leads."""
@@ -165,7 +166,15 @@ class Dispatcher:
             "place": self._workers.place,
             "workers": self._workers.count,
             "running": sorted(run_id for run_id, _ in self._workers.keys),
+            "without_workers_s": self._without_workers_s(),
         }
+
+    def _without_workers_s(self) -> float:
+        if self._workers.count > 0:
+            self._idle_since = None
+            return 0.0
+        self._idle_since = self._idle_since or time.monotonic()
+        return round(time.monotonic() - self._idle_since, 1)
 
     def _run(self) -> None:
         while not self._stopping.is_set():
@@ -193,6 +202,8 @@ class Dispatcher:
         while self._workers.room > 0 and (self._ready or self._prepare_next()):
             self._submit()
             busy = True
+        if self._workers.count == 0:
+            self._put_back_ready()
         # While they compute, the next tasks are made ready: no worker waits for them.
         if self._workers.room <= 0 and len(self._ready) < self._workers.count:
             busy = self._prepare_next() or busy
@@ -230,6 +241,9 @@ class Dispatcher:
             self._news.append((key, unexpected(error)))
         else:
             self._ready.append(_Ready(key, task, run.limits or Limits()))
+            if self._workers.room <= 0:
+                waits = Progress(message="Waiting for a worker")
+                queue.note_progress(self._store, *key, waits)
         return True
 
     def _task_of(self, run: EstimationRun) -> Any:
@@ -239,6 +253,12 @@ class Dispatcher:
                 del self._expected[number]
         known = self._expected.pop(run.id or 0, None)
         return self._steps.prepare(self._store, run) if known is None else known[1]
+
+    def _put_back_ready(self) -> None:
+        """Queue again what was prepared for workers that went away."""
+        for ready in self._ready:
+            self._news.append((ready.key, Lost("there is no worker")))
+        self._ready.clear()
 
     def _submit(self) -> None:
         if not self._ready:  # what was prepared could not be done

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from flexsid import figures
-from flexsid.records.comparison import Comparison, Row, SourceValue
+from flexsid.records.comparison import Comparison, Row, SourceValue, Verdict
 from flexsid.reports.content import (
     Part,
     Report,
@@ -21,7 +21,9 @@ from flexsid.reports.content import (
 from flexsid.reports.flown import source_facts
 from flexsid.reports.run import METHOD_NAMES
 from flexsid.storage.store import Store
-from flexsid.workflow.comparison import CONSISTENT_SIGMA, coefficients, compare, of_coefficient
+from flexsid.workflow.agreement import CONSISTENT_SIGMA
+from flexsid.workflow.comparison import coefficients, compare, of_coefficient
+from flexsid.workflow.results import note_changes
 
 _ABREAST = 6  # sources in one table, as many as fit on paper
 
@@ -45,7 +47,7 @@ def comparison_report(
         subtitle=listed(maneuver.label for maneuver in maneuvers),
         name="flexsid-comparison-" + "-".join(map(str, dict.fromkeys(run_ids))),
         sections=(
-            Section("Summary", (_verdict(compared), _sources(store, compared))),
+            Section("Summary", (*_verdicts(compared), *_late(compared), _sources(store, compared))),
             *(Section(name, _coefficient(compared, name)) for name in coefficients(compared)),
         ),
         provenance=(
@@ -61,33 +63,58 @@ def _run_facts(store: Store, run_id: int) -> tuple[str, str]:
     return f"Run {run_id}", f"finished {moment(run.finished_at)} by {versions}"
 
 
-def _verdict(compared: Comparison) -> Words:
-    judged = [row for row in compared.rows if row.consistent is not None]
-    apart = [row for row in judged if not row.consistent]
-    if not judged:
-        return Words("No two sources with a standard error share a derivative.")
+def _late(compared: Comparison) -> tuple[Words, ...]:
+    """Warn of runs whose data were corrected after they were computed."""
+    texts = (note_changes(source.run_id, source.changed_since) for source in compared.sources)
+    return tuple(Words(text, warns=True) for text in texts if text is not None)
+
+
+_MOST_NAMED = 8  # derivatives that a verdict names
+
+
+def _verdicts(compared: Comparison) -> tuple[Words, ...]:
+    """How the runs agree among each other, then how each prediction agrees with them."""
+    runs = [s for s in compared.sources if not s.is_prediction]
+    apart = {row.name: row.max_difference_sigma for row in compared.rows if not row.consistent}
+    words = [_verdict(compared.runs_verdict, apart, "between the runs", "No two runs")]
+    labels = {s.key: s.label for s in compared.sources}
+    for verdict in compared.prediction_verdicts:
+        apart = {
+            row.name: value.difference_sigma
+            for row in compared.rows
+            if (value := _value_of(row, verdict.source)) is not None and not value.consistent
+        }
+        label = labels[verdict.source or ""]
+        against = "the run" if len(runs) == 1 else "every run"
+        words.append(_verdict(verdict, apart, f"of {label} with {against}", f"No run and {label}"))
+    return tuple(words)
+
+
+def _value_of(row: Row, key: str | None) -> SourceValue | None:
+    return next((value for value in row.values if value is not None and value.key == key), None)
+
+
+def _verdict(verdict: Verdict, apart: Mapping[str, float | None], which: str, nobody: str) -> Words:
+    if not verdict.n_judged:
+        return Words(f"{nobody} give standard errors for the same derivative.")
     text = (
-        f"{len(judged) - len(apart)} of {len(judged)} derivatives agree within "
-        f"{CONSISTENT_SIGMA:g} combined standard errors."
+        f"{verdict.n_consistent} of {verdict.n_judged} derivatives agree within "
+        f"{CONSISTENT_SIGMA:g} combined standard errors {which}."
     )
-    if apart:
-        worst = sorted(apart, key=_apart, reverse=True)
-        text += " Furthest apart: " + listed(
-            f"{row.name} ({row.max_difference_sigma:.1f} σ)" for row in worst[:8]
-        )
+    known = {name: size for name, size in apart.items() if size is not None}
+    if known:
+        worst = sorted(known, key=lambda name: known[name], reverse=True)
+        text += " Furthest apart: "
+        text += listed(f"{name} ({known[name]:.1f} σ)" for name in worst[:_MOST_NAMED])
         text += "."
-    return Words(text, warns=bool(apart))
-
-
-def _apart(row: Row) -> float:
-    return row.max_difference_sigma or 0.0
+    return Words(text, warns=bool(known))
 
 
 def _sources(store: Store, compared: Comparison) -> Table:
     rows = []
     for source in compared.sources:
         what, where, speed, fuel = "prediction", "–", "–", "–"
-        if source.kind != "prediction" and source.run_id is not None:
+        if not source.is_prediction and source.run_id is not None:
             run = store.runs.get(source.run_id)
             maneuver = store.maneuvers.get(run.maneuver_id)
             what, where = METHOD_NAMES[run.method], maneuver.label
@@ -115,7 +142,7 @@ def _coefficient(compared: Comparison, name: str) -> tuple[Part, ...]:
 
 def _numbers(part: Comparison, sources: range) -> Table:
     return Table(
-        ("derivative", *(part.sources[place].label for place in sources), "apart [σ]"),
+        ("derivative", *(part.sources[place].label for place in sources), "runs apart [σ]"),
         tuple(
             (
                 row.name,
@@ -124,11 +151,15 @@ def _numbers(part: Comparison, sources: range) -> Table:
             )
             for row in part.rows
         ),
-        "Value ± standard error; apart: largest difference in combined standard errors",
+        "Value ± standard error; runs apart: largest difference between two runs, and in brackets"
+        " that of a prediction from a run, in combined standard errors",
     )
 
 
 def _written(value: SourceValue | None) -> str:
     if value is None:
         return "–"
-    return " ± ".join(estimate(value.value, value.std_error)).removesuffix(" ± –")
+    written = " ± ".join(estimate(value.value, value.std_error)).removesuffix(" ± –")
+    if value.difference_sigma is None:
+        return written
+    return f"{written} ({value.difference_sigma:.1f} σ)"

@@ -21,9 +21,12 @@ from flexsid.reports.content import (
     number,
 )
 from flexsid.reports.flown import condition_facts, source_facts
+from flexsid.storage.content import changed_since
 from flexsid.storage.store import Store
+from flexsid.sysid.estimation.estimate import count_iterations
 from flexsid.workflow import views
 from flexsid.workflow.comparison import coefficients, compare, of_coefficient
+from flexsid.workflow.results import note_changes
 from flexsid.workflow.views.run import finished
 
 METHOD_NAMES = {
@@ -50,7 +53,7 @@ def run_report(store: Store, run_id: int) -> Report:
         subtitle=f"{maneuver.label}, flight {flight.number} of {aircraft.name}",
         name=f"flexsid-run-{run_id}",
         sections=(
-            Section("Summary", (*_warnings(result), Facts(_summary(run, result)))),
+            Section("Summary", (*_warnings(store, run, result), Facts(_summary(run, result)))),
             Section("Flight condition", (Facts(condition_facts(maneuver)),)),
             Section("Derivatives", (*_derivatives(store, run, result), _parameters(result))),
             Section("Fit", _fit(store, run_id, result)),
@@ -61,8 +64,11 @@ def run_report(store: Store, run_id: int) -> Report:
     )
 
 
-def _warnings(result: RunResult) -> tuple[Part, ...]:
-    return tuple(Words(text, warns=True) for text in result.fit.warnings)
+def _warnings(store: Store, run: EstimationRun, result: RunResult) -> tuple[Part, ...]:
+    (changed,) = changed_since(store.database, [run.rests_on])
+    late = note_changes(run.id, changed)
+    texts = (*(() if late is None else (late,)), *result.fit.warnings)
+    return tuple(Words(text, warns=True) for text in texts)
 
 
 def _summary(run: EstimationRun, result: RunResult) -> tuple[tuple[str, str], ...]:
@@ -83,10 +89,9 @@ def _summary(run: EstimationRun, result: RunResult) -> tuple[tuple[str, str], ..
 def _outcome(result: RunResult) -> str:
     fit = result.fit
     took = f"{fit.outcome} in {fit.seconds:.2f} s"
-    steps = len(fit.iterations) - 1  # the start is the first entry
-    if steps < 1:
+    if not fit.iterations:
         return took
-    return f"{took}, {steps} {'step' if steps == 1 else 'steps'} from {fit.start}"
+    return f"{took}, {count_iterations(fit.iterations[-1].iteration)} from {fit.start}"
 
 
 def _band(band: tuple[float, float]) -> str:
@@ -111,6 +116,7 @@ def _parameters(result: RunResult) -> Table:
     rows = []
     for one in result.parameters:
         value, error = estimate(one.value, one.std_error)
+        error = one.no_error or error
         share = (
             number(100 * one.std_error / abs(one.value), 2)
             if one.std_error is not None and one.value

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from enum import Enum
 from itertools import combinations
@@ -12,9 +12,48 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from flexsid.records.comparison import Pair, Row, Setup, Source, SourceValue
+from flexsid.records.comparison import Pair, Row, Setup, Source, SourceValue, Verdict
 from flexsid.records.run import EstimationRun
 from flexsid.sysid.estimation.trend import fit_trend
+
+CONSISTENT_SIGMA = 2.0
+"""Two estimates agree when they differ by at most this many combined standard errors."""
+
+
+def consistent(difference_sigma: float | None) -> bool | None:
+    """Whether a difference in combined standard errors counts as agreement; None if unknown."""
+    return None if difference_sigma is None else difference_sigma <= CONSISTENT_SIGMA
+
+
+def largest_difference(
+    couples: Iterable[tuple[SourceValue | None, SourceValue | None]],
+) -> float | None:
+    """Largest difference of any couple in combined standard errors; None if none has both."""
+    differences = (normalised(a, b) for a, b in couples)
+    return max((abs(one) for one in differences if one is not None), default=None)
+
+
+def runs_verdict(rows: Sequence[Row]) -> Verdict:
+    """Count the derivatives on which the runs agree among each other."""
+    return _count(None, [row.consistent for row in rows])
+
+
+def prediction_verdicts(sources: Sequence[Source], rows: Sequence[Row]) -> tuple[Verdict, ...]:
+    """Count, for every prediction, the derivatives in which it agrees with all runs."""
+    values = {
+        source.key: [row.values[place] for row in rows]
+        for place, source in enumerate(sources)
+        if source.is_prediction
+    }
+    return tuple(
+        _count(key, [None if value is None else value.consistent for value in column])
+        for key, column in values.items()
+    )
+
+
+def _count(source: str | None, judgements: Sequence[bool | None]) -> Verdict:
+    judged = [one for one in judgements if one is not None]
+    return Verdict(source=source, n_judged=len(judged), n_consistent=sum(judged))
 
 
 def scatter(values: Sequence[SourceValue | None]) -> dict[str, float | None]:
@@ -77,9 +116,7 @@ def normalised(a: SourceValue | None, b: SourceValue | None) -> float | None:
 def setup(sources: Sequence[Source], runs: Mapping[int, EstimationRun]) -> tuple[Setup, ...]:
     """Lay out the choices in which the compared runs differ."""
     columns = [
-        None
-        if source.run_id is None or source.kind == "prediction"
-        else _choices(runs[source.run_id])
+        None if source.run_id is None or source.is_prediction else _choices(runs[source.run_id])
         for source in sources
     ]
     names = dict.fromkeys(name for column in columns if column is not None for name in column)

@@ -12,9 +12,9 @@ from flexsid.records.excitation import ExcitationDesign
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.allocation import allocate_d_optimal, allocate_minimax
 from flexsid.sysid.estimation.expectation import LOAD_FACTOR, Expectation
-from flexsid.workflow.excitation import multisine_of
+from flexsid.workflow.excitation import check_amplitudes, multisine_of
 from flexsid.workflow.foresight import Circumstances, circumstances
-from flexsid.workflow.identified import result_of
+from flexsid.workflow.results import result_of
 
 _TOLD = 4.0  # standard errors from zero at which a derivative's relative error means something
 
@@ -140,7 +140,7 @@ def rescale_design(
     Raises
     ------
     BadInput
-        If a gain belongs to no input of the design.
+        If a gain belongs to no input of the design, or is too large for a control surface.
     """
     inputs = {own.name for own in design.wish.inputs}
     for own in gains:
@@ -157,6 +157,7 @@ def rescale_design(
             for own in design.wish.inputs
         ),
     )
+    check_amplitudes(wish)
     return store.designs.add(
         replace(design, id=None, created_at=None, name=name, wish=wish, note=note)
     )

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from flexsid.errors import BadInput
-from flexsid.records.decision import Decision, DecisionState, Limits
+from flexsid.records.decision import Decision, Limits
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import StructureVersion
-from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
 from flexsid.workflow.ranges import lies_in
-from flexsid.workflow.review import adoption
+from flexsid.workflow.review import approved
 from flexsid.workflow.structures import get_version
 
 
@@ -28,32 +27,15 @@ class Baseline:
 
 def list_baselines(store: Store, aircraft_id: int) -> list[Baseline]:
     """Return the baselines of a campaign, the one that was approved last first."""
-    return [_baseline(store, decision) for decision in _approved(store, aircraft_id)]
+    return [_baseline(store, decision) for decision in approved(store, aircraft_id)]
 
 
 def baseline_of(store: Store, maneuver: Maneuver) -> Baseline | None:
     """Return the baseline of a maneuver: the one approved last whose range holds it."""
-    for decision in _approved(store, maneuver.aircraft_id):
+    for decision in approved(store, maneuver.aircraft_id):
         if decision.axis == maneuver.axis and lies_in(maneuver, decision.proposal.limits):
             return _baseline(store, decision)
     return None
-
-
-def with_baseline(store: Store, run: EstimationRun) -> EstimationRun:
-    """Return a run with the structure that was approved for its condition.
-
-    Raises
-    ------
-    BadInput
-        If there is none, or maneuvers fitted together have different ones.
-    """
-    approved = baseline_of_run(store, (run.maneuver_id, *run.settings.together_with)).structure
-    return replace(
-        run,
-        structure=approved.structure,
-        structure_id=approved.structure_id,
-        structure_version=approved.version,
-    )
 
 
 def baseline_of_run(store: Store, maneuver_ids: tuple[int, ...]) -> Baseline:
@@ -80,11 +62,6 @@ def baseline_of_run(store: Store, maneuver_ids: tuple[int, ...]) -> Baseline:
                 code="baselines-differ",
             )
     return first
-
-
-def _approved(store: Store, aircraft_id: int) -> list[Decision]:
-    found = store.decisions.find(aircraft_id=aircraft_id, state=DecisionState.APPROVED)
-    return sorted(found, key=adoption, reverse=True)
 
 
 def _baseline(store: Store, decision: Decision) -> Baseline:

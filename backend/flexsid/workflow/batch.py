@@ -9,10 +9,11 @@ from flexsid.errors import BadInput, UnknownRecord
 from flexsid.records.batch import Batch
 from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage import batches
+from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.store import Store
 from flexsid.workflow import estimation
-from flexsid.workflow.baselines import with_baseline
 from flexsid.workflow.identity import Identities
+from flexsid.workflow.run_proposal import with_proposal
 
 MOST_RUNS = 20_000
 
@@ -34,7 +35,7 @@ def queue_batch(
     templates: Sequence[EstimationRun],
     *,
     from_equation_error: bool,
-    by_baseline: bool = False,
+    by_proposal: bool = False,
 ) -> Queued:
     """Queue every method for every maneuver and every template.
 
@@ -50,8 +51,8 @@ def queue_batch(
         Structure, settings and the like; maneuver and method are replaced.
     from_equation_error
         Let OE and FRE start from the EE run of the same maneuver and template, after it.
-    by_baseline
-        Let each maneuver take the structure that was approved for its condition.
+    by_proposal
+        Let each maneuver take what is proposed for it; see ``propose_run``.
 
     Raises
     ------
@@ -72,6 +73,7 @@ def queue_batch(
             code="no-start",
         )
     also = {n for template in templates for n in template.settings.together_with}
+    refuse_deleted(store, (*maneuvers, *also))
     identities = Identities(store, (*maneuvers, *also))
     for number in maneuvers:
         if not identities.knows(number):
@@ -80,15 +82,15 @@ def queue_batch(
     for template in templates:  # what is wrong for all is refused at once
         for method in ordered:
             run = replace(template, maneuver_id=maneuvers[0], method=method)
-            estimation.prepare(store, with_baseline(store, run) if by_baseline else run)
+            estimation.prepare(store, with_proposal(store, run) if by_proposal else run)
     wanted: list[tuple[EstimationRun, int | None]] = []
     for template in templates:
         for number in maneuvers:
             first: int | None = None
             start_hash: str | None = None
             of_maneuver = replace(template, maneuver_id=number)
-            if by_baseline:
-                of_maneuver = with_baseline(store, of_maneuver)
+            if by_proposal:
+                of_maneuver = with_proposal(store, of_maneuver)
             for method in ordered:
                 run = replace(of_maneuver, method=method)
                 if first is not None and from_equation_error:

@@ -12,9 +12,10 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import derivative_names
 from flexsid.workflow.computation import Computed, compute
 from flexsid.workflow.estimation import prepare
-from flexsid.workflow.identified import Identified, result_of
+from flexsid.workflow.identified import Identified
 from flexsid.workflow.modes import AircraftModes
 from flexsid.workflow.predictions import best_prediction, predicted_modes, prediction_at
+from flexsid.workflow.results import result_of
 
 _OF_MODES = ("omega_", "zeta_", "shape_")  # what may be free beyond derivatives, of one mode
 

@@ -6,18 +6,25 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
-from flexsid.errors import BadInput, Conflict
+from flexsid.errors import BadInput
 from flexsid.nomenclature import describe
-from flexsid.records.comparison import Comparison, Row, Source, SourceValue
+from flexsid.records.comparison import PREDICTED, Comparison, Row, Source, SourceValue
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.prediction import Prediction
 from flexsid.records.run import EstimationRun, RunResult
+from flexsid.storage.content import changed_since
 from flexsid.storage.store import Store
-from flexsid.workflow.agreement import normalised, pairs, scatter, setup
+from flexsid.workflow.agreement import (
+    consistent,
+    largest_difference,
+    pairs,
+    prediction_verdicts,
+    runs_verdict,
+    scatter,
+    setup,
+)
 from flexsid.workflow.predictions import prediction_at
-
-CONSISTENT_SIGMA = 2.0
-"""Two estimates agree when they differ by at most this many combined standard errors."""
+from flexsid.workflow.results import result_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,13 +57,20 @@ def compare(store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int])
     -----
     Two estimates a and b are judged by |a - b| / sqrt(sigma_a^2 + sigma_b^2), as if
     independent. Runs of one maneuver share its noise, so the measure is lenient for
-    them. A source without standard errors is shown, not judged.
+    them. Runs are judged among each other, and each prediction against the runs: what was
+    predicted does not change how the runs agree. A source without standard errors is
+    shown, not judged.
     """
     if not run_ids:
         raise BadInput("a comparison takes at least one run; choose one", code="no-run")
-    finished = [(run, _result(run)) for run in map(store.runs.get, dict.fromkeys(run_ids))]
+    runs = [store.runs.get(number) for number in dict.fromkeys(run_ids)]
+    finished = [(run, result_of(run, "no result to compare")) for run in runs]
+    changed = changed_since(store.database, [run.rests_on for run in runs])
     maneuvers = {run.maneuver_id: store.maneuvers.get(run.maneuver_id) for run, _ in finished}
-    columns = [_of_run(run, result, maneuvers) for run, result in finished]
+    columns = [
+        _of_run(run, result, maneuvers, since)
+        for (run, result), since in zip(finished, changed, strict=True)
+    ]
     fuel = next(iter(maneuvers.values())).condition.fuel_fraction
     predictions = [store.predictions.get(number) for number in dict.fromkeys(prediction_ids)]
     columns += [_of_prediction(store, prediction, fuel) for prediction in predictions]
@@ -70,6 +84,8 @@ def compare(store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int])
         rows=rows,
         pairs=pairs(sources, rows),
         setup=setup(sources, {run.id: run for run, _ in finished if run.id is not None}),
+        runs_verdict=runs_verdict(rows),
+        prediction_verdicts=prediction_verdicts(sources, rows),
     )
 
 
@@ -96,21 +112,20 @@ def of_coefficient(comparison: Comparison, coefficient: str | None) -> Compariso
             code="unknown-coefficient",
             coefficient=coefficient,
         )
-    return replace(comparison, rows=rows)
+    return replace(
+        comparison,
+        rows=rows,
+        runs_verdict=runs_verdict(rows),
+        prediction_verdicts=prediction_verdicts(comparison.sources, rows),
+    )
 
 
-def _result(run: EstimationRun) -> RunResult:
-    if run.result is None:
-        raise Conflict(
-            f"run {run.id} is {run.state.value} and has no result to compare; "
-            "choose runs that succeeded",
-            code="run-without-result",
-            run_id=run.id,
-        )
-    return run.result
-
-
-def _of_run(run: EstimationRun, result: RunResult, maneuvers: dict[int, Maneuver]) -> _Column:
+def _of_run(
+    run: EstimationRun,
+    result: RunResult,
+    maneuvers: dict[int, Maneuver],
+    changed: tuple[str, ...],
+) -> _Column:
     key = f"run-{run.id}"
     # the maneuver is told only where there is more than one to tell apart
     where = f", {maneuvers[run.maneuver_id].label}" if len(maneuvers) > 1 else ""
@@ -120,6 +135,7 @@ def _of_run(run: EstimationRun, result: RunResult, maneuvers: dict[int, Maneuver
             label=f"{run.method.value} {run.id}{where}",
             kind=run.method.value,
             run_id=run.id,
+            changed_since=changed,
         ),
         {
             parameter.name: SourceValue(
@@ -133,7 +149,7 @@ def _of_run(run: EstimationRun, result: RunResult, maneuvers: dict[int, Maneuver
 def _of_prediction(store: Store, prediction: Prediction, fuel: float) -> _Column:
     key = f"prediction-{prediction.id}"
     return _Column(
-        Source(key=key, label=prediction.source, kind="prediction", prediction_id=prediction.id),
+        Source(key=key, label=prediction.source, kind=PREDICTED, prediction_id=prediction.id),
         {
             name: SourceValue(key=key, value=value, std_error=error)
             for name, (value, error) in prediction_at(store, prediction, fuel).items()
@@ -161,7 +177,7 @@ def _residualized(
                 Source(
                     key=key,
                     label=f"{labels[result.prediction_id]}, residualized{of_run}",
-                    kind="prediction",
+                    kind=PREDICTED,
                     run_id=run.id,
                     prediction_id=result.prediction_id,
                 ),
@@ -172,17 +188,31 @@ def _residualized(
 
 
 def _row(name: str, columns: list[_Column]) -> Row:
-    values = tuple(column.values.get(name) for column in columns)
-    differences = (normalised(a, b) for a, b in combinations(values, 2))
-    largest = max((abs(one) for one in differences if one is not None), default=None)
+    estimates = [column.values.get(name) for column in columns if not column.source.is_prediction]
+    largest = largest_difference(combinations(estimates, 2))
     return Row(
         name=name,
         label=describe(name).label,
-        values=values,
-        consistent=None if largest is None else largest <= CONSISTENT_SIGMA,
+        values=tuple(
+            _against(column.values.get(name), estimates)
+            if column.source.is_prediction
+            else column.values.get(name)
+            for column in columns
+        ),
+        consistent=consistent(largest),
         max_difference_sigma=largest,
-        **scatter(values),
+        **scatter(estimates),
     )
+
+
+def _against(
+    predicted: SourceValue | None, estimates: Sequence[SourceValue | None]
+) -> SourceValue | None:
+    """A predicted value with its largest difference from the estimates of the runs."""
+    if predicted is None:
+        return None
+    largest = largest_difference((predicted, estimate) for estimate in estimates)
+    return replace(predicted, difference_sigma=largest, consistent=consistent(largest))
 
 
 _VARIABLES = ("alpha", "q", "eta", "etadot")

@@ -14,7 +14,7 @@ import scipy
 from flexsid import __version__
 from flexsid.errors import BadInput, Cancelled, NotIdentifiable
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import Method, Progress, RunSettings
+from flexsid.records.run import Method, Progress, Provenance, RunSettings
 from flexsid.sysid.estimation.delays import find_delays
 from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
@@ -23,6 +23,7 @@ from flexsid.sysid.estimation.frequency_response_error import frequency_response
 from flexsid.sysid.estimation.fusion import fuse, with_priors
 from flexsid.sysid.estimation.input_noise import input_noise_errors
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
+from flexsid.sysid.estimation.limits import LONGEST_DELAY_S, at_limits
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.estimation.reconstruction import Motion, reconstruct_motion
@@ -31,13 +32,14 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.stability.poles import NamedPole, named_poles
 from flexsid.workflow.beyond_band import calmed, remarks_on, strayed
-from flexsid.workflow.judgement import warnings_of
+from flexsid.workflow.judgement import warning_of_limits, warning_of_priors, warnings_of
 from flexsid.workflow.measurement import MeasuredLines, Measurement
 
 Report = Callable[[Progress], None]
 EQUATION_ERROR = "equation error"
-_LONGEST_DELAY_S = 0.2
+_NEARLY = 0.95  # of a run is done when only the ends of the record remain
 _PERTURBED_STARTS = 3
+_SCALES_APART = 0.005  # standard deviation of the sensors' scale factors worth a remark
 _SAME_COST = 1e-3  # ends closer than this are the same optimum
 
 
@@ -91,6 +93,7 @@ class Task:
     residualized: dict[str, float] | None
     prediction_id: int | None
     warnings: tuple[str, ...]
+    provenance: Provenance
 
     @property
     def model(self) -> AeroelasticModel:
@@ -125,7 +128,8 @@ class Task:
 class Computed:
     """What a worker sends back.
 
-    ``held`` are the derivatives that were not free, ``versions`` is the software there.
+    ``held`` are the derivatives that were not free, ``at_limit`` the parameters that ended
+    where no instrument or structure can be, ``versions`` is the software there.
     """
 
     estimate: Estimate
@@ -137,6 +141,8 @@ class Computed:
     held: dict[str, float]
     seconds: float
     versions: dict[str, str]
+    provenance: Provenance
+    at_limit: tuple[str, ...] = ()
 
 
 def compute(task: Task, report: Report) -> Computed:
@@ -163,10 +169,16 @@ def compute(task: Task, report: Report) -> Computed:
     else:
         experiments = experiments_of(task)
         parameters, start, estimate = likeliest(task, experiments, report)
-        experiments, estimate = settle_edges(experiments, parameters, estimate, fit_settings(task))
+        experiments, estimate = settled(task, experiments, parameters, estimate, report)
         if task.method is Method.OE:
             warnings += _input_noise_share(task, experiments, parameters, estimate)
     estimate = estimate.widened(max(m.measured.crowding for m in task.maneuvers))
+    beyond = at_limits(parameters, estimate.values)
+    estimate = estimate.without_errors(None if not estimate.outcome.is_optimum else beyond)
+    warnings += [
+        *warning_of_limits(estimate, beyond),
+        *warning_of_priors(estimate, task.priors),
+    ]
     poles = _poles(task, parameters, estimate)
     warnings += remarks_on(_strayed(task, poles), task.highest)
     table = parameters.table(estimate.values).named()
@@ -178,9 +190,36 @@ def compute(task: Task, report: Report) -> Computed:
         residualized=task.residualized,
         prediction_id=task.prediction_id,
         held={name: value for name, value in table.items() if name not in estimate.names},
+        at_limit=tuple(name for name, out in zip(estimate.names, beyond, strict=True) if out),
         seconds=time.perf_counter() - began,
         versions=versions(),
+        provenance=task.provenance,
     )
+
+
+def settled(
+    task: Task,
+    experiments: list[Experiment],
+    parameters: Parameters,
+    estimate: Estimate,
+    report: Report,
+) -> tuple[list[Experiment], Estimate]:
+    """Correct for the ends of the record and fit again, until neither changes much.
+
+    Raises
+    ------
+    Cancelled
+        If the report asks to end.
+    """
+
+    def tell(iteration: int, cost: float) -> None:
+        message = f"Iteration {iteration}, correcting for the ends of the record"
+        report(Progress(iteration=iteration, cost=cost, fraction=_NEARLY, message=message))
+
+    found = settle_edges(experiments, parameters, estimate, fit_settings(task), tell)
+    if found[1].outcome is Outcome.CANCELLED:
+        raise Cancelled(found[1].message)
+    return found
 
 
 def versions() -> dict[str, str]:
@@ -209,11 +248,19 @@ def experiments_of(task: Task) -> list[Experiment]:
                     lines.instruments,
                     name,
                     lines.edges_s,
+                    lines.window_s,
                 )
             )
         else:
             through = np.ones_like(lines.instruments)
-            source = output_error(data.model, lines.inputs, lines.true_outputs(), through, name)
+            source = output_error(
+                data.model,
+                lines.inputs,
+                lines.true_outputs(),
+                through,
+                name,
+                window_s=lines.window_s,
+            )
             experiment = frequency_response_error(data.model, lines.responses(), name, source)
             if several:
                 groups = tuple(f"{name} {group}" for group in experiment.group_names)
@@ -240,30 +287,61 @@ def _equation_error(
     task: Task, parameters: Parameters
 ) -> tuple[Estimate, tuple[int, ...], list[str]]:
     """Estimate of all maneuvers, the companion modes that sensors allowed, and remarks."""
-    estimates, companions, alone = [], (), {}
+    estimates, companions, remarks = [], (), []
     for data in task.maneuvers:
         motion, companions = motion_of(data)
-        alone |= dict.fromkeys(motion.taken_as_exact)
+        remarks += remarks_on_motion(data, motion)
         estimates.append(equation_error(data.model, motion, data.measured.inputs, parameters))
-    remarks = [
-        f"No other sensor checks what {', '.join(alone)} {'sees' if len(alone) == 1 else 'see'}: "
-        "noise there passes for motion, and standard errors may be too small. Compare with OE."
-    ] if alone else []  # fmt: skip
     return fuse(estimates, [data.label for data in task.maneuvers]), companions, remarks
 
 
 def motion_of(data: ManeuverData) -> tuple[Motion, tuple[int, ...]]:
-    """Motion of the model's modes, with as many companions as the sensors can tell apart."""
+    """Motion of the model's modes, with as many companions as leave every sensor checked.
+
+    A companion takes redundancy: where the noise of a sensor is then told by none of the
+    others, what the sensor alone sees would pass for motion.
+    """
     own = len(data.model.modes.numbers)
     lines = data.measured
     for count in range(len(data.companions.modes.numbers), own, -1):
+        model = data.companions.with_modes(count)
         try:
-            model = data.companions.with_modes(count)
-            motion = reconstruct_motion(model, lines.outputs, lines.instruments)
+            motion = _reconstruct(model, lines)
         except NotIdentifiable:
             continue
-        return motion.first(own), model.modes.numbers[own:]
-    return reconstruct_motion(data.model, lines.outputs, lines.instruments), ()
+        if not motion.assumed:
+            return motion.first(own), model.modes.numbers[own:]
+    return _reconstruct(data.model, lines), ()
+
+
+def _reconstruct(model: AeroelasticModel, lines: MeasuredLines) -> Motion:
+    return reconstruct_motion(model, lines.outputs, lines.instruments, guess=lines.output_noise)
+
+
+def remarks_on_motion(data: ManeuverData, motion: Motion) -> list[str]:
+    """What had to be assumed of the sensors of a maneuver, and how they disagree."""
+    remarks = []
+    if motion.assumed:
+        known = np.isfinite(data.measured.output_noise).all()
+        source = (
+            "in the ratio that the aircraft's description gives"
+            if known
+            else "as the same share of every sensor's signal, for the aircraft's description does "
+            "not give it (noise_std)"
+        )
+        remarks.append(
+            f"{data.label}: {len(motion.noise)} outputs are too few to find the noise of "
+            f"{', '.join(motion.assumed)}. It was taken {source}; the standard errors hold that it "
+            "may be wrong by a factor of two, and small derivatives may be lost in them. Add "
+            "sensors as outputs, or compare with OE."
+        )
+    if motion.scale_std > _SCALES_APART:
+        remarks.append(
+            f"{data.label}: the sensors disagree on the motion as if their scale factors were "
+            f"wrong by {100.0 * motion.scale_std:.1f} % (standard deviation); the standard errors "
+            "hold it. Check their calibration and delays, and whether a mode is missing."
+        )
+    return remarks
 
 
 def fit_settings(task: Task) -> FitSettings:
@@ -394,12 +472,13 @@ def _with_delays(
     """Start the free delays where the sensors' redundancy puts them, where it can."""
     first = task.maneuvers[0]
     lines = first.measured
+    unknown = {f"{name}, delays from zero": one for name, one in candidates.items()}
     try:
         delays = find_delays(first.model, lines.inputs, lines.outputs, lines.instruments)
     except NotIdentifiable:
-        return candidates
-    if np.max(np.abs(delays)) > _LONGEST_DELAY_S:
-        return candidates  # too few sensors to tell delays from motion
+        return unknown
+    if np.max(np.abs(delays)) > LONGEST_DELAY_S:
+        return unknown  # too few sensors to tell delays from motion
     result = {}
     for name, parameters in candidates.items():
         start = parameters.start.copy()
@@ -417,7 +496,7 @@ def _input_noise_share(
         return []
     errors = input_noise_errors(experiments[0], parameters, estimate, noise)
     share = float(np.median((errors / estimate.std_errors) ** 2))
-    if share < 0.1:
+    if not share >= 0.1:  # or no number, where there are no standard errors
         return []
     return [
         f"Noise on the measured surfaces makes {min(share, 1.0):.0%} of the variance of the "

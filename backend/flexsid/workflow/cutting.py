@@ -23,6 +23,7 @@ from flexsid.workflow.condition import airspeed_ratio, complete_condition
 from flexsid.workflow.excited import excitation_of
 from flexsid.workflow.interval import excitation_interval, samples_between
 from flexsid.workflow.keeping import largest_correlation
+from flexsid.workflow.symmetric_motion import settle_axis
 from flexsid.workflow.thrust import TOTAL_TEMPERATURE
 
 TRIM_S = 2.0
@@ -120,6 +121,7 @@ def cut_maneuver(store: Store, flight_id: int, cut: Cut) -> Maneuver:
         raise BadInput("no input was recorded in this window", code="no-input")
     condition = complete_condition(aircraft, _measured(pieces, aircraft))
     inputs = [samples for channel, samples in pieces if channel.role is Role.INPUT]
+    axis = settle_axis(cut.axis, aircraft, pieces)
     alike = len({samples.size for samples in inputs}) == 1
     with store.transaction():
         for known in store.maneuvers.find(flight_id=flight_id, deleted_at=None):
@@ -140,7 +142,7 @@ def cut_maneuver(store: Store, flight_id: int, cut: Cut) -> Maneuver:
                 duration_s=_duration(pieces),
                 condition=condition,
                 fta=cut.fta,
-                axis=cut.axis,
+                axis=axis,
                 excitation=_within(store, flight_id, cut),
                 airspeed_ratio=airspeed_ratio(condition),
                 max_input_correlation=largest_correlation(inputs) if alike else None,

@@ -14,13 +14,16 @@ from flexsid.errors import BadInput
 from flexsid.importers.channels import RawChannel
 from flexsid.importers.mapping import parse_mapping, recognise
 from flexsid.importers.plausibility import Doubt
-from flexsid.importers.proposal import find_time, list_columns, propose
+from flexsid.importers.proposal import ask_again, find_time, list_columns, propose
+from flexsid.importers.recognised import recognise as recognise_name
 from flexsid.importers.source import Sources
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
 from flexsid.records.views import ChannelHistories, ChannelTrace
 from flexsid.storage.store import Store
-from flexsid.workflow.ingest import Upload, explain, find_doubts
+from flexsid.workflow.guesses import Guess, find_guesses
+from flexsid.workflow.ingest import find_doubts
+from flexsid.workflow.upload import Upload, explain
 
 MOST_FIELDS = 500
 MOST_DRAWN = 12
@@ -87,12 +90,14 @@ class Problem:
 class Checked:
     """What a mapping makes of an upload, with questions where a unit is doubtful.
 
+    ``guesses`` are values that nobody has confirmed; nothing is imported before.
     ``rules`` are its ``[[channels]]`` as they are written, for the table of the page.
     """
 
     rules: list[dict[str, Any]]
     channels: tuple[MappedChannel, ...]
     questions: tuple[Doubt, ...]
+    guesses: tuple[Guess, ...]
     problem: Problem | None
 
 
@@ -140,10 +145,11 @@ def propose_mapping(store: Store, sources: Sources) -> Proposal:
     if known is not None:
         return Proposal(text=known, origin="a known form of file", fitting=names)
     if fitting:
-        origin = f"the kept mapping '{fitting[-1].name}'"
-        return Proposal(text=fitting[-1].text, origin=origin, fitting=names)
-    aircraft = store.aircraft.find()
-    chosen = aircraft[-1] if aircraft else None
+        text = ask_again(fitting[-1].text)
+        if text is not None:
+            origin = f"the kept mapping '{fitting[-1].name}'"
+            return Proposal(text=text, origin=origin, fitting=names)
+    chosen = _likely_aircraft(store, sources)
     flights = store.flights.find(aircraft_id=chosen.id) if chosen is not None else []
     number = max((flight.number for flight in flights), default=0) + 1
     text = propose(
@@ -155,7 +161,7 @@ def propose_mapping(store: Store, sources: Sources) -> Proposal:
     return Proposal(text=text, origin="the names of the columns", fitting=names)
 
 
-def check_mapping(sources: Sources, text: str) -> Checked:
+def check_mapping(store: Store, sources: Sources, text: str) -> Checked:
     """Say what a mapping makes of files, and what is wrong with it."""
     rules = _rules(text)
     try:
@@ -165,11 +171,12 @@ def check_mapping(sources: Sources, text: str) -> Checked:
         problem = Problem(
             code=error.code, message=error.message, key=None if key is None else str(key)
         )
-        return Checked(rules=rules, channels=(), questions=(), problem=problem)
+        return Checked(rules=rules, channels=(), questions=(), guesses=(), problem=problem)
     return Checked(
         rules=rules,
         channels=tuple(_mapped(channel) for channel in upload.channels),
         questions=find_doubts(upload.channels),
+        guesses=find_guesses(store, upload),
         problem=None,
     )
 
@@ -235,6 +242,19 @@ def _fits(text: str, sources: Sources) -> bool:
     except BadInput:
         return False
     return True
+
+
+def _likely_aircraft(store: Store, sources: Sources) -> Aircraft | None:
+    """Aircraft of whose surfaces and sensors the files name most; None where they name none."""
+    columns = list_columns(sources)
+    named = {column.field.rpartition(".")[2] for column in columns}
+    named |= {recognise_name(column.field, column.unit).name for column in columns}
+    best, most = None, 0
+    for aircraft in store.aircraft.find():
+        shared = len(named & _own_names(aircraft).keys())
+        if shared >= max(most, 1):
+            best, most = aircraft, shared
+    return best
 
 
 def _own_names(aircraft: Aircraft) -> dict[str, Role]:

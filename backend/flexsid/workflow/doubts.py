@@ -41,7 +41,7 @@ def doubts(run: EstimationRun, maneuver: Maneuver, flown: Flown, modes: Aircraft
             for number in numbers
             if not modes.symmetric[number]
         ),
-        *_left_out(maneuver, flown.model.inputs),
+        *(() if run.method is Method.FRE else _left_out(maneuver, flown.model.inputs)),
         *(["Equation error holds the delays; OE and FRE estimate them."] if held else []),
     ]
 

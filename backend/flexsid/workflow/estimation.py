@@ -10,6 +10,7 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.axes import symmetry_of
 from flexsid.records.finite import finite_or_none
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.model_structure import Structure
@@ -35,12 +36,15 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.workflow.computation import Computed, Flown, Task, compute
 from flexsid.workflow.doubts import check_extras, doubts
+from flexsid.workflow.identity import provenance_of
+from flexsid.workflow.longitudinal import lateral_surfaces, require_longitudinal
 from flexsid.workflow.measured import read_measurement
 from flexsid.workflow.models import OutputDefinition, build_model, default_outputs, define_outputs
 from flexsid.workflow.modes import AircraftModes, companion_modes, find_modal_tables, load_modes
 from flexsid.workflow.predictions import best_prediction
 from flexsid.workflow.starts import is_residualized, predicted_tables, priors_of, starting_tables
 from flexsid.workflow.structures import brought_to
+from flexsid.workflow.symmetric_motion import require_symmetric_motion
 
 __all__ = ["compute", "keep", "prepare"]
 
@@ -63,6 +67,8 @@ def _prepared(store: Store, run: EstimationRun) -> Task:
     ids = tuple(dict.fromkeys((run.maneuver_id, *settings.together_with)))
     maneuvers = [store.maneuvers.get(number) for number in ids]
     first = maneuvers[0]
+    for maneuver in maneuvers:
+        require_longitudinal(maneuver)
     aircraft = store.aircraft.get(first.aircraft_id)
     for other in maneuvers[1:]:
         if other.aircraft_id != first.aircraft_id:
@@ -75,9 +81,7 @@ def _prepared(store: Store, run: EstimationRun) -> Task:
         store, first.aircraft_id, run.modal_table_id, run.damping_table_id
     )
     modes = load_modes(store, modal, damping)
-    channels = {c.name: c.role for c in store.channels.find(maneuver_id=first.id)}
-    inputs = structure.inputs or tuple(n for n, role in channels.items() if role is Role.INPUT)
-    outputs = define_outputs(aircraft, structure.outputs or default_outputs(aircraft, channels))
+    inputs, outputs = inputs_and_outputs(store, first, aircraft, structure)
     data = tuple(
         _maneuver_data(store, maneuver, aircraft, structure, modes, inputs, outputs, settings)
         for maneuver in maneuvers
@@ -103,7 +107,32 @@ def _prepared(store: Store, run: EstimationRun) -> Task:
         residualized=next((t.named() for n, t in predicted.items() if is_residualized(n)), None),
         prediction_id=None if prediction is None else prediction.id,
         warnings=(*assumed, *doubts(run, first, data[0], modes)),
+        provenance=provenance_of(
+            store,
+            run,
+            first.aircraft_id,
+            {
+                "modal table": (modal.id, None if damping is None else damping.id),
+                "prediction": (None if prediction is None else prediction.id,),
+            },
+        ),
     )
+
+
+def inputs_and_outputs(
+    store: Store, maneuver: Maneuver, aircraft: Aircraft, structure: Structure
+) -> tuple[tuple[str, ...], tuple[OutputDefinition, ...]]:
+    """Inputs and outputs as the structure names them, else all that a longitudinal model can use.
+
+    Antisymmetric surfaces that were recorded besides are left out.
+    """
+    channels = {c.name: c.role for c in store.channels.find(maneuver_id=maneuver.id)}
+    recorded = tuple(name for name, role in channels.items() if role is Role.INPUT)
+    symmetric = tuple(n for n in recorded if symmetry_of(aircraft, n) != "antisymmetric")
+    inputs = structure.inputs or symmetric or recorded
+    separated = bool(lateral_surfaces(maneuver, aircraft, inputs))
+    names = structure.outputs or default_outputs(aircraft, channels, separated=separated)
+    return inputs, define_outputs(aircraft, names)
 
 
 def keep(
@@ -127,7 +156,7 @@ def keep(
             for k, block in enumerate(estimate.lines)
         )
         result = RunResult(
-            parameters=_parameter_rows(estimate),
+            parameters=_parameter_rows(computed),
             covariance=covariance,
             fit=_fit(computed),
             poles=tuple(
@@ -149,7 +178,9 @@ def keep(
             prediction_id=computed.prediction_id,
             held=computed.held,
         )
-        return queue.finish(store, run_id, attempt, result, computed.versions, worker)
+        return queue.finish(
+            store, run_id, attempt, result, computed.versions, worker, computed.provenance
+        )
 
 
 def _maneuver_data(
@@ -162,6 +193,7 @@ def _maneuver_data(
     outputs: tuple[OutputDefinition, ...],
     settings: RunSettings,
 ) -> Flown:
+    require_symmetric_motion(store, maneuver, aircraft, inputs, outputs)
     measurement = read_measurement(store, maneuver, aircraft, inputs, outputs, settings.band_hz)
     fuel = maneuver.condition.fuel_fraction
     own = structure.modes
@@ -193,7 +225,16 @@ def _check_names(
     return parameters.names
 
 
-def _parameter_rows(estimate: Estimate) -> tuple[ParameterEstimate, ...]:
+def _parameter_rows(computed: Computed) -> tuple[ParameterEstimate, ...]:
+    estimate = computed.estimate
+
+    def why(name: str, error: float) -> str | None:
+        if np.isfinite(error):
+            return None
+        if name in computed.at_limit:
+            return "at its limit"
+        return "not identifiable" if estimate.outcome.is_optimum else "not converged"
+
     return tuple(
         ParameterEstimate(
             name=quality.name,
@@ -202,6 +243,7 @@ def _parameter_rows(estimate: Estimate) -> tuple[ParameterEstimate, ...]:
             start=float(start),
             cramer_rao=finite_or_none(quality.cramer_rao),
             insensitivity=finite_or_none(quality.insensitivity),
+            no_error=why(quality.name, quality.std_error),
         )
         for quality, value, start in zip(
             parameter_quality(estimate), estimate.values, estimate.start, strict=True
@@ -216,7 +258,10 @@ def _fit(computed: Computed) -> Fit:
         message=estimate.message,
         iterations=tuple(
             Iteration(
-                iteration=step.iteration, cost=step.cost, step=finite_or_none(step.step) or 0.0
+                iteration=step.iteration,
+                cost=step.cost,
+                step=finite_or_none(step.step) or 0.0,
+                stage=step.stage,
             )
             for step in estimate.steps
         ),

@@ -41,6 +41,8 @@ def data_of(store: Store, proposal: StructureProposal) -> dict[str, str]:
         try:
             run = store.runs.get(run_id)
         except UnknownRecord:
+            run = None
+        if run is None or run.deleted_at is not None:
             found[f"run {run_id}"] = GONE
             continue
         found[f"run {run_id}"] = hash_of(
@@ -60,6 +62,8 @@ def _maneuver_hash(store: Store, maneuver_id: int) -> str:
     try:
         maneuver = store.maneuvers.get(maneuver_id)
     except UnknownRecord:
+        return GONE
+    if maneuver.deleted_at is not None:
         return GONE
     channels = [
         [channel.name, channel.unit, channel.role, channel.rate_hz, channel.start_s, channel.array]

@@ -13,7 +13,7 @@ from flexsid.records.views import DesignedExcitation
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation import designer, export
 from flexsid.sysid.excitation.allotment import Band, allot_bands
-from flexsid.sysid.excitation.catalogue import CATALOGUE
+from flexsid.sysid.excitation.catalogue import CATALOGUE, FlightTestAid
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks, check_design
 from flexsid.sysid.excitation.designer import InputWish, Wish
 from flexsid.sysid.excitation.multisine import Multisine
@@ -25,6 +25,12 @@ MEDIA = {
     "json": "application/json",
 }
 
+MOST_TONES = 2000
+"""In a design, of all inputs."""
+
+_LONGEST_S = 120.0  # estimated processor time of a search in the queue of tasks
+_MOST_PRODUCT = 20_000_000  # harmonics times samples: three times the largest of Table 1
+_LARGEST_RAD = float(np.deg2rad(60.0))  # beyond the travel of any control surface
 _SCALES = (1.0, 0.95, 0.90, 0.85, 0.80)  # Sec. V.C, from body flap to outermost wing flap
 
 
@@ -46,6 +52,7 @@ def wish_for(
     peaks: tuple[float, float, float],
     effort: str = "thorough",
     seed: int = 0,
+    reach_hz: float | None = None,
 ) -> Wish:
     """Make the wish for a flight test aid of Table 1.
 
@@ -63,6 +70,29 @@ def wish_for(
         Largest deflection of the body flap at three amplitudes. [unit of the command]
     effort, seed
         Of the search for phases.
+    reach_hz
+        Frequency that the harmonics of the surfaces have to reach; by default the band of the
+        row's targets in Table 1. [Hz]
+    """
+    aid = row_of(fta)
+    last = None if reach_hz is None else int(np.ceil(reach_hz * duration_s))
+    scale: dict[str, float] = dict(zip(("bf", "wf1", "wf2", "wf3", "wf4"), _SCALES, strict=True))
+    inputs = tuple(
+        InputWish(name=name, harmonics=tuple(own.tolist()), relative_peak=scale.get(name[:-1], 1.0))
+        for name, own in aid.harmonics(first_harmonic, last).items()
+    )
+    return Wish(
+        duration_s=duration_s, rate_hz=rate_hz, inputs=inputs, peaks=peaks, effort=effort, seed=seed
+    )
+
+
+def row_of(fta: int) -> FlightTestAid:
+    """Return a row of Table 1 by its lowest number.
+
+    Raises
+    ------
+    BadInput
+        If there is none.
     """
     aid = CATALOGUE.get(fta)
     if aid is None:
@@ -70,14 +100,7 @@ def wish_for(
             f"Table 1 has no row {fta}; it has {', '.join(map(str, CATALOGUE))}",
             code="unknown-flight-test-aid",
         )
-    scale: dict[str, float] = dict(zip(("bf", "wf1", "wf2", "wf3", "wf4"), _SCALES, strict=True))
-    inputs = tuple(
-        InputWish(name=name, harmonics=tuple(own.tolist()), relative_peak=scale.get(name[:-1], 1.0))
-        for name, own in aid.harmonics(first_harmonic).items()
-    )
-    return Wish(
-        duration_s=duration_s, rate_hz=rate_hz, inputs=inputs, peaks=peaks, effort=effort, seed=seed
-    )
+    return aid
 
 
 def wish_for_bands(
@@ -98,6 +121,16 @@ def wish_for_bands(
     names = [own.name for own in bands]
     if len(set(names)) < len(names):
         raise BadInput(f"inputs {', '.join(names)} must all have different names")
+    # Harmonics are looked for one by one, so that their number is bounded first.
+    designer.check_period(duration_s, rate_hz, len(bands))
+    check_tones(sum(own.band.count for own in bands))
+    for own in bands:
+        if own.band.high_hz >= 0.5 * rate_hz:
+            raise BadInput(
+                f"the band of {own.name} ends at {own.band.high_hz:g} Hz, not below the Nyquist"
+                f" frequency {0.5 * rate_hz:g} Hz; sample faster or end the band lower",
+                code="above-nyquist",
+            )
     dealt = allot_bands({own.name: own.band for own in bands}, duration_s)
     return Wish(
         duration_s=duration_s,
@@ -125,6 +158,94 @@ def _power(own: BandWish, hz: np.ndarray) -> tuple[float, ...] | None:
     return tuple(np.exp(np.interp(np.log(hz), np.log(at), np.log(power))).tolist())
 
 
+def check_tones(count: int) -> None:
+    """Refuse more harmonics than a design may have.
+
+    Raises
+    ------
+    BadInput
+        If there are more than ``MOST_TONES``.
+    """
+    if count > MOST_TONES:
+        raise BadInput(
+            f"the inputs together ask for {count} harmonics; a design has at most {MOST_TONES};"
+            " ask for fewer harmonics or fewer inputs",
+            code="too-many-harmonics",
+        )
+
+
+def check_search(wish: Wish, longest_s: float = _LONGEST_S, otherwise: str = "") -> None:
+    """Refuse a wish that cannot be fulfilled, or whose search would take too long.
+
+    Parameters
+    ----------
+    wish
+        What is wanted.
+    longest_s
+        Processor time that the search may take, as estimated. [s]
+    otherwise
+        What can be done besides asking for less.
+
+    Raises
+    ------
+    BadInput
+        If so; the message has the numbers.
+    """
+    designer.check_wish(wish)
+    count = sum(len(own.harmonics) for own in wish.inputs)
+    check_tones(count)
+    check_amplitudes(wish)
+    needed = designer.search_time_s(wish)
+    if needed > longest_s:
+        most = max(wish.inputs, key=lambda own: len(own.harmonics))
+        highest = max(max(own.harmonics) for own in wish.inputs)
+        raise BadInput(
+            f"a {wish.effort} search of {count} harmonics (most in {most.name},"
+            f" {len(most.harmonics)}; the highest is {highest}) would take about {needed:.0f} s;"
+            f" the limit is {longest_s:.0f} s; ask for fewer harmonics, a lower band, a shorter"
+            f" period or less effort{otherwise}",
+            code="search-too-long",
+        )
+
+
+def check_evaluation(wish: Wish) -> None:
+    """Refuse to evaluate a design with a run's model where that takes minutes.
+
+    Raises
+    ------
+    BadInput
+        If harmonics times samples exceed ``_MOST_PRODUCT``.
+    """
+    count = sum(len(own.harmonics) for own in wish.inputs)
+    samples = round(wish.duration_s * wish.rate_hz)
+    if count * samples > _MOST_PRODUCT:
+        raise BadInput(
+            f"the design has {count} harmonics in {samples} samples; with a run's model at most"
+            f" {_MOST_PRODUCT // count} samples of so many harmonics are evaluated; take a shorter"
+            " period, a lower rate or fewer harmonics",
+            code="design-too-large",
+        )
+
+
+def check_amplitudes(wish: Wish) -> None:
+    """Refuse amplitudes that no control surface has: degrees that were given as radians.
+
+    Raises
+    ------
+    BadInput
+        If the largest command of an input exceeds 60 deg.
+    """
+    for own in wish.inputs:
+        largest = wish.peaks[-1] * own.relative_peak
+        if largest > _LARGEST_RAD:
+            raise BadInput(
+                f"the largest amplitude of {own.name} is {largest:g} rad, {np.rad2deg(largest):.4g}"
+                f" deg; expected at most {np.rad2deg(_LARGEST_RAD):.0f} deg; amplitudes are in"
+                " radians, 1 deg is 0.01745 rad",
+                code="amplitude-too-large",
+            )
+
+
 def create_design(
     store: Store,
     name: str,
@@ -134,6 +255,7 @@ def create_design(
     report: Callable[[str, float, float], None] | None = None,
 ) -> ExcitationDesign:
     """Search the phases of a wish and keep the design."""
+    check_amplitudes(wish)
     made = designer.design(wish, report)
     return store.designs.add(
         ExcitationDesign(

@@ -11,6 +11,7 @@ from flexsid.records.flight import Flight
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun, FitBlock
 from flexsid.storage.store import Store
+from flexsid.workflow.results import refuse_altered
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,6 +46,7 @@ class RunExport:
 def export_run(store: Store, run_id: int) -> RunExport:
     """Gather a run with its maneuver, aircraft, covariance and fitted lines."""
     run = store.runs.get(run_id)
+    refuse_altered(run)
     maneuver = store.maneuvers.get(run.maneuver_id)
     result = run.result
     return RunExport(

@@ -13,6 +13,7 @@ _HEARD_DB = 6.0  # a channel that can be judged by its signal
 _AGREES = (0.8, 0.2)  # coherence with the other sensors
 _EXCESS = 4.0  # times its known noise
 _SKEW_S = 1e-3
+_INPUT_SKEW_S = 3e-3  # modes that the model has not look like one of up to a millisecond
 _SURE_S = 5e-3  # a larger standard error tells nothing that should be undone
 _SCALE = 0.02
 _SIGMAS = 3.0
@@ -21,6 +22,8 @@ _SATURATED = 0.005  # share of samples
 _CORRELATED = (0.7, 0.9)
 _LEAST_TRIM_S = 1.0
 _UNDECAYED = 0.1  # of the motion while excited
+
+_LEAST_CHECKED = 0.5  # of the outputs: with fewer nothing is concluded of the record
 
 _GOOD, _DOUBTFUL, _BAD = Verdict.GOOD, Verdict.DOUBTFUL, Verdict.BAD
 
@@ -59,14 +62,33 @@ def verdict_of(report: QualityReport) -> tuple[Verdict, str]:
         return _BAD, _joined("Not to be estimated from as it is", bad)
     if doubtful:
         return _DOUBTFUL, _joined("To be looked at first", doubtful)
+    outputs = [c for c in report.channels if c.role == Role.OUTPUT]
+    open_ = [c for c in outputs if c.not_checked is not None]
+    checked = len(outputs) - len(open_)
+    if checked == 0 or checked < _LEAST_CHECKED * len(outputs):
+        return Verdict.UNCHECKED, _unchecked(outputs, open_)
     heard = [c.signal_to_noise_db for c in report.channels if c.signal_to_noise_db is not None]
     words = [f"signals stand {sorted(heard)[len(heard) // 2]:.0f} dB above noise"] if heard else []
-    if any(c.coherence is not None for c in report.channels):
-        words.append("redundant sensors agree")
+    words.append(f"{checked} of {len(outputs)} sensors agree with the others")
     if report.condition.time_invariant:
         words.append("the condition held")
-    text = ", ".join(words) or "nothing was found against it"
-    return _GOOD, f"Fit for estimation: {text}."
+    text = f"Fit for estimation: {', '.join(words)}."
+    if open_:
+        text += f" Cannot be checked: {_some([c.name for c in open_])}."
+    return _GOOD, text
+
+
+def _unchecked(outputs: Sequence[ChannelQuality], left: Sequence[ChannelQuality]) -> str:
+    """Why nothing can be concluded of a record."""
+    if not outputs:
+        return "Cannot be checked: no output was recorded."
+    reasons = [c.not_checked or "" for c in left]
+    reason = max(dict.fromkeys(reasons), key=reasons.count)
+    some = "no sensor" if len(left) == len(outputs) else f"{len(outputs) - len(left)} sensors"
+    return (
+        f"Cannot be checked: {some} of {len(outputs)} could be checked against the others; "
+        f"{reason}."
+    )
 
 
 def _joined(begin: str, findings: Sequence[Finding]) -> str:
@@ -117,6 +139,9 @@ def _of_signal(channels: Sequence[ChannelQuality]) -> Iterator[Finding]:
 
 def _of_redundancy(channels: Sequence[ChannelQuality], reference: str | None) -> Iterator[Finding]:
     for c in channels:
+        if c.role == Role.OUTPUT and c.not_checked is not None:
+            yield from _of_departure(c)
+            continue
         heard = c.signal_to_noise_db is None or c.signal_to_noise_db > _HEARD_DB
         if c.coherence is not None and heard and c.coherence < _AGREES[0]:
             severity = _BAD if c.coherence < _AGREES[1] else _DOUBTFUL
@@ -127,8 +152,9 @@ def _of_redundancy(channels: Sequence[ChannelQuality], reference: str | None) ->
                 f"{c.name} departs from the other sensors by {c.noise_excess:.0f} times its noise."
             )
             yield _finding(_DOUBTFUL, "coherence", text, c.name)
+        least = _INPUT_SKEW_S if c.role == Role.INPUT else _SKEW_S
         if (
-            _stands_out(c.delay_s, c.delay_std, _SKEW_S, _SKEW_SIGMAS)
+            _stands_out(c.delay_s, c.delay_std, least, _SKEW_SIGMAS)
             and (c.delay_std or 0.0) < _SURE_S
         ):
             text = (
@@ -142,12 +168,21 @@ def _of_redundancy(channels: Sequence[ChannelQuality], reference: str | None) ->
                 "in the mapping, or by a calibration with scale factor -1."
             )
             yield _finding(_BAD, "sign", text, c.name)
-        elif c.scale is not None and _stands_out(c.scale - 1.0, c.scale_std, _SCALE):
+        elif c.scale is not None and _stands_out(c.scale - 1.0, c.scale_std, _SCALE, _SKEW_SIGMAS):
             text = f"{c.name} reads {c.scale:.3f} ± {c.scale_std or 0.0:.3f} of what it should."
             yield _finding(_DOUBTFUL, "scale", text, c.name)
         if _stands_out(c.bias, c.bias_std, 0.0):
             text = f"{c.name} has a bias of {c.bias:.3g} ± {c.bias_std:.2g} {c.unit}."
             yield _finding(_GOOD, "bias", text, c.name)
+
+
+def _of_departure(c: ChannelQuality) -> Iterator[Finding]:
+    """An output that disagrees with the others in a way that is no delay and no scale factor."""
+    text = f"{c.name} cannot be checked: {c.not_checked}."
+    if c.scale is not None and c.scale < 0.0:
+        yield _finding(_BAD, "sign", text, c.name)
+    elif c.noise_excess is not None and c.noise_excess > _EXCESS:
+        yield _finding(_DOUBTFUL, "coherence", text, c.name)
 
 
 def _of_inputs(report: QualityReport) -> Iterator[Finding]:

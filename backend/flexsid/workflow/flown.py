@@ -19,7 +19,7 @@ from flexsid.sysid.excitation.multisine import Tones
 from flexsid.sysid.excitation.norms import Lines
 from flexsid.sysid.excitation.recognition import recognise
 from flexsid.units import factor
-from flexsid.workflow.excitation import create_design
+from flexsid.workflow.excitation import check_amplitudes, create_design
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +127,7 @@ def _design(group: Sequence[FlownInput], name: str, rate_hz: float) -> Excitatio
         peaks=(largest, largest, largest),
     )
     check_wish(wish)
+    check_amplitudes(wish)
     phases = {own.name: own.tones.phases for own in group}
     made = designer.from_phases(wish, phases)
     return ExcitationDesign(

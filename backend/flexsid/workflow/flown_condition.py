@@ -9,6 +9,7 @@ import numpy as np
 
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.axes import symmetric_surfaces
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.records.quality import Average, FlightConditionQuality
 from flexsid.storage.store import Store
@@ -17,6 +18,7 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.stability.poles import separation_factor
 from flexsid.units import si_unit
+from flexsid.workflow.longitudinal import require_longitudinal
 from flexsid.workflow.models import flight_condition
 from flexsid.workflow.modes import find_modal_tables, load_modes
 from flexsid.workflow.predictions import best_prediction, predicted_modes, prediction_at
@@ -120,7 +122,8 @@ def _separation(store: Store, maneuver: Maneuver) -> float | None:
         modal, damping = find_modal_tables(store, maneuver.aircraft_id, None, None)
         modes = load_modes(store, modal, damping)
         symmetric = tuple(n for n in modes.table.numbers if modes.symmetric[n])
-        inputs = tuple(surface.name for surface in aircraft.surfaces)
+        require_longitudinal(maneuver)
+        inputs = symmetric_surfaces(aircraft)
         prediction = best_prediction(store, maneuver.aircraft_id, None, symmetric, inputs)
         if prediction is None:
             return None

@@ -20,11 +20,10 @@ from flexsid.records.flutter import (
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.stability.equivalent import separation
-from flexsid.sysid.stability.flutter import follow_roots
+from flexsid.sysid.stability.flutter import Crossing, follow_roots
 from flexsid.sysid.stability.prediction import (
     Identified,
     Prediction,
-    predict_flutter,
 )
 from flexsid.sysid.stability.trackers import (
     TestPoint,
@@ -85,7 +84,10 @@ def _tell(store: Store, question: Question) -> Flutter:
     interval, crossing = best.interval, best.crossing
     known = answer.at.aircraft.flutter
     return Flutter(
-        sentence=best.sentence,
+        sentence=f"{best.sentence} {_searched(answer)}",
+        refusal=best.refusal,
+        searched_from_m_s=answer.at.band[0],
+        searched_to_m_s=answer.at.band[1],
         next_point=margin_of(answer, following),
         safe=is_safe(answer, following),
         fuel_fraction=answer.fuel,
@@ -96,6 +98,7 @@ def _tell(store: Store, question: Question) -> Flutter:
         airspeed_m_s=None if crossing is None else crossing.airspeed,
         airspeed_std_m_s=_known(best.airspeed_std),
         spread_m_s=best.spread,
+        modal_std_m_s=best.modal_std,
         low_m_s=None if interval is None else interval[0],
         high_m_s=None if interval is None else interval[1],
         frequency_rad_s=None if crossing is None else crossing.frequency,
@@ -133,10 +136,16 @@ def _map(store: Store, question: Question) -> FlutterMap:
     for column, share in enumerate(fuel.tolist()):
         aircraft = answer.fused_at(store, answer.best.parts, share).aircraft
         for row, height in enumerate(altitude):
-            crossing = follow_roots(aircraft, band, standard_density(float(height))).flutter
-            if crossing is not None:
+            locus = follow_roots(aircraft, band, standard_density(float(height)))
+            crossing = next((c for c in locus.crossings if not _is_passed(c, answer)), None)
+            if crossing is not None and not answer.best.prediction.refusal:
                 speeds[row, column] = crossing.airspeed
     return FlutterMap(fuel=fuel, altitude_m=altitude, airspeed_m_s=speeds)
+
+
+def _is_passed(crossing: Crossing, answer: Answered) -> bool:
+    """Whether an instability ends below the fastest speed flown."""
+    return crossing.recovers_at is not None and crossing.recovers_at < answer.at.tested
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,7 +212,7 @@ def _structure(group: Group, *, preferred: bool) -> StructureForecast:
         left_out_modes=last.left_out,
         source=last.source,
         airspeed_m_s=None if crossing is None else crossing.airspeed,
-        airspeed_std_m_s=_known(prediction.airspeed_std),
+        airspeed_std_m_s=_known(float(np.hypot(prediction.airspeed_std, prediction.modal_std))),
         frequency_rad_s=None if crossing is None else crossing.frequency,
         sentence=prediction.sentence,
         preferred=preferred,
@@ -213,7 +222,7 @@ def _structure(group: Group, *, preferred: bool) -> StructureForecast:
 
 def _single(store: Store, answer: Answered, part: Flown) -> RunForecast:
     found = answer.fused_at(store, [part], answer.fuel)
-    prediction = predict_flutter(found, answer.at.band, answer.at.density)
+    prediction = answer.at.predict(found, [part], answer.fuel)
     crossing = prediction.crossing
     short = part.poles.get("SP", 0j)
     elastic = [abs(pole) for name, pole in part.poles.items() if name != "SP"]
@@ -222,7 +231,8 @@ def _single(store: Store, answer: Answered, part: Flown) -> RunForecast:
         label=part.maneuver.label,
         tested_m_s=part.maneuver.condition.airspeed_m_s,
         airspeed_m_s=None if crossing is None else crossing.airspeed,
-        airspeed_std_m_s=_known(prediction.airspeed_std),
+        airspeed_std_m_s=_known(float(np.hypot(prediction.airspeed_std, prediction.modal_std))),
+        sentence=prediction.sentence,
         separation=separation(elastic, abs(short)) if elastic and short.imag > 0.0 else None,
     )
 
@@ -243,8 +253,7 @@ def _until(store: Store, answer: Answered, speed: float) -> ProgressForecast:
         parts = [p for p in group.parts if p.maneuver.condition.airspeed_m_s <= speed]
         if not parts:
             return None
-        found = answer.fused_at(store, parts, answer.fuel)
-        return predict_flutter(found, answer.at.band, answer.at.density)
+        return answer.predict(store, parts)
 
     best = predict(answer.best)
     assert best is not None  # its parts gave the speed
@@ -293,6 +302,15 @@ def _trackers(answer: Answered) -> tuple[TrackerForecast, ...]:
             speed, sentence = None, str(reason)
         result.append(TrackerForecast(name=name, airspeed_m_s=speed, sentence=sentence))
     return tuple(result)
+
+
+def _searched(answer: Answered) -> str:
+    """Sentence on the speeds in which crossings were looked for."""
+    low, high = answer.at.band
+    return (
+        f"Searched from {low:.1f} to {high:.1f} m/s, {low / answer.at.tested:.2g} to"
+        f" {high / answer.at.tested:.2g} times the fastest speed flown; nothing is known beyond."
+    )
 
 
 def _known(std: float) -> float | None:

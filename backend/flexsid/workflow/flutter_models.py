@@ -12,6 +12,7 @@ from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
+from flexsid.sysid.stability.flight_evidence import FlownPoint
 from flexsid.sysid.stability.prediction import (
     Identified,
     Prediction,
@@ -31,10 +32,10 @@ from flexsid.workflow.flutter_parts import (
     modes_of,
     with_fewer,
 )
-from flexsid.workflow.identified import result_of
 from flexsid.workflow.memory import contents_of_runs, remembered
 from flexsid.workflow.models import flight_condition
 from flexsid.workflow.modes import AircraftModes
+from flexsid.workflow.results import result_of
 
 _T = TypeVar("_T")
 
@@ -42,6 +43,9 @@ NEXT = 1.03
 """Of the fastest point flown: the next one if nobody says another."""
 
 _BAND = (0.35, 2.0)  # of the fastest point flown: where flutter is looked for
+_MOST_RUNS = 100  # in a prediction: minutes where each is fitted again
+_FUEL, _ALTITUDE_M, _NEXT_M_S = (0.0, 1.0), (-1000.0, 11_000.0), (0.1, 1000.0)
+_ALIKE = 0.25  # of the fuel: flutter speeds of FLEX-28 differ by less than 1 % over so much
 _CONTRADICTED = -0.5  # log likelihood a value: residuals of two thirds more power with the modes
 
 
@@ -99,6 +103,23 @@ class _At:
         """Airspeeds in which flutter is looked for. [m/s]"""
         return _BAND[0] * self.tested, _BAND[1] * self.tested
 
+    def predict(
+        self, found: Identified, parts: Sequence[Flown], fuel: float, spread: float = 0.0
+    ) -> Prediction:
+        """Where fused runs lose stability, compared with what was flown."""
+        called = {str(number): name for number, name in self.modes.names.items()}
+        flown_points = [self._evidence(part, fuel) for part in parts]
+        return predict_flutter(found, self.band, self.density, spread, called, flown_points)
+
+    def _evidence(self, part: Flown, fuel: float) -> FlownPoint:
+        """What a run identified, at the airspeed of equal dynamic pressure in this air."""
+        condition = part.maneuver.condition
+        return replace(
+            part.evidence,
+            airspeed=condition.airspeed_m_s * np.sqrt(condition.density_kg_m3 / self.density),
+            comparable=abs(condition.fuel_fraction - fuel) <= _ALIKE,
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class Answered:
@@ -108,6 +129,11 @@ class Answered:
     groups: list[Group]
     best: Group
     fuel: float
+
+    def predict(self, store: Store, parts: Sequence[Flown], spread: float = 0.0) -> Prediction:
+        """Where some or all runs of one structure lose stability, as flight allows."""
+        found = self.fused_at(store, parts, self.fuel)
+        return self.at.predict(found, parts, self.fuel, spread)
 
     def fused_at(self, store: Store, parts: Sequence[Flown], fuel: float) -> Identified:
         """Runs of one structure, some or all, fused at a loading."""
@@ -126,8 +152,28 @@ def models_of(store: Store, question: Question) -> Answered:
     return remembered_of(store, "models", anywhere, lambda: _models(store, anywhere))
 
 
+def _check(question: Question) -> None:
+    """Refuse too many runs, percent taken as a fraction, feet as metres, impossible airspeeds."""
+    if len(set(question.run_ids)) > _MOST_RUNS:
+        raise BadInput(
+            f"{len(set(question.run_ids))} runs; expected at most {_MOST_RUNS}, since each may be"
+            " fitted again; choose one run of each maneuver, or the fastest maneuvers",
+            code="too-many-runs",
+        )
+    for value, (low, high), what, unit in (
+        (question.fuel, _FUEL, "fuel fraction", "of full tanks (0.5 for 50 %)"),
+        (question.altitude_m, _ALTITUDE_M, "altitude", "m"),
+        (question.next_m_s, _NEXT_M_S, "airspeed of the next point", "m/s"),
+    ):
+        if value is not None and not low <= value <= high:
+            raise BadInput(
+                f"the {what} is {value:g}; expected {low:g} to {high:g} {unit}", code="bad-loading"
+            )
+
+
 def remembered_of(store: Store, what: str, question: Question, find: Callable[[], _T]) -> _T:
     """What was found before for this question, or find it."""
+    _check(question)
     return remembered((what, question, contents_of_runs(store, question.run_ids)), find)
 
 
@@ -199,7 +245,7 @@ def _models(store: Store, question: Question) -> Answered:
     for same in structures:
         found, note = _fused(store, same, at, fuel)
         fused.append((same, found, f"{_of_others(same[-1])}{refused}{note}{_of_ends(same)}"))
-    groups = _foretold(fused, at)
+    groups = _foretold(fused, at, fuel)
     return Answered(at, groups, groups[0], fuel)
 
 
@@ -238,27 +284,37 @@ def _content(part: Flown) -> tuple[int, frozenset[int]]:
     return part.run.maneuver_id, frozenset(part.found.aircraft.modes.numbers)
 
 
-def _foretold(fused: Sequence[tuple[list[Flown], Identified, str]], at: _At) -> list[Group]:
+def _foretold(
+    fused: Sequence[tuple[list[Flown], Identified, str]], at: _At, fuel: float
+) -> list[Group]:
     """Predictions of all structures, the preferred one first and with the others' spread.
 
-    Preferred is who carries most modes, then who estimated most of them, then most runs.
+    Preferred is whom flight does not contradict, then who carries most modes, then who estimated
+    most of them, then most runs; a second fit with one mode fewer never is.
     """
-    called = {str(number): name for number, name in at.modes.names.items()}
 
-    def predict(found: Identified, spread: float = 0.0) -> Prediction:
-        return predict_flutter(found, at.band, at.density, spread, called)
+    def weight(one: Group) -> tuple[bool, bool, int, int, int]:
+        found = one.found
+        return (
+            not one.parts[0].check,
+            not one.prediction.refusal,
+            len(found.aircraft.modes.numbers),
+            found.uncertain.rows.size,
+            len(one.parts),
+        )
 
-    def weight(one: tuple[list[Flown], Identified, str]) -> tuple[int, int, int]:
-        same, found, _ = one
-        return len(found.aircraft.modes.numbers), found.uncertain.rows.size, len(same)
-
-    first, *rest = sorted(fused, key=weight, reverse=True)
-    groups = [Group(same, found, _noted(predict(found), note)) for same, found, note in rest]
-    same, found, note = first
-    best = predict(found)
-    if best.crossing is not None:
-        best = predict(found, spread_about(best.crossing.airspeed, groups))
-    return [Group(same, found, _noted(best, note)), *groups]
+    groups = [
+        Group(same, found, _noted(at.predict(found, same, fuel), note))
+        for same, found, note in fused
+    ]
+    first, *rest = sorted(groups, key=weight, reverse=True)
+    crossing = first.prediction.crossing
+    if crossing is None:
+        return [first, *rest]
+    note = next(note for same, _, note in fused if same is first.parts)
+    spread = spread_about(crossing.airspeed, rest)
+    best = at.predict(first.found, first.parts, fuel, spread)
+    return [Group(first.parts, first.found, _noted(best, note)), *rest]
 
 
 def spread_about(speed: float, groups: Sequence[Group]) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -14,13 +14,19 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
 from flexsid.sysid.stability.bands import Uncertain
-from flexsid.sysid.stability.prediction import Identified
+from flexsid.sysid.stability.flight_evidence import FlownPoint
+from flexsid.sysid.stability.prediction import (
+    MODAL_FREQUENCY,
+    Identified,
+    StiffnessError,
+)
 from flexsid.sysid.stability.speeds import Aeroelastic
 from flexsid.workflow.carrying import carrying, fit_again, left_out, with_one_mode_fewer
-from flexsid.workflow.identified import identified, result_of
+from flexsid.workflow.identified import identified
 from flexsid.workflow.memory import contents_of_runs, remembered
 from flexsid.workflow.modes import AircraftModes, find_modal_tables, load_modes
 from flexsid.workflow.predictions import best_prediction, prediction_at
+from flexsid.workflow.results import result_of
 
 
 class Others(StrEnum):
@@ -45,13 +51,14 @@ class Flown:
     ``source`` names the prediction that modes were carried from in a second fit, None of
     the run as it is, and ``gain`` is how much likelier a measured value is with them (log
     likelihood); ``left_out`` are the modes that a prediction knows beyond it. ``check`` is a
-    second fit with one mode fewer.
+    second fit with one mode fewer. ``evidence`` are all roots that the fit has where it was flown.
     """
 
     run: EstimationRun
     maneuver: Maneuver
     found: Identified
     roots: Mapping[str, Root]
+    evidence: FlownPoint
     source: str | None
     left_out: tuple[int, ...]
     gain: float = 0.0
@@ -95,9 +102,10 @@ def at_fuel(store: Store, part: Flown, fuel: float) -> Identified:
     moved = DerivativeTable(table.modes, table.inputs, table.values * factor)
     known = part.found.uncertain
     own = factor[known.rows, known.columns]
-    return Identified(
-        replace(part.found.aircraft, derivatives=moved),
-        replace(known, covariance=known.covariance * np.outer(own, own)),
+    return replace(
+        part.found,
+        aircraft=replace(part.found.aircraft, derivatives=moved),
+        uncertain=replace(known, covariance=known.covariance * np.outer(own, own)),
     )
 
 
@@ -118,6 +126,12 @@ def _put_together(store: Store, run_id: int, others: Others) -> tuple[Flown, ...
             np.asarray(store.arrays.get(result.covariance)),
         ),
         {p.name: Root(complex(p.real, p.imag), p.damping_std) for p in result.poles if p.imag > 0},
+        _evidence(
+            [(complex(p.real, p.imag), p.real_std) for p in result.poles],
+            maneuver,
+            _band(store, run),
+            f"run {run_id}",
+        ),
         None,
         left_out(store, run, modes, own),
     )
@@ -141,7 +155,7 @@ def with_fewer(store: Store, part: Flown) -> Flown | None:
 def _again(store: Store, alone: Flown, run: EstimationRun) -> Flown | None:
     """What a second fit of a run makes of its data."""
     again = fit_again(store, run)
-    if again is None:
+    if again is None or not again[1].estimate.outcome.is_optimum:
         return None
     fitted, computed = again
     estimate = computed.estimate
@@ -156,8 +170,37 @@ def _again(store: Store, alone: Flown, run: EstimationRun) -> Flown | None:
         alone,
         found=_identified(model, table, estimate.names, estimate.corrected_covariance),
         roots={p.name: Root(p.value, p.damping_std) for p in computed.poles if p.value.imag > 0},
+        evidence=_evidence(
+            [(p.value, p.real_std) for p in computed.poles],
+            alone.maneuver,
+            alone.evidence.band,
+            alone.evidence.name,
+        ),
         gain=gain,
     )
+
+
+def _evidence(
+    poles: Sequence[tuple[complex, float | None]],
+    maneuver: Maneuver,
+    band: tuple[float, float],
+    name: str,
+) -> FlownPoint:
+    """The roots of a fit where it was flown; standard errors that are unknown are NaN."""
+    upper = [(root, std) for root, std in poles if root.imag >= 0.0]
+    return FlownPoint(
+        maneuver.condition.airspeed_m_s,
+        np.array([root for root, _ in upper], dtype=complex),
+        np.array([np.nan if std is None else std for _, std in upper]),
+        band,
+        name,
+    )
+
+
+def _band(store: Store, run: EstimationRun) -> tuple[float, float]:
+    """Lowest and highest frequency of the data that a run was fitted to. [rad/s]"""
+    every = [store.arrays.get(block.arrays["omega"]) for block in result_of(run).blocks]
+    return float(min(omega.min() for omega in every)), float(max(omega.max() for omega in every))
 
 
 def _identified(
@@ -172,9 +215,16 @@ def _identified(
     places = {f"{r}_{c}": (i, j) for i, r in enumerate(rows) for j, c in enumerate(columns)}
     chosen = [k for k, name in enumerate(names) if name in places]
     where = np.array([places[names[k]] for k in chosen], dtype=int).reshape(-1, 2)
+    relative_std = [
+        float(np.sqrt(covariance[names.index(f"omega_{number}"), names.index(f"omega_{number}")]))
+        if f"omega_{number}" in names
+        else MODAL_FREQUENCY
+        for number in derivatives.modes
+    ]
     return Identified(
         Aeroelastic(model.condition, model.modes, derivatives),
         Uncertain(where[:, 0], where[:, 1], covariance[np.ix_(chosen, chosen)]),
+        StiffnessError(np.array(relative_std), model.condition.dynamic_pressure),
     )
 
 

@@ -28,11 +28,13 @@ from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.workflow.computation import ManeuverData, Task
 from flexsid.workflow.estimation import prepare
-from flexsid.workflow.excitation import multisine_of
-from flexsid.workflow.identified import identified_with, result_of
+from flexsid.workflow.excitation import check_amplitudes, check_evaluation, multisine_of
+from flexsid.workflow.identified import identified_with
 from flexsid.workflow.models import OutputDefinition, define_outputs, output_instrument, servo_of
+from flexsid.workflow.results import result_of
 
 _LEAST_LINES = 5  # about a mode's frequency, to say how well it is seen
+_EXCITING = 5.0  # half-power half-widths: further away a mode responds with a fifth of its peak
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,6 +79,8 @@ class Circumstances:
 
     def expect(self, design: ExcitationDesign, level: int) -> Expectation:
         """What one of the design's amplitudes would tell."""
+        check_amplitudes(design.wish)  # those kept before amplitudes were checked
+        check_evaluation(design.wish)
         return self.expect_of(multisine_of(design, level))
 
     def expect_of(self, multisine: Multisine) -> Expectation:
@@ -145,21 +149,32 @@ def expected_response(
 def _expected_mode(
     pole: Pole, omega: np.ndarray, ratio: np.ndarray, outputs: tuple[str, ...]
 ) -> ExpectedMode:
-    """Mean square over the mode's half-power band, or its nearest lines where it is narrow."""
+    """Mean square over the mode's half-power band, or its nearest lines where it is narrow.
+
+    Notes
+    -----
+    At a distance d from its frequency a mode of decay rate a responds with a / hypot(a, d) of its
+    peak. Lines further away than ``_EXCITING`` times a show other motions, whatever they show.
+    """
     modulus = float(np.hypot(pole.real, pole.imag))
     away = np.abs(omega - modulus)
-    near = np.flatnonzero(away <= abs(pole.real))
-    if near.size < _LEAST_LINES:
-        near = np.argsort(away, kind="stable")[:_LEAST_LINES]
-    power = np.mean(ratio[near] ** 2, axis=0)
-    best = int(np.argmax(power))
+    within = np.flatnonzero(away <= abs(pole.real))
+    near = within
+    if within.size < _LEAST_LINES:
+        nearest = np.argsort(away, kind="stable")[:_LEAST_LINES]
+        near = nearest[away[nearest] <= _EXCITING * abs(pole.real)]
+    output, signal_to_noise = None, None
+    if near.size:
+        power = np.mean(ratio[near] ** 2, axis=0)
+        best = int(np.argmax(power))
+        output, signal_to_noise = outputs[best], float(np.sqrt(power[best]))
     return ExpectedMode(
         name=pole.name,
         frequency_hz=modulus / (2.0 * np.pi),
         damping=-pole.real / modulus,
-        lines=int(np.sum(away <= abs(pole.real))),
-        output=outputs[best],
-        signal_to_noise=float(np.sqrt(power[best])),
+        lines=within.size,
+        output=output,
+        signal_to_noise=signal_to_noise,
     )
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.aircraft import SensorKind
+from flexsid.records.axes import symmetry_of
 from flexsid.records.flight import Flight
 from flexsid.records.ground_test import GroundTest, PeakChange, Verdict
 from flexsid.records.maneuver import GROUND, Maneuver, Role
@@ -20,6 +21,7 @@ from flexsid.sysid.spectra.peaks import (
     smooth_power,
     typical_size,
 )
+from flexsid.workflow.longitudinal import LATERAL, AxisNotSupported
 from flexsid.workflow.modes import AircraftModes, find_modal_tables, load_modes
 from flexsid.workflow.recording import maneuver_lines
 from flexsid.workflow.transforms import spectra_of
@@ -39,7 +41,7 @@ def ground_tests(store: Store, aircraft_id: int | None = None) -> list[GroundTes
             continue
         try:
             found.append(ground_test(store, flight.id))
-        except Conflict:  # its own page says why
+        except (Conflict, AxisNotSupported):  # its own page says why
             continue
     return found
 
@@ -51,13 +53,16 @@ def ground_test(store: Store, flight_id: int) -> GroundTest:
     ------
     Conflict
         If the flight lacks a record before or after, or nothing stands out in it.
+    AxisNotSupported
+        If symmetric and antisymmetric modes were excited together.
     """
     flight = store.flights.get(flight_id)
     before, after = _required(store, flight)
     known = load_modes(store, *find_modal_tables(store, flight.aircraft_id, None, None))
     modes = tuple(known.table.at(m.condition.fuel_fraction) for m in (before, after))
     ratios = tuple(_ratios(store, maneuver) for maneuver in (before, after))
-    found = _matched(find_peaks(ratios[0]), modes[0], known)
+    excited = _excited_modes(store, before, modes[0], known)
+    found = _matched(find_peaks(ratios[0]), modes[0], excited)
     if not found:
         raise Conflict(
             f"no peak of the record before flight {flight.number} belongs to a mode of the "
@@ -150,15 +155,40 @@ def _ratios(store: Store, maneuver: Maneuver) -> list[RatioLines]:
     ]
 
 
+def _excited_modes(
+    store: Store, maneuver: Maneuver, modes: StructuralModes, known: AircraftModes
+) -> np.ndarray:
+    """Which modes of the table the surfaces of a record excite.
+
+    Raises
+    ------
+    AxisNotSupported
+        If surfaces of several symmetries moved: a peak may then be of a symmetric mode or of
+        an antisymmetric one beside it.
+    """
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    names = () if maneuver.excitation is None else tuple(maneuver.excitation.harmonics)
+    moved = {symmetry_of(aircraft, name) for name in names}
+    if moved > {"antisymmetric"} or "single" in moved:
+        raise AxisNotSupported(
+            f"{', '.join(names)} of maneuver {maneuver.id} excite symmetric and antisymmetric "
+            "modes, and a peak cannot be given to one of them; excite pairs alike, or all against "
+            "each other",
+            maneuver_id=maneuver.id,
+            axis=LATERAL,
+        )
+    antisymmetric = moved == {"antisymmetric"}
+    return np.array([known.symmetric[number] != antisymmetric for number in modes.numbers])
+
+
 def _matched(
-    peaks_hz: list[float], modes: StructuralModes, known: AircraftModes
+    peaks_hz: list[float], modes: StructuralModes, excited: np.ndarray
 ) -> dict[int, float]:
     """Peak of every mode that has one: place in the table to frequency [Hz], highest first."""
     found: dict[int, float] = {}
     frequency = modes.omega / (2.0 * np.pi)
-    symmetric = np.array([known.symmetric[number] for number in modes.numbers])
     for peak_hz in peaks_hz:
-        distance = np.where(symmetric, np.abs(frequency / peak_hz - 1.0), np.inf)
+        distance = np.where(excited, np.abs(frequency / peak_hz - 1.0), np.inf)
         nearest = int(np.argmin(distance))
         if distance[nearest] < _SAME_PEAK:
             found.setdefault(nearest, peak_hz)

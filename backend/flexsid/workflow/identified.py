@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexsid.errors import Conflict
-from flexsid.records.run import EstimationRun, RunResult
+from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyResponse
 from flexsid.workflow.estimation import prepare
+from flexsid.workflow.results import result_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,20 +62,3 @@ def identified_with(model: AeroelasticModel, run: EstimationRun) -> Identified:
         delays=np.array([values.get(f"delay_{name}", 0.0) for name in model.outputs]),
         scales=np.array([values.get(f"scale_{name}", 1.0) for name in model.outputs]),
     )
-
-
-def result_of(run: EstimationRun) -> RunResult:
-    """The result of a run.
-
-    Raises
-    ------
-    Conflict
-        If it has none.
-    """
-    if run.result is None:
-        raise Conflict(
-            f"run {run.id} is {run.state.value} and has no model; choose a run that succeeded",
-            code="run-without-result",
-            run_id=run.id,
-        )
-    return run.result

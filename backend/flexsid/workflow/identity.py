@@ -10,9 +10,9 @@ from dataclasses import asdict, replace
 
 from flexsid import __version__
 from flexsid.errors import BadInput, UnknownRecord
-from flexsid.records.run import EstimationRun
+from flexsid.records.run import EstimationRun, Provenance
 from flexsid.storage.bulk import refuse_deleted
-from flexsid.storage.content import hash_of, maneuver_hashes, record_hash
+from flexsid.storage.content import contents_of, hash_of, maneuver_hashes, record_hash
 from flexsid.storage.store import Store
 from flexsid.workflow.modes import find_modal_tables
 
@@ -20,18 +20,11 @@ Tables = tuple[int | None, int | None]
 
 
 class Identities:
-    """Gives runs their hashes; reads what many runs share once.
-
-    Raises
-    ------
-    Conflict
-        If a maneuver was deleted.
-    """
+    """Gives runs their hashes; reads what many runs share once."""
 
     def __init__(self, store: Store, maneuver_ids: tuple[int, ...]) -> None:
-        refuse_deleted(store, maneuver_ids)
         self._store = store
-        self._maneuvers = maneuver_hashes(store, maneuver_ids)
+        self._maneuvers = maneuver_hashes(store.database, maneuver_ids)
         self._assumed: dict[tuple[int, int | None, int | None, int | None], str] = {}
         self._tables: dict[tuple[int, int | None, int | None], Tables] = {}
 
@@ -89,19 +82,64 @@ class Identities:
             named = None if run.prediction_id is None else [run.prediction_id]
             self._assumed[key] = hash_of(
                 [
-                    record_hash(self._store, "aircraft", [aircraft]),
+                    record_hash(self._store.database, "aircraft", [aircraft]),
                     tables,
-                    record_hash(self._store, "modal_tables", tables),
-                    record_hash(self._store, "predictions", named or predictions),
+                    record_hash(self._store.database, "modal_tables", tables),
+                    record_hash(self._store.database, "predictions", named or predictions),
                 ]
             )
         return self._assumed[key]
 
 
 def identified(store: Store, run: EstimationRun) -> EstimationRun:
-    """Return one run with its hashes."""
-    start = run.settings.start_run_id
-    involved = (run.maneuver_id, *run.settings.together_with)
+    """Return one run with its hashes.
+
+    Raises
+    ------
+    Conflict
+        If a maneuver was deleted.
+    """
     with store.reading():
-        start_hash = None if start is None else store.runs.get(start).input_hash
-        return Identities(store, involved).of(run, start_hash)
+        refuse_deleted(store, (run.maneuver_id, *run.settings.together_with))
+        return _identified(store, run)
+
+
+def _identified(store: Store, run: EstimationRun) -> EstimationRun:
+    start = run.settings.start_run_id
+    start_hash = None if start is None else store.runs.get(start).input_hash
+    involved = (run.maneuver_id, *run.settings.together_with)
+    return Identities(store, involved).of(run, start_hash)
+
+
+def provenance_of(
+    store: Store, run: EstimationRun, aircraft_id: int, used: dict[str, tuple[int | None, ...]]
+) -> Provenance:
+    """Hash what a run is computed from, in the reading in which it is read.
+
+    It may have been corrected since the run was asked for; what counts is what was read.
+
+    Parameters
+    ----------
+    store
+        Where it is read.
+    run
+        Which is prepared.
+    aircraft_id
+        Of its maneuvers.
+    used
+        Further records by kind, as {"modal table": (2, 3)}; None stands for none.
+    """
+    maneuvers = dict.fromkeys((run.maneuver_id, *run.settings.together_with))
+    records = {"maneuver": tuple(maneuvers), "aircraft": (aircraft_id,), **used}
+    names = [
+        f"{noun} {number}"
+        for noun, numbers in records.items()
+        for number in dict.fromkeys(numbers)
+        if number is not None
+    ]
+    found = _identified(store, run)
+    return Provenance(
+        rests_on=contents_of(store.database, names),
+        data_hash=found.data_hash,
+        input_hash=run.input_hash if found.data_hash == run.data_hash else found.input_hash,
+    )

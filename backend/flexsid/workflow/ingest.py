@@ -2,30 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.importers import confined
-from flexsid.importers import mapping as mappings
 from flexsid.importers.channels import RawChannel
-from flexsid.importers.maneuver import RawManeuver, extract_maneuver, extract_recording
 from flexsid.importers.mapping import parse_mapping, recognise
 from flexsid.importers.modal_table import extract_modal_table
-from flexsid.importers.plausibility import Doubt, find_doubt
+from flexsid.importers.plausibility import Doubt, find_doubt, find_small
 from flexsid.importers.predictions import extract_prediction
-from flexsid.importers.source import Sources
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.modal_table import ModalTable
 from flexsid.records.prediction import Prediction
-from flexsid.storage.arrays import ArrayRow, describe
+from flexsid.storage.arrays import describe
 from flexsid.storage.store import Store
+from flexsid.workflow.guesses import check_builtin, refuse_guesses
 from flexsid.workflow.keeping import (
     Writing,
+    check_axes,
     check_sensors,
     keep_aircraft,
     keep_flight,
@@ -34,6 +33,7 @@ from flexsid.workflow.keeping import (
     keep_prediction,
     keep_recording,
 )
+from flexsid.workflow.upload import Upload, explain
 
 BringAlong = Callable[[Store, str], None]
 """Adds an aircraft that comes with the software, by its name, unless it is there."""
@@ -49,27 +49,6 @@ class Imported:
     maneuver: Maneuver | None = None
     modal_tables: tuple[ModalTable, ...] = ()
     predictions: tuple[Prediction, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Upload:
-    """Files that were read and the mapping that explains them; nothing is stored yet.
-
-    The channels have been taken out of the files and checked; those of a whole
-    flight belong to no maneuver.
-    """
-
-    sources: Sources
-    mapping: mappings.Mapping
-    channels: tuple[RawChannel, ...] = ()
-    maneuver: RawManeuver | None = None
-    rows: Mapping[str, ArrayRow] = field(default_factory=dict)
-
-    @property
-    def builtin(self) -> str | None:
-        """Name of the aircraft that the workbench brings along and this upload needs."""
-        part = self.mapping.aircraft
-        return part.name if part is not None and part.builtin else None
 
 
 def read_upload(
@@ -109,25 +88,6 @@ def read_upload(
     return explain(sources, parsed)
 
 
-def explain(sources: Sources, mapping: mappings.Mapping) -> Upload:
-    """Take out of files what a mapping says that they hold.
-
-    Raises
-    ------
-    BadInput
-        If the files do not hold what the mapping says.
-    """
-    if mapping.recording is None:
-        return Upload(sources, mapping)
-    raw = None
-    if mapping.maneuver is None:
-        channels = extract_recording(mapping.recording, sources)
-    else:
-        raw = extract_maneuver(mapping.maneuver, mapping.recording, sources)
-        channels = raw.channels
-    return Upload(sources, mapping, channels, raw)
-
-
 def hashed(upload: Upload) -> Upload:
     """Hash the samples of an upload, unless that was done before."""
     if upload.rows or not upload.channels:
@@ -142,6 +102,8 @@ def keep_upload(
     aircraft_id: int | None = None,
     report: Callable[[float], None] = lambda fraction: None,
     bring_along: BringAlong | None = None,
+    *,
+    confirmed: bool = False,
 ) -> Imported:
     """Store everything that an upload holds in one transaction.
 
@@ -157,16 +119,20 @@ def keep_upload(
         Is told which fraction of the samples is written; what it raises undoes all.
     bring_along
         Adds the aircraft that comes with the software when the upload needs it.
+    confirmed
+        Whether somebody has confirmed all that the mapping marks as guessed.
 
     Raises
     ------
     BadInput
-        If the files do not hold what the mapping says, or a unit is doubtful and
-        nobody confirmed it; nothing is stored.
+        If the files do not hold what the mapping says, or something is guessed or a unit
+        doubtful and nobody confirmed it; nothing is stored.
     Conflict
         If this maneuver is already there, or a name stands for something else.
     """
     _ask(upload.channels)
+    if not confirmed:
+        refuse_guesses(store, upload)
     upload = hashed(upload)
     mapping, sources = upload.mapping, upload.sources
     writing = Writing(upload.rows, report)
@@ -175,6 +141,8 @@ def keep_upload(
             bring_along(store, upload.builtin)
         aircraft = keep_aircraft(store, mapping.aircraft, aircraft_id)
         check_sensors(aircraft, upload.channels)
+        check_axes(aircraft, upload.channels)
+        check_builtin(aircraft, upload)
         flight = maneuver = None
         recorded: tuple[FlightChannel, ...] = ()
         if mapping.flight is not None and mapping.recording is not None:
@@ -208,9 +176,12 @@ def import_files(
     files: Sequence[Path],
     mapping: Path | str | None = None,
     aircraft_id: int | None = None,
+    *,
+    confirmed: bool = False,
 ) -> Imported:
     """Read files and store what they hold: ``read_upload``, then ``keep_upload``."""
-    return keep_upload(store, read_upload(files, mapping), aircraft_id)
+    upload = read_upload(files, mapping)
+    return keep_upload(store, upload, aircraft_id, confirmed=confirmed)
 
 
 def import_each(
@@ -219,6 +190,8 @@ def import_each(
     mapping: Path | str | None = None,
     aircraft_id: int | None = None,
     bring_along: BringAlong | None = None,
+    *,
+    confirmed: bool = False,
 ) -> Iterator[tuple[Path, Imported | FlexsidError]]:
     """Import a campaign: every file is an import of its own, read through the same mapping.
 
@@ -246,7 +219,16 @@ def import_each(
             coming = ahead.submit(read, files[number]) if number < len(files) else None
             if isinstance(upload, Upload):
                 try:
-                    yield file, keep_upload(store, upload, aircraft_id, bring_along=bring_along)
+                    yield (
+                        file,
+                        keep_upload(
+                            store,
+                            upload,
+                            aircraft_id,
+                            bring_along=bring_along,
+                            confirmed=confirmed,
+                        ),
+                    )
                 except FlexsidError as error:
                     yield file, error
             else:
@@ -276,12 +258,13 @@ def import_maneuver(
 
 def find_doubts(channels: Sequence[RawChannel]) -> tuple[Doubt, ...]:
     """Units that do not fit the size of their samples and that nobody confirmed."""
-    found = (find_doubt(c.name, c.unit, c.role, c.samples) for c in channels)
-    return tuple(
-        doubt
-        for channel, doubt in zip(channels, found, strict=True)
-        if doubt is not None and doubt.code not in channel.confirmed
-    )
+    sized = [find_doubt(c.name, c.unit, c.role, c.samples) for c in channels]
+    doubts = [doubt for doubt in sized if doubt is not None]
+    known = {doubt.channel for doubt in doubts}
+    small = find_small([(c.name, c.unit, c.role, c.samples) for c in channels])
+    doubts += [doubt for doubt in small if doubt.channel not in known]
+    confirmed = {channel.name: channel.confirmed for channel in channels}
+    return tuple(doubt for doubt in doubts if doubt.code not in confirmed[doubt.channel])
 
 
 def _ask(channels: Sequence[RawChannel]) -> None:

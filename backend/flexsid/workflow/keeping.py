@@ -14,8 +14,10 @@ from flexsid.importers.aircraft import AircraftPart
 from flexsid.importers.channels import RawChannel
 from flexsid.importers.maneuver import FlightPart, RawManeuver
 from flexsid.importers.modal_table import RawModalTable
+from flexsid.importers.plausibility import OTHER_AXIS
 from flexsid.importers.predictions import RawPrediction
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.axes import axis_in_name
 from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.maneuver import GROUND, Channel, Maneuver, Role
 from flexsid.records.modal_table import ModalTable
@@ -26,6 +28,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import Derivative
 from flexsid.workflow.condition import airspeed_ratio, complete_condition, parked_condition
 from flexsid.workflow.excited import recorded_excitation
+from flexsid.workflow.symmetric_motion import settle_axis
 from flexsid.workflow.thrust import keep_thrust
 
 BYTES_AT_ONCE = 16 * 1024**2
@@ -121,7 +124,8 @@ def keep_maneuver(
                 code="already-imported",
                 maneuver_id=known.id,
             )
-    complete = parked_condition if raw.axis == GROUND else complete_condition
+    axis = settle_axis(raw.axis, aircraft, [(c, c.samples) for c in raw.channels])
+    complete = parked_condition if axis == GROUND else complete_condition
     condition = complete(aircraft, raw.condition)
     inputs = [channel.samples for channel in raw.channels if channel.role is Role.INPUT]
     maneuver = store.maneuvers.add(
@@ -133,9 +137,9 @@ def keep_maneuver(
             duration_s=raw.duration_s,
             condition=condition,
             fta=raw.fta,
-            axis=raw.axis,
+            axis=axis,
             excitation=raw.excitation or recorded_excitation(raw.channels),
-            airspeed_ratio=None if raw.axis == GROUND else airspeed_ratio(condition),
+            airspeed_ratio=None if axis == GROUND else airspeed_ratio(condition),
             max_input_correlation=largest_correlation(inputs),
             source_file=raw.source_file,
             source_hash=raw.source_hash,
@@ -222,6 +226,31 @@ def check_sensors(aircraft: Aircraft, channels: Sequence[RawChannel]) -> None:
                 f"'{channel.sensor}'; it has {', '.join(sorted(known)) or 'none'}.",
                 code="unknown-sensor",
                 column=channel.name,
+            )
+
+
+def check_axes(aircraft: Aircraft, channels: Sequence[RawChannel]) -> None:
+    """Ask about a column of the file that is called by another axis than its sensor's.
+
+    Raises
+    ------
+    BadInput
+        Naming column, channel and both axes, unless the mapping confirms it.
+    """
+    sensors = {sensor.name: sensor for sensor in aircraft.sensors}
+    for channel in channels:
+        sensor = sensors.get(channel.name)
+        if sensor is None or OTHER_AXIS in channel.confirmed:
+            continue
+        recorded = axis_in_name(sensor.kind, channel.field.rpartition(".")[2])
+        if recorded not in (None, sensor.axis):
+            raise BadInput(
+                f"Column '{channel.field}' is called as a {sensor.kind.value} of axis {recorded}, "
+                f"but the mapping makes it '{channel.name}', which is of axis {sensor.axis}. "
+                f'Correct its name; if it is right, write confirmed = ["{OTHER_AXIS}"].',
+                code="doubtful-axis",
+                column=channel.field,
+                channel=channel.name,
             )
 
 

@@ -26,6 +26,8 @@ def read_measurement(
 ) -> Measurement:
     """Read the inputs, outputs and recorded excitation of a maneuver.
 
+    Inputs that were excited besides those named are read, too.
+
     Raises
     ------
     BadInput
@@ -33,13 +35,20 @@ def read_measurement(
     """
     roles = {c.name: c.role for c in store.channels.find(maneuver_id=maneuver.id)}
     _check_inputs(inputs, roles)
-    lines = _owned_by(maneuver_lines(maneuver, band_hz), inputs)
-    commands = command_names(inputs)
+    lines = maneuver_lines(maneuver, band_hz)
+    surfaces = {surface.name for surface in aircraft.surfaces}
+    excited = [lines.inputs[k] for k in np.unique(lines.owner) if k >= 0]
+    others = [n for n in excited if roles.get(n) is Role.INPUT and n in surfaces]
+    every = tuple(dict.fromkeys((*inputs, *others)))
+    commands = command_names(every)
     has_commands = all(roles.get(name) is Role.COMMAND for name in commands)
-    names = (*inputs, *(output.name for output in outputs), *(commands if has_commands else ()))
+    names = (*every, *(output.name for output in outputs), *(commands if has_commands else ()))
     recording = read_recording(store, maneuver, aircraft, names)
-    recording.check(lines)
-    return Measurement(recording, aircraft, inputs, outputs, lines, has_commands)
+    own = _owned_by(lines, inputs)
+    recording.check(own)
+    return Measurement(
+        recording, aircraft, inputs, outputs, own, _owned_by(lines, every), has_commands
+    )
 
 
 def measure(

@@ -1,4 +1,4 @@
-"""Keep structures and flutter summaries that were read from files."""
+"""Keep structures that were read from files."""
 
 from __future__ import annotations
 
@@ -6,12 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexsid import units
 from flexsid.errors import BadInput
-from flexsid.importers.source import Sources
 from flexsid.importers.structure import RawStructure
 from flexsid.records.aircraft import Aircraft, SensorKind
-from flexsid.records.modal_table import FlutterPoint, FlutterSummary, ModalTable
+from flexsid.records.modal_table import ModalTable
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.naming import ModeName, name_modes
 from flexsid.sysid.modes.thinning import neighbour_lines, spread_nodes
@@ -103,77 +101,6 @@ def keep_structure(
         assert table.id is not None
         store.modal_shapes.put(table.id, raw.shape)
     return table
-
-
-def keep_flutter_summary(
-    store: Store, aircraft: Aircraft, sources: Sources, name: str, speed_unit: str
-) -> FlutterSummary:
-    """Store the flutter summary that files hold, with the points where roots go unstable.
-
-    Parameters
-    ----------
-    store, aircraft
-        Where to keep it.
-    sources
-        Files; one of them holds a summary.
-    name
-        What to call it.
-    speed_unit
-        Of its velocities, which no printout tells (VREF may make them anything).
-
-    Raises
-    ------
-    BadInput
-        If no file holds a summary.
-    """
-    assert aircraft.id is not None
-    source = next((s for s in sources.items if "flutter/velocity" in s.arrays), None)
-    if source is None:
-        raise BadInput("the files hold no flutter summary", code="no-flutter-summary")
-    found = {
-        path.removeprefix("flutter/"): np.asarray(values)
-        for path, values in source.arrays.items()
-        if path.startswith("flutter/")
-    }
-    speed = units.factor(speed_unit, "speed")
-    arrays = {
-        "root": found["point"].astype(np.int32),
-        "airspeed": found["velocity"] * speed,
-        "damping": found["damping"],
-        "omega": 2.0 * np.pi * found["frequency"],
-    }
-    if "density" in found:
-        arrays["density"] = found["density"]
-    record = FlutterSummary(
-        aircraft_id=aircraft.id,
-        name=name,
-        points=flutter_points(arrays),
-        arrays={key: store.arrays.put(values) for key, values in arrays.items()},
-        notes=(f"Velocities are in {speed_unit}.",),
-        origin=source.name,
-    )
-    return store.flutter_summaries.add(record)
-
-
-def flutter_points(arrays: dict[str, np.ndarray]) -> tuple[FlutterPoint, ...]:
-    """Where oscillating roots lose their damping, by straight lines between the rows printed."""
-    points: list[FlutterPoint] = []
-    for root in np.unique(arrays["root"]):
-        rows = np.flatnonzero(arrays["root"] == root)
-        speed, damping, omega = (arrays[k][rows] for k in ("airspeed", "damping", "omega"))
-        order = np.argsort(speed, kind="stable")
-        speed, damping, omega = speed[order], damping[order], omega[order]
-        crossed = (damping[:-1] < 0) & (damping[1:] >= 0) & (omega[1:] > 0.1) & (omega[:-1] > 0.1)
-        for row in np.flatnonzero(crossed):
-            share = damping[row] / (damping[row] - damping[row + 1])
-            points.append(
-                FlutterPoint(
-                    root=int(root),
-                    airspeed_m_s=float(speed[row] + share * (speed[row + 1] - speed[row])),
-                    omega_rad_s=float(omega[row] + share * (omega[row + 1] - omega[row])),
-                )
-            )
-    return tuple(sorted(points, key=lambda point: point.airspeed_m_s))
 
 
 def _points(aircraft: Aircraft, raw: RawStructure) -> _Points:

@@ -8,14 +8,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Aircraft, Combination, Sensor, SensorKind
+from flexsid.records.aircraft import Aircraft, Sensor, SensorKind
 from flexsid.records.maneuver import Condition
 from flexsid.sysid.model import sensors as rows
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.instruments import Instrument
 from flexsid.sysid.modes import StructuralModes
-from flexsid.sysid.preparation.symmetry import Part, mirror_sign, parity
+from flexsid.workflow.longitudinal import (
+    is_pitch_sensor,
+    part_of,
+    parts_of,
+    reads_symmetric_motion_only,
+    require_pitch_sensor,
+    require_symmetric_inputs,
+    require_symmetric_part,
+)
 
 _NO_INSTRUMENT = Instrument()
 
@@ -93,36 +101,38 @@ def define_outputs(aircraft: Aircraft, names: Iterable[str]) -> tuple[OutputDefi
     return tuple(result)
 
 
-def default_outputs(aircraft: Aircraft, recorded: Iterable[str]) -> tuple[str, ...]:
-    """What a longitudinal model can use: centre-line sensors and symmetric combinations."""
+def default_outputs(
+    aircraft: Aircraft, recorded: Iterable[str], *, separated: bool = False
+) -> tuple[str, ...]:
+    """What a longitudinal model can use: sensors of the symmetric motion, and symmetric parts.
+
+    Parameters
+    ----------
+    aircraft, recorded
+        Whose sensors, and which of them were recorded.
+    separated
+        Only what lateral motion leaves alone, for maneuvers that excite it too.
+    """
     recorded = set(recorded)
+    sensors = {sensor.name: sensor for sensor in aircraft.sensors}
     combined = {part for c in aircraft.combinations for part, _ in c.terms}
-    single = [
-        sensor.name
+    single = {
+        sensor.name: ((sensor, 1.0),)
         for sensor in aircraft.sensors
         if sensor.name in recorded
         and sensor.name not in combined
         and not (sensor.kind is SensorKind.ACCELEROMETER and sensor.axis == "y")
-    ]
-    sensors = {sensor.name: sensor for sensor in aircraft.sensors}
-    paired = [
-        c.name
+        and is_pitch_sensor(sensor)
+    }
+    paired = {
+        c.name: terms
         for c in aircraft.combinations
-        if all(part in recorded for part, _ in c.terms) and _parity(c, sensors) != "antisymmetric"
-    ]
-    return (*single, *paired)
-
-
-def _parity(combination: Combination, sensors: dict[str, Sensor]) -> Part | None:
-    """Which part of the motion a left and right pair reads."""
-    if any(name not in sensors for name, _ in combination.terms):
-        return None
-    (left, *_), terms = combination.terms[0], combination.terms
-    signs = [
-        1.0 if name == left else mirror_sign(sensors[name].kind.value, sensors[name].axis)
-        for name, _ in terms
-    ]
-    return parity(zip((weight for _, weight in terms), signs, strict=True))
+        if (terms := parts_of(c, sensors)) is not None
+        and all(sensor.name in recorded and is_pitch_sensor(sensor) for sensor, _ in terms)
+        and part_of(terms) != "antisymmetric"
+    }
+    usable = single | paired
+    return tuple(n for n, t in usable.items() if not separated or reads_symmetric_motion_only(t))
 
 
 def build_model(
@@ -137,13 +147,17 @@ def build_model(
     Raises
     ------
     BadInput
-        If a sensor's point has no mode shape in the table.
+        If a sensor's point has no mode shape in the table, or an input or output belongs
+        to the lateral motion.
     """
+    require_symmetric_inputs(aircraft, inputs)
     flight = flight_condition(aircraft, condition)
     polynomials = []
     for output in outputs:
         total = np.zeros((4, 2 + len(modes.numbers)))
+        require_symmetric_part(output.name, output.terms)
         for sensor, weight in output.terms:
+            require_pitch_sensor(sensor)
             total += weight * _sensor_row(sensor, flight, modes)
         polynomials.append(total)
     sensors = rows.stack_rows([output.name for output in outputs], polynomials)

@@ -10,8 +10,11 @@ from flexsid.errors import BadInput
 from flexsid.records.modal_table import ModalKind, ModalTable
 from flexsid.storage.store import Store
 from flexsid.sysid.modes import ModeTable
-from flexsid.sysid.modes.table import align_modes, interpolate
+from flexsid.sysid.modes.table import align_modes
 from flexsid.sysid.modes.tracking import Tracking
+from flexsid.workflow.mode_corrections import corrected
+from flexsid.workflow.predictions import predicted_modes
+from flexsid.workflow.tested_damping import damping_of_test
 
 ASSUMED_DAMPING = 0.02
 _READ = ("omega", "zeta", "mass", "shape", "strain", "order", "sign", "assurance", "mixed")
@@ -30,7 +33,7 @@ class AircraftModes:
 def find_modal_tables(
     store: Store, aircraft_id: int, modal_table_id: int | None, damping_table_id: int | None
 ) -> tuple[ModalTable, ModalTable | None]:
-    """The tables asked for, or the aircraft's latest FEM and GVT.
+    """The tables asked for, or the aircraft's latest FEM with predicted modes and latest GVT.
 
     Raises
     ------
@@ -38,12 +41,15 @@ def find_modal_tables(
         If the aircraft has no table with frequencies, or the table is another's.
     """
     tables = store.modal_tables.find(aircraft_id=aircraft_id)
-    modal = _pick(tables, modal_table_id, ModalKind.FEM, "omega")
+    proposed = tables if modal_table_id is not None else _with_predicted_modes(store, tables)
+    modal = _pick(proposed, modal_table_id, ModalKind.FEM, "omega")
     if modal is None:
         raise BadInput(
             "the aircraft has no modal table with frequencies and shapes; import one first",
             code="no-modal-table",
         )
+    if damping_table_id is None:  # damping of another model is no measurement
+        tables = [table for table in tables if table.kind is ModalKind.GVT]
     return modal, _pick(tables, damping_table_id, ModalKind.GVT, "zeta")
 
 
@@ -58,14 +64,11 @@ def load_modes(store: Store, modal: ModalTable, damping: ModalTable | None) -> A
     fuel = np.array(modal.fuel, dtype=float)
     n_fuel, n = fuel.size, len(modal.numbers)
     own = read("zeta", np.full((n_fuel, n), np.nan))
-    zeta, warnings = _damping(store, modal, damping, fuel, own)
-    if "mass" not in modal.arrays:
-        warnings = (*warnings, "Generalised masses are not in the table: 1 kg m2 assumed.")
     table = ModeTable(
         fuel=fuel,
         numbers=modal.numbers,
         omega=read("omega", np.empty((n_fuel, n))),
-        zeta=zeta,
+        zeta=own,
         mass=read("mass", np.ones((n_fuel, n))),
         points=modal.points,
         shape=read("shape", np.zeros((n_fuel, n, 0, 6))),
@@ -82,24 +85,11 @@ def load_modes(store: Store, modal: ModalTable, damping: ModalTable | None) -> A
         order, sign, sure = (read(k, np.empty(0)) for k in ("order", "sign", "assurance"))
         mixed = read("mixed", np.zeros(order.shape)).astype(bool)
         tracking = Tracking(order.astype(np.intp), sign, sure, mixed)
-    return AircraftModes(align_modes(table, tracking), names, symmetric, warnings)
-
-
-def corrected(store: Store, table: ModalTable) -> ModalTable:
-    """The table with names and symmetries as analysts have corrected them."""
-    if table.id is None:
-        return table
-    names, symmetric, reasons = (
-        list(part) for part in (table.names, table.symmetric, table.reasons)
-    )
-    reasons += [""] * (len(names) - len(reasons))
-    for correction in store.mode_corrections.find(modal_table_id=table.id):
-        if correction.number in table.numbers:
-            place = table.numbers.index(correction.number)
-            names[place], symmetric[place] = correction.name, correction.symmetric
-            by = f", by {correction.author}" if correction.author else ""
-            reasons[place] = f"{correction.reason} (corrected{by})"
-    return replace(table, names=tuple(names), symmetric=tuple(symmetric), reasons=tuple(reasons))
+    aligned = align_modes(table, tracking)
+    zeta, warnings = _damping(store, modal, damping, aligned)
+    if "mass" not in modal.arrays:
+        warnings = (*warnings, "Generalised masses are not in the table: 1 kg m2 assumed.")
+    return AircraftModes(replace(aligned, zeta=zeta), names, symmetric, warnings)
 
 
 def companion_modes(
@@ -145,30 +135,44 @@ def _pick(
     return (of_kind or usable or [None])[-1]
 
 
+def _with_predicted_modes(store: Store, tables: list[ModalTable]) -> list[ModalTable]:
+    """Tables that have the most modes of one prediction; all where there is no prediction.
+
+    A structure that is imported under another name, with modes of its own, does not take the
+    place of the one that derivatives are predicted for.
+    """
+    usable = [table for table in tables if "omega" in table.arrays]
+    fem = [table for table in usable if table.kind is ModalKind.FEM] or usable
+    if not fem:
+        return tables
+    predictions = store.predictions.find(aircraft_id=fem[0].aircraft_id)
+
+    def covered(table: ModalTable) -> int:
+        return max((len(predicted_modes(p, table.numbers)) for p in predictions), default=0)
+
+    most = max(covered(table) for table in fem)
+    return [table for table in fem if covered(table) == most]
+
+
 def _damping(
-    store: Store,
-    modal: ModalTable,
-    damping: ModalTable | None,
-    fuel: np.ndarray,
-    own: np.ndarray,
+    store: Store, modal: ModalTable, damping: ModalTable | None, aligned: ModeTable
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    zeta = own.copy()
+    """Damping in the order in which modes are followed: the test's, else the table's own."""
+    zeta = aligned.zeta.copy()
+    warnings: tuple[str, ...] = ()
     if damping is not None and damping.id != modal.id and "zeta" in damping.arrays:
-        values = np.asarray(store.arrays.get(damping.arrays["zeta"]), dtype=float)
-        at = np.array(damping.fuel, dtype=float)
-        over_fuel = np.stack([interpolate(at, values, f) for f in fuel])
-        for column, number in enumerate(modal.numbers):
-            if number in damping.numbers:
-                zeta[:, column] = over_fuel[:, damping.numbers.index(number)]
+        tested, warnings = damping_of_test(store, modal, damping, aligned)
+        zeta = np.where(np.isfinite(tested), tested, zeta)
     missing = [
         number
         for number, column in zip(modal.numbers, zeta.T, strict=True)
         if np.isnan(column).any()
     ]
     zeta[np.isnan(zeta)] = ASSUMED_DAMPING
-    if not missing:
-        return zeta, ()
-    return zeta, (
-        f"No damping is known for modes {', '.join(map(str, missing))}: "
-        f"{ASSUMED_DAMPING:g} assumed.",
-    )
+    if missing:
+        warnings = (
+            *warnings,
+            f"No damping is known for modes {', '.join(map(str, missing))}: "
+            f"{ASSUMED_DAMPING:g} assumed.",
+        )
+    return zeta, warnings

@@ -12,6 +12,8 @@ def margin_of(answer: Answered, following: float) -> str:
     """Margin of the next point, and how sure; what stands against it where there is none."""
     best = answer.best.prediction
     at, crossing = f"Next point at {following:.1f} m/s", best.crossing
+    if best.refusal:
+        return f"{at}: no margin, for no flutter speed can be predicted from these runs."
     if crossing is None:
         first, last = best.locus.airspeed[[0, -1]].tolist()
         if _grows_at(best, first):
@@ -42,6 +44,8 @@ def margin_of(answer: Answered, following: float) -> str:
 def is_safe(answer: Answered, following: float) -> bool:
     """Whether nothing that is known stands against flying the next point."""
     best = answer.best.prediction
+    if best.refusal:
+        return False
     if best.crossing is None:
         calm = not _grows_at(best, best.locus.airspeed[0])
         alike = all(group.prediction.crossing is None for group in answer.groups)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import UTC, datetime
 
 from flexsid.records.decision import Decision, DecisionState, EventKind, Look
 from flexsid.records.model_structure import StructureVersion
@@ -11,6 +11,7 @@ from flexsid.storage.store import Store
 from flexsid.workflow.review import OPEN, rules_of
 
 _MOST = 100
+_LONG_AGO = datetime.min.replace(tzinfo=UTC)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,12 +52,26 @@ def notifications(store: Store, analyst: str) -> Notifications:
     seen = {look.subject: look.seen for look in store.looks.find(analyst=analyst.casefold())}
     decisions = store.decisions.find()
     waiting = [found for one in decisions if (found := _waits(store, one, analyst)) is not None]
-    changes = [
-        *_decision_changes(store, decisions, analyst, seen),
-        *_structure_changes(store, analyst, seen),
-    ]
-    changes.sort(key=lambda change: (change.at is not None, change.at), reverse=True)
+    changes = _newest_first(
+        _decision_changes(store, decisions, analyst, seen), _structure_changes(store, analyst, seen)
+    )
     return Notifications(waiting=waiting, changes=changes[:_MOST])
+
+
+def _newest_first(*kinds: list[tuple[int, Change]]) -> list[Change]:
+    """Merge changes of several kinds, each in the order in which it was written.
+
+    Times only tell which kind comes first: a clock may have been set back, so each change
+    counts as no earlier than those written before it.
+    """
+    placed: list[tuple[datetime, int, Change]] = []
+    for changes in kinds:
+        latest = _LONG_AGO
+        for number, change in sorted(changes, key=lambda one: one[0]):
+            latest = max(latest, change.at or latest)
+            placed.append((latest, number, change))
+    placed.sort(key=lambda one: one[:2], reverse=True)
+    return [change for _, _, change in placed]
 
 
 def mark_seen(store: Store, analyst: str, subject: str, number: int) -> None:
@@ -106,23 +121,26 @@ def _waits(store: Store, decision: Decision, analyst: str) -> Waiting | None:
 
 def _decision_changes(
     store: Store, decisions: list[Decision], analyst: str, seen: dict[str, int]
-) -> list[Change]:
-    changes: list[Change] = []
+) -> list[tuple[int, Change]]:
+    changes: list[tuple[int, Change]] = []
     for decision in decisions:
         assert decision.id is not None
         last = seen.get(f"decision {decision.id}", 0)
         if decision.version <= last:
             continue
         changes += [
-            Change(
-                subject="decision",
-                id=decision.id,
-                title=decision.proposal.title,
-                what=event.vote.value if event.vote is not None else event.kind.value,
-                author=event.author,
-                text=event.text if event.kind is not EventKind.PROPOSED else "",
-                number=event.number,
-                at=event.created_at,
+            (
+                event.id or 0,
+                Change(
+                    subject="decision",
+                    id=decision.id,
+                    title=decision.proposal.title,
+                    what=event.vote.value if event.vote is not None else event.kind.value,
+                    author=event.author,
+                    text=event.text if event.kind is not EventKind.PROPOSED else "",
+                    number=event.number,
+                    at=event.created_at,
+                ),
             )
             for event in store.decision_events.find(decision_id=decision.id)
             if event.number > last and event.author.casefold() != analyst.casefold()
@@ -130,10 +148,12 @@ def _decision_changes(
     return changes
 
 
-def _structure_changes(store: Store, analyst: str, seen: dict[str, int]) -> list[Change]:
+def _structure_changes(
+    store: Store, analyst: str, seen: dict[str, int]
+) -> list[tuple[int, Change]]:
     """Versions of others on top of what this analyst has saved or looked at."""
     me = analyst.casefold()
-    changes: list[Change] = []
+    changes: list[tuple[int, Change]] = []
     for structure in store.model_structures.find():
         assert structure.id is not None
         if structure.version == 1:
@@ -142,15 +162,18 @@ def _structure_changes(store: Store, analyst: str, seen: dict[str, int]) -> list
         own = max((one.version for one in versions if one.author.casefold() == me), default=0)
         last = max(own, seen.get(f"structure {structure.id}", 0))
         changes += [
-            Change(
-                subject="structure",
-                id=structure.id,
-                title=one.name,
-                what=f"version {one.version}",
-                author=one.author,
-                text=one.note,
-                number=one.version,
-                at=one.created_at,
+            (
+                one.id or 0,
+                Change(
+                    subject="structure",
+                    id=structure.id,
+                    title=one.name,
+                    what=f"version {one.version}",
+                    author=one.author,
+                    text=one.note,
+                    number=one.version,
+                    at=one.created_at,
+                ),
             )
             for one in versions
             if one.version > last > 0

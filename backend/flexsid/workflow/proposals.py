@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from itertools import chain
 
-from flexsid.errors import BadInput
+from flexsid.errors import BadInput, Conflict
 from flexsid.records.decision import LinkedComparison, StructureProposal
 from flexsid.storage.store import Store
+from flexsid.workflow.results import refuse_altered
 from flexsid.workflow.structures import get_version
 
 
@@ -52,6 +53,11 @@ def check_proposal(store: Store, proposal: StructureProposal) -> tuple[int, str]
 def _check_run(store: Store, run_id: int, aircraft_id: int) -> None:
     run = store.runs.get(run_id)
     _same_aircraft(f"run {run_id}", store.maneuvers.get(run.maneuver_id).aircraft_id, aircraft_id)
+    refuse_altered(run)
+    if run.deleted_at is not None:
+        raise Conflict(
+            f"run {run_id} was deleted; restore it before it is shown as evidence", code="deleted"
+        )
     if run.result is None:
         raise BadInput(
             f"run {run_id} is {run.state.value} and shows nothing; link runs that succeeded",

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from flexsid.errors import BadInput, FlexsidError
+from flexsid.errors import FlexsidError
 from flexsid.records.aircraft import SensorKind
 from flexsid.records.finite import finite_or_none
 from flexsid.records.maneuver import Channel, Maneuver, Role
@@ -36,7 +36,7 @@ from flexsid.workflow.recording import Conditioning
 from flexsid.workflow.sensing import sense
 from flexsid.workflow.skews import SensorFaults, biases, sensor_faults
 
-_VERSION = 7  # of what is looked at: a higher one looks again at every maneuver
+_VERSION = 8  # of what is looked at: a higher one looks again at every maneuver
 _MOST_LISTED = 50
 
 
@@ -93,9 +93,9 @@ def assess(store: Store, maneuver: Maneuver, content: str) -> ManeuverQuality:
         for name, (channel, samples) in channels.items()
     }
     signal = _signal_to_noise(store, maneuver, [c for c, _ in channels.values()], missing)
-    faults, offsets = _redundancy(store, maneuver, missing)
+    faults, offsets, unchecked = _redundancy(store, maneuver, missing)
     qualities = tuple(
-        _channel(channel, stretches[name], signal.get(name), faults, offsets)
+        _channel(channel, stretches[name], signal.get(name), faults, offsets, unchecked)
         for name, (channel, _) in channels.items()
     )
     report = QualityReport(
@@ -193,23 +193,26 @@ def _signal_to_noise(
 
 def _redundancy(
     store: Store, maneuver: Maneuver, missing: list[str]
-) -> tuple[SensorFaults | None, dict[str, Bias]]:
+) -> tuple[SensorFaults | None, dict[str, Bias], dict[str, str]]:
+    """Faults, biases, and why single outputs were not checked; "" stands for all others."""
     try:
-        if maneuver.axis != "longitudinal":
-            raise BadInput(f"the model of all sensors is longitudinal, not {maneuver.axis}")
         sensing = sense(store, maneuver)
     except FlexsidError as error:
         missing.append(f"Skews, scale factors and biases: {error.message}.")
-        return None, {}
-    faults = None
+        return None, {}, {"": error.message}
+    faults, unchecked = None, dict(sensing.left_out)
     try:
         faults = sensor_faults(sensing)
+        unchecked |= faults.not_checked
     except (FlexsidError, np.linalg.LinAlgError) as error:
         reason = error.message if isinstance(error, FlexsidError) else str(error)
         missing.append(f"Skews and scale factors: {reason}.")
-    for name, reason in sensing.left_out.items():
-        missing.append(f"{name}: {reason}.")
-    return faults, biases(store, sensing, None if faults is None else faults.faults)
+        unchecked[""] = reason
+    for name, reason in unchecked.items():
+        if name:
+            missing.append(f"{name}: {reason}.")
+    found = biases(store, sensing, None if faults is None else faults.faults)
+    return faults, found, unchecked
 
 
 def _channel(
@@ -218,6 +221,7 @@ def _channel(
     signal: float | None,
     faults: SensorFaults | None,
     offsets: dict[str, Bias],
+    unchecked: dict[str, str],
 ) -> ChannelQuality:
     saturated = sum(s.stop - s.first for s in stretches if s.kind == Artefact.SATURATION)
     quality = ChannelQuality(
@@ -229,6 +233,11 @@ def _channel(
         n_stretches=len(stretches),
         stretches=stretches[:_MOST_LISTED],
     )
+    if channel.role is Role.OUTPUT:
+        reason = unchecked.get(channel.name, unchecked.get(""))
+        if reason is None and (faults is None or channel.name not in faults.faults.names):
+            reason = "the aircraft describes no such sensor"
+        quality = replace(quality, not_checked=reason)
     if channel.name in offsets:
         bias = offsets[channel.name]
         quality = replace(quality, bias=bias.value, bias_std=bias.std, bias_basis=bias.basis)
@@ -242,7 +251,7 @@ def _channel(
         return quality
     k = faults.faults.names.index(channel.name)
     told = faults.told(channel.name)
-    free = faults.faults.scale_std[k] > 0 or faults.faults.scale[k] < 0
+    free = (told and faults.faults.scale_std[k] > 0) or faults.faults.scale[k] < 0
     return replace(
         quality,
         coherence=finite_or_none(faults.coherence[k]),

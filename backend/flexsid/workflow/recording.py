@@ -186,6 +186,10 @@ def _transform(
         if last <= samples.shape[0] + 1:
             window = samples[first:last]
             return finite_fourier_transform(window, rate_hz, lines.omega, start_s + first / rate_hz)
+    if excitation is None and settles.any():
+        # An attitude is held after its record where it ended, and before where it began.
+        first = samples[: _held(rate_hz)].mean(axis=0)
+        samples = samples - np.where(settles, first, 0.0)
     # A multisine starts and ends at trim; other records are cut wherever they were.
     transform = finite_fourier_transform(
         samples, rate_hz, lines.omega, start_s, end_corrected=excitation is None
@@ -208,6 +212,11 @@ def trim_removed(
     return moved - steady.mean(axis=0)
 
 
+def _held(rate_hz: float) -> int:
+    """Number of samples at either end that give the level there."""
+    return max(1, round(0.5 * rate_hz))
+
+
 def _held_level(
     samples: np.ndarray, rate_hz: float, omega: np.ndarray, start_s: float
 ) -> np.ndarray:
@@ -216,7 +225,7 @@ def _held_level(
     Attitude integrates pitch rate and need not return; cut off, it would look as if
     it had jumped back to trim.
     """
-    level = samples[-max(1, round(0.5 * rate_hz)) :].mean(axis=0)
+    level = samples[-_held(rate_hz) :].mean(axis=0)
     end_s = start_s + samples.shape[0] / rate_hz
     step = np.exp(-1j * omega * end_s) / (1j * omega)
     return step[:, None] * level

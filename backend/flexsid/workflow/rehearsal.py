@@ -21,11 +21,12 @@ from flexsid.sysid.model.laws import chain_of
 from flexsid.sysid.simulation.recording import pass_instruments
 from flexsid.sysid.simulation.rehearsal import Rehearsed, rehearse
 from flexsid.workflow.controllers import controller_at
-from flexsid.workflow.excitation import multisine_of
+from flexsid.workflow.excitation import check_amplitudes, multisine_of
 from flexsid.workflow.foresight import Circumstances, circumstances, expected_errors
 from flexsid.workflow.identity import identified
 from flexsid.workflow.keeping import largest_correlation
 from flexsid.workflow.models import define_outputs, output_instrument
+from flexsid.workflow.results import refuse_altered
 
 Report = Callable[[float, str], None]
 
@@ -80,11 +81,10 @@ def rehearse_design(
     at = circumstances(store, run_id)
     flown = store.maneuvers.get(at.run.maneuver_id)
     aircraft = store.aircraft.get(flown.aircraft_id)
+    check_amplitudes(design.wish)
     made = multisine_of(design, level)
     rate = design.wish.rate_hz * int(np.ceil(_RATE_HZ / design.wish.rate_hz))
     excitation = _excitation(at, made.sample, made.inputs, made.period_s, rate)
-    found = at.run.result
-    assert found is not None
     servos = {name: _servo(aircraft, name) for name in at.model.inputs}
     controller = None if controller_id is None else store.controllers.get(controller_id)
     if controller is not None and controller.aircraft_id != aircraft.id:
@@ -178,6 +178,8 @@ def _result(store: Store, design: ExcitationDesign, one: Rehearsal) -> Rehearsal
     run, model = store.runs.get(one.run_id), store.runs.get(one.model_run_id)
     maneuver = store.maneuvers.get(one.maneuver_id)
     rows: tuple[RehearsedDerivative, ...] = ()
+    refuse_altered(run)
+    refuse_altered(model)
     if run.result is not None and model.result is not None:
         truth = {row.name: row.value for row in model.result.parameters}
         expected = {

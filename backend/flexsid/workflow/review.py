@@ -6,6 +6,7 @@ writes the event and the state that follows from it in one transaction.
 
 from __future__ import annotations
 
+import logging
 from dataclasses import replace
 from datetime import UTC, datetime
 
@@ -21,10 +22,13 @@ from flexsid.records.decision import (
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import derivative_names
+from flexsid.workflow.clock import find_clock_error
 from flexsid.workflow.evidence import data_of, hash_of, seal, software
 from flexsid.workflow.proposals import check_proposal
 from flexsid.workflow.ranges import covered, overlap
 from flexsid.workflow.structures import StaleEdit, get_version
+
+_log = logging.getLogger(__name__)
 
 OPEN = (DecisionState.OPEN, DecisionState.CHANGES_REQUESTED)
 
@@ -218,6 +222,9 @@ def append(
             created_at=datetime.now(UTC),
         )
     )
+    late = find_clock_error(store)
+    if late is not None:
+        _log.warning(late)
     store.decision_events.add(event)
     after = after_event(decision, event)
     if not store.decisions.advance(after):
@@ -266,19 +273,13 @@ def after_event(decision: Decision, event: DecisionEvent) -> Decision:
 
 def _take_over(store: Store, decided: Decision, author: str) -> None:
     """Note on earlier baselines of the same axis which of them give way, wholly or in part."""
-    store.aircraft.get(decided.aircraft_id)  # of two at once, the second sees the first
-    baselines = [
-        one
-        for one in store.decisions.find(
-            aircraft_id=decided.aircraft_id, state=DecisionState.APPROVED
-        )
-        if one.axis == decided.axis
-    ]
-    newest_first = sorted(baselines, key=adoption, reverse=True)
-    for place, earlier in enumerate(newest_first[1:], start=1):
+    baselines = [one for one in approved(store, decided.aircraft_id) if one.axis == decided.axis]
+    # The rules were read with the aircraft held, so this one was adopted after all others.
+    assert baselines[0].id == decided.id
+    for place, earlier in enumerate(baselines[1:], start=1):
         if not overlap(earlier.proposal.limits, decided.proposal.limits):
             continue
-        later = [one.proposal.limits for one in newest_first[:place]]
+        later = [one.proposal.limits for one in baselines[:place]]
         whole = covered(earlier.proposal.limits, later)
         append(
             store,
@@ -295,11 +296,19 @@ def _id(decision: Decision) -> int:
     return decision.id
 
 
-def adoption(decision: Decision) -> tuple[datetime, int]:
-    """Order of approval; where two ranges hold a condition, the later one counts."""
-    assert decision.adopted_at is not None
-    assert decision.id is not None
-    return decision.adopted_at, decision.id
+def approved(store: Store, aircraft_id: int) -> list[Decision]:
+    """Return the decisions that stand approved, the one adopted last first.
+
+    Where two ranges hold a condition, the later one counts. Later is what stands later in the
+    record of events: clocks are set back, and those of two servers differ.
+    """
+    found = store.decisions.find(aircraft_id=aircraft_id, state=DecisionState.APPROVED)
+    adoptions = {
+        event.decision_id: event.id or 0
+        for one in found
+        for event in store.decision_events.find(decision_id=one.id, kind=EventKind.ADOPTED)
+    }
+    return sorted(found, key=lambda one: adoptions[_id(one)], reverse=True)
 
 
 def _open(

@@ -15,6 +15,7 @@ from flexsid.sysid.model.reduction import residualize
 from flexsid.workflow.models import flight_condition
 from flexsid.workflow.modes import AircraftModes
 from flexsid.workflow.predictions import predicted_modes, prediction_at
+from flexsid.workflow.results import refuse_altered
 
 RESIDUALIZED = "residualized"  # of a starting table that other modes were folded into
 _SPREADS = (1e-100, 1e100)  # of priors: their squares are numbers, too
@@ -54,6 +55,7 @@ def _of_run(
     if number is None:
         raise BadInput("to start from a run, name it in start_run_id", code="no-start")
     other = store.runs.get(number)
+    refuse_altered(other)
     if other.result is None:
         raise BadInput(
             f"run {number} is {other.state.value} and has no values to start from",

@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.axes import symmetric_surfaces
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import (
     FixedTo,
@@ -18,8 +19,14 @@ from flexsid.records.model_structure import (
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import derivative_names
 from flexsid.workflow.instruments import channels_of, with_instruments
+from flexsid.workflow.longitudinal import (
+    require_pitch_sensor,
+    require_symmetric_inputs,
+    require_symmetric_part,
+)
 from flexsid.workflow.models import define_outputs
 from flexsid.workflow.predictions import prediction_at
+from flexsid.workflow.results import refuse_altered
 
 
 class StaleEdit(Conflict):
@@ -179,11 +186,18 @@ def check_structure(store: Store, aircraft: Aircraft, structure: Structure) -> N
                 code="unknown-input",
                 input=name,
             )
-    define_outputs(aircraft, structure.outputs)
+    require_symmetric_inputs(aircraft, structure.inputs)
+    for output in define_outputs(aircraft, structure.outputs):
+        require_symmetric_part(output.name, output.terms)
+        for sensor, _ in output.terms:
+            require_pitch_sensor(sensor)
     for name in (*structure.delays, *structure.instruments):
         channels_of(aircraft, name)
     with_instruments(aircraft, structure)
-    _check_states(structure, derivative_names(structure.modes, structure.inputs or surfaces))
+    _check_states(
+        structure,
+        derivative_names(structure.modes, structure.inputs or symmetric_surfaces(aircraft)),
+    )
     for name, source in structure.fixed_to.items():
         _check_source(store, aircraft, name, source)
 
@@ -265,7 +279,9 @@ def _value_of(store: Store, name: str, source: FixedTo, maneuver: Maneuver) -> f
 
 
 def _values_of_run(store: Store, run_id: int) -> dict[str, float]:
-    result = store.runs.get(run_id).result
+    run = store.runs.get(run_id)
+    refuse_altered(run)
+    result = run.result
     if result is None:
         return {}
     return result.held | {p.name: p.value for p in result.parameters}

@@ -9,9 +9,11 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.modal_table import ModalKind, ModalTable
 from flexsid.storage.store import Store
+from flexsid.sysid.modes import ModeTable
 from flexsid.sysid.modes.table import fuel_weights, interpolate
 from flexsid.sysid.modes.tracking import Tracking, track, untracked
-from flexsid.workflow.modes import corrected
+from flexsid.workflow.mode_corrections import corrected
+from flexsid.workflow.tested_damping import damping_of_test
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,7 +95,6 @@ def shape_at(store: Store, modes: Modes, mode: int, fuel: float) -> np.ndarray:
 
 def damping_at(store: Store, modes: Modes, fuel: float) -> np.ndarray:
     """Damping at a fuel fraction: the table's own, else that of the aircraft's GVT."""
-    zeta = np.full(len(modes.table.numbers), np.nan)
     if modes.zeta is not None:
         return np.asarray(interpolate(modes.fuel, np.asarray(modes.zeta, float), fuel))
     tested = [
@@ -101,14 +102,29 @@ def damping_at(store: Store, modes: Modes, fuel: float) -> np.ndarray:
         for table in store.modal_tables.find(aircraft_id=modes.table.aircraft_id)
         if table.kind is ModalKind.GVT and "zeta" in table.arrays
     ]
-    if tested:
-        test = tested[-1]
-        values = np.asarray(store.arrays.get(test.arrays["zeta"]), dtype=float)
-        at_fuel = interpolate(np.array(test.fuel), values, fuel)
-        for place, number in enumerate(modes.table.numbers):
-            if number in test.numbers:
-                zeta[place] = at_fuel[test.numbers.index(number)]
-    return zeta
+    if not tested:
+        return np.full(len(modes.table.numbers), np.nan)
+    zeta, _ = damping_of_test(store, modes.table, tested[-1], aligned_table(store, modes))
+    return np.asarray(interpolate(modes.fuel, zeta, fuel))
+
+
+def aligned_table(store: Store, modes: Modes) -> ModeTable:
+    """Frequencies and shapes at the sensor points of a table, in tracked order."""
+    arrays, size = modes.table.arrays, modes.omega.shape
+    shape = np.zeros((*size, 0, 6))
+    if "shape" in arrays:
+        shape = modes.tracking.align(np.asarray(store.arrays.get(arrays["shape"]), dtype=float))
+    return ModeTable(
+        fuel=modes.fuel,
+        numbers=modes.table.numbers,
+        omega=modes.omega,
+        zeta=np.zeros(size),
+        mass=np.ones(size),
+        points=modes.table.points if "shape" in arrays else (),
+        shape=shape,
+        gauges=(),
+        strain=np.zeros((*size, 0)),
+    )
 
 
 def title(table: ModalTable) -> str:

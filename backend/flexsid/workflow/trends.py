@@ -13,8 +13,9 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import Method
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.trend import fit_trend
-from flexsid.workflow.identified import result_of
+from flexsid.workflow.longitudinal import require_longitudinal
 from flexsid.workflow.predictions import prediction_at
+from flexsid.workflow.results import result_of
 
 _ON_A_LINE = 60
 
@@ -53,7 +54,7 @@ def trend(
     Raises
     ------
     BadInput
-        If no run has this derivative.
+        If no run has this derivative, or the maneuver of one is not longitudinal.
     """
     place = _PLACE[against]
     points: list[TrendPoint] = []
@@ -63,6 +64,7 @@ def trend(
         run = store.runs.get(run_id)
         result = result_of(run)
         maneuver = store.maneuvers.get(run.maneuver_id)
+        require_longitudinal(maneuver)
         x = place(maneuver)
         known.update(parameter.name for parameter in result.parameters)
         estimate = next((one for one in result.parameters if one.name == name), None)

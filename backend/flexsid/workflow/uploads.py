@@ -24,8 +24,11 @@ from flexsid.errors import Cancelled, Conflict, FlexsidError, UnknownRecord
 from flexsid.importers import confined
 from flexsid.importers.mapping import parse_mapping
 from flexsid.importers.source import Sources
+from flexsid.storage.files import close_folder, sync
 from flexsid.storage.store import Store
-from flexsid.workflow.ingest import BringAlong, Imported, explain, keep_upload
+from flexsid.workflow.guesses import refuse_guesses
+from flexsid.workflow.ingest import BringAlong, Imported, keep_upload
+from flexsid.workflow.upload import explain
 
 _log = logging.getLogger(__name__)
 
@@ -95,7 +98,8 @@ class Uploads:
         self._forget_old()
         upload = Upload(id=f"u{secrets.token_hex(8)}")
         folder = self._folder / upload.id
-        folder.mkdir(parents=True, mode=0o700)
+        close_folder(self._folder)
+        folder.mkdir(mode=0o700)
         try:
             confined.decode(files, names, folder)
         except BaseException:
@@ -121,17 +125,27 @@ class Uploads:
         """Return what the files hold."""
         return confined.load(self._at(identity))
 
-    def import_later(self, identity: str, text: str, aircraft_id: int | None = None) -> Upload:
+    def import_later(
+        self,
+        identity: str,
+        text: str,
+        aircraft_id: int | None = None,
+        *,
+        confirmed: bool = False,
+    ) -> Upload:
         """Begin to import an upload through a mapping.
 
         Raises
         ------
         BadInput
-            If the mapping is not what it must be.
+            If the mapping is not what it must be, or something in it is guessed that nobody
+            ``confirmed``.
         Conflict
             If the upload is being imported.
         """
-        parse_mapping(text)
+        mapping = parse_mapping(text)
+        if mapping.guessed and not confirmed:
+            refuse_guesses(self._store, explain(self.sources(identity), mapping))
         with self._lock:
             upload = self.get(identity)
             if upload.state is UploadState.IMPORTING:
@@ -140,7 +154,7 @@ class Uploads:
             self._save(begun)
             self._progress[identity] = 0.0
             self._cancelled.discard(identity)
-        self._worker.submit(self._import, identity, text, aircraft_id)
+        self._worker.submit(self._import, identity, text, aircraft_id, confirmed)
         return replace(begun, progress=0.0)
 
     def forget(self, identity: str) -> None:
@@ -158,7 +172,7 @@ class Uploads:
             if not busy and time.time() - path.stat().st_mtime > KEPT_DAYS * 86400:
                 shutil.rmtree(path.parent, ignore_errors=True)
 
-    def _import(self, identity: str, text: str, aircraft_id: int | None) -> None:
+    def _import(self, identity: str, text: str, aircraft_id: int | None, confirmed: bool) -> None:
         def report(fraction: float) -> None:
             self._progress[identity] = fraction
             if identity in self._cancelled:
@@ -167,7 +181,14 @@ class Uploads:
         try:
             report(0.0)
             upload = explain(self.sources(identity), parse_mapping(text))
-            imported = keep_upload(self._store, upload, aircraft_id, report, self._bring_along)
+            imported = keep_upload(
+                self._store,
+                upload,
+                aircraft_id,
+                report,
+                self._bring_along,
+                confirmed=confirmed,
+            )
             ended = _ended(identity, imported)
         except FlexsidError as error:
             ended = Upload(
@@ -198,6 +219,7 @@ class Uploads:
         path = self._folder / upload.id / _STATE
         new = path.with_suffix(".new")
         new.write_text(json.dumps(asdict(upload)), encoding="utf-8")
+        sync(new)
         new.replace(path)
 
 

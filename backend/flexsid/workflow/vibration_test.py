@@ -142,7 +142,7 @@ def keep_found_modes(
         Places of the modes to keep, from 0; all by default.
     like_id
         Table whose numbers and names the modes are given where shapes agree (MAC of 0.7 or
-        more), so that its damping is found by number.
+        more), so that its damping is found by name.
 
     Raises
     ------

@@ -10,7 +10,11 @@ export interface paths {
         };
         /**
          * Get Health
-         * @description Ask server and database whether they work.
+         * @description Ask server, database, dispatcher and workers whether they work.
+         *
+         *     The status is `degraded` where runs would wait for ever, or the clock is wrong: this server
+         *     answers all the same (200), and another one would be no better. Where the database does
+         *     not answer, nothing can be served (503).
          */
         get: operations["get_health"];
         put?: never;
@@ -310,6 +314,28 @@ export interface paths {
          * @description Delete a maneuver with its runs; it leaves the lists and can be restored.
          */
         delete: operations["delete_maneuver"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/maneuvers/{maneuver_id}/run-proposal": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Run Proposal
+         * @description Propose modes, inputs, outputs and band of a run, with what they ask of the data.
+         *
+         *     A run that is requested without a structure takes this proposal.
+         */
+        get: operations["get_run_proposal"];
+        put?: never;
+        post?: never;
+        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
@@ -1464,10 +1490,11 @@ export interface paths {
          * Request Run
          * @description Queue an estimation run; follow it at the answer's ``Location``.
          *
-         *     Without a structure it takes the one that was approved for the condition of the
-         *     maneuver. What cannot be estimated (an unknown mode, input or output) is refused at
-         *     once. A run with the same inputs as one that waits, runs or succeeded is that run (200,
-         *     ``repeated``).
+         *     Without a structure it takes what `GET /maneuvers/{maneuver_id}/run-proposal` proposes: the
+         *     structure that was approved for the condition, else the saved one of this FTA, else the modes
+         *     in the excited band; `proposal` of the run records which. What cannot be estimated (an unknown
+         *     mode, input or output) is refused at once. A run with the same inputs as one that waits, runs
+         *     or succeeded is that run (200, ``repeated``).
          */
         post: operations["request_run"];
         delete?: never;
@@ -1871,7 +1898,7 @@ export interface paths {
          * Request Batch
          * @description Queue many runs; all of them, or none.
          *
-         *     Without structures each maneuver takes the one that was approved for its condition.
+         *     Without structures each maneuver takes what is proposed for it, as single runs do.
          */
         post: operations["request_batch"];
         delete?: never;
@@ -2178,8 +2205,30 @@ export interface paths {
         /**
          * Check Design
          * @description Check orthogonality, peaks, and what moves behind an actuator.
+         *
+         *     Limits: position [rad], rate [rad/s], acceleration [rad/s2].
          */
         get: operations["check_design"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/designs/{design_id}/target-modes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Target Modes
+         * @description Compare the band of a design with the structural modes that it targets on an aircraft.
+         */
+        get: operations["get_target_modes"];
         put?: never;
         post?: never;
         delete?: never;
@@ -3834,6 +3883,12 @@ export interface components {
              * @description Where the mapping names none.
              */
             aircraft_id?: number | null;
+            /**
+             * Confirmed
+             * @description What the mapping, or that of a known form, guesses is right.
+             * @default false
+             */
+            confirmed: boolean;
         };
         /**
          * Butterworth
@@ -3984,7 +4039,9 @@ export interface components {
          * @description One channel; what cannot be told is None.
          *
          *     ``signal_to_noise_db`` is the median over the lines, ``coherence`` that with what all
-         *     other sensors say, ``noise_excess`` what it disagrees with them by over its known noise.
+         *     other sensors say, ``noise_excess`` what it disagrees with them by, over its noise and one
+         *     per cent of its level. ``not_checked`` is the reason why an output could not be checked
+         *     against the others: nothing is concluded of its delay, scale factor and sign.
          *     ``delay_s`` counts from the reference, ``scale`` is recorded over true, ``bias`` in SI.
          *     At most fifty ``stretches`` are listed; ``n_stretches`` counts all.
          */
@@ -4033,11 +4090,14 @@ export interface components {
              * @default []
              */
             stretches: components["schemas"]["FoundStretch"][];
+            /** Not Checked */
+            not_checked?: string | null;
         };
         /**
          * Checked
          * @description What a mapping makes of an upload, with questions where a unit is doubtful.
          *
+         *     ``guesses`` are values that nobody has confirmed; nothing is imported before.
          *     ``rules`` are its ``[[channels]]`` as they are written, for the table of the page.
          */
         Checked: {
@@ -4049,6 +4109,8 @@ export interface components {
             channels: components["schemas"]["MappedChannel"][];
             /** Questions */
             questions: components["schemas"]["Doubt"][];
+            /** Guesses */
+            guesses: components["schemas"]["Guess"][];
             problem: components["schemas"]["flexsid__workflow__describing__Problem"] | null;
         };
         /**
@@ -4140,7 +4202,7 @@ export interface components {
         };
         /**
          * Comparison
-         * @description Rows per derivative, columns per source.
+         * @description Rows per derivative, columns per source; the runs' verdict, and one per prediction.
          */
         Comparison: {
             /** Maneuver Ids */
@@ -4159,6 +4221,18 @@ export interface components {
              * @default []
              */
             setup: components["schemas"]["Setup"][];
+            /**
+             * @default {
+             *       "n_judged": 0,
+             *       "n_consistent": 0
+             *     }
+             */
+            runs_verdict: components["schemas"]["flexsid__records__comparison__Verdict"];
+            /**
+             * Prediction Verdicts
+             * @default []
+             */
+            prediction_verdicts: components["schemas"]["flexsid__records__comparison__Verdict"][];
         };
         /**
          * ComparisonRequest
@@ -4401,6 +4475,8 @@ export interface components {
         /**
          * Crew
          * @description The server that hands out work: who computes, and which runs they are at.
+         *
+         *     ``without_workers_s`` is how long no worker has been connected. [s]
          */
         Crew: {
             /** Server */
@@ -4411,6 +4487,11 @@ export interface components {
             workers: number;
             /** Running */
             running: number[];
+            /**
+             * Without Workers S
+             * @default 0
+             */
+            without_workers_s: number;
         };
         /**
          * CutRequest
@@ -4425,12 +4506,8 @@ export interface components {
             stop_s: number;
             /** Fta */
             fta?: number | null;
-            /**
-             * Axis
-             * @default longitudinal
-             * @enum {string}
-             */
-            axis: "longitudinal" | "lateral";
+            /** Axis */
+            axis?: ("longitudinal" | "lateral") | null;
             /**
              * Note
              * @default
@@ -4675,6 +4752,9 @@ export interface components {
         /**
          * DesignRequest
          * @description A row of Table 1 by ``fta``, or ``inputs`` by their harmonics, or ``bands``.
+         *
+         *     ``peaks`` are the largest commands of an input with relative peak 1 in radians, at most 60 deg.
+         *     With ``aircraft_id`` the harmonics of a row reach its target modes on that aircraft.
          */
         DesignRequest: {
             /** Name */
@@ -4691,6 +4771,8 @@ export interface components {
             ];
             /** Fta */
             fta?: number | null;
+            /** Aircraft Id */
+            aircraft_id?: number | null;
             /**
              * First Harmonic
              * @default 1
@@ -4821,6 +4903,10 @@ export interface components {
          *     Of those that wait, the one with the highest ``priority`` starts first, and none
          *     before ``after_run_id`` has succeeded. ``data_hash`` names what was recorded and
          *     assumed, ``input_hash`` that and all that was asked for: equal inputs are one run.
+         *     ``rests_on`` are the hashes of the records it was computed from (None: not recorded, by an
+         *     earlier release). ``result_hash`` was kept with the result; ``altered`` tells that the
+         *     result, or what was asked for, is not any more what it was then.
+         *     ``proposal`` is there where the model structure is the one that was proposed.
          */
         EstimationRun: {
             /** Maneuver Id */
@@ -4882,6 +4968,18 @@ export interface components {
             input_hash?: string | null;
             /** Worker */
             worker?: string | null;
+            /** Rests On */
+            rests_on?: {
+                [key: string]: string;
+            } | null;
+            /** Result Hash */
+            result_hash?: string | null;
+            /**
+             * Altered
+             * @default false
+             */
+            altered: boolean;
+            proposal?: components["schemas"]["ProposalBasis"] | null;
             /** Id */
             id?: number | null;
         };
@@ -4976,8 +5074,9 @@ export interface components {
          * ExpectedMode
          * @description How well a design shows a mode: the best output around its frequency.
          *
-         *     ``lines`` are those within the mode's half-power band or next to it;
-         *     ``signal_to_noise`` is the amplitude ratio of ``output`` there. [Hz], [1], [1]
+         *     ``lines`` are those within the mode's half-power band; ``signal_to_noise`` is the amplitude
+         *     ratio of ``output`` there or at the nearest lines. Both are None where no line excites the
+         *     mode. [Hz], [1], [1]
          */
         ExpectedMode: {
             /** Name */
@@ -4989,9 +5088,9 @@ export interface components {
             /** Lines */
             lines: number;
             /** Output */
-            output: string;
+            output: string | null;
             /** Signal To Noise */
-            signal_to_noise: number;
+            signal_to_noise: number | null;
         };
         /**
          * ExpectedSummary
@@ -5284,13 +5383,22 @@ export interface components {
          * @description The answer to "next point at V: margin, and how sure"; ``safe`` if nothing is against it.
          *
          *     ``airspeed_std_m_s`` is statistical, ``spread_m_s`` the standard deviation between model
-         *     structures; ``low_m_s`` to ``high_m_s`` holds the flutter speed with 95 % probability.
-         *     ``margin`` is that of the fastest point flown, ``known_m_s`` what the aircraft's table
-         *     predicted before flight.
+         *     structures, ``modal_std_m_s`` that from the frequencies of the modal table; ``low_m_s`` to
+         *     ``high_m_s`` holds the flutter speed with 95 % probability. ``margin`` is that of the fastest
+         *     point flown, ``known_m_s`` what the aircraft's table predicted before flight. ``refusal`` says
+         *     why no flutter speed is taken from a model that flight contradicts, or whose unstable root the
+         *     data do not determine; empty otherwise. Instabilities were searched from ``searched_from_m_s``
+         *     to ``searched_to_m_s``.
          */
         Flutter: {
             /** Sentence */
             sentence: string;
+            /** Refusal */
+            refusal: string;
+            /** Searched From M S */
+            searched_from_m_s: number;
+            /** Searched To M S */
+            searched_to_m_s: number;
             /** Next Point */
             next_point: string;
             /** Safe */
@@ -5311,6 +5419,8 @@ export interface components {
             airspeed_std_m_s: number | null;
             /** Spread M S */
             spread_m_s: number;
+            /** Modal Std M S */
+            modal_std_m_s: number;
             /** Low M S */
             low_m_s: number | null;
             /** High M S */
@@ -5339,6 +5449,10 @@ export interface components {
         /**
          * FlutterPoint
          * @description Where a root of a flutter analysis loses its damping.
+         *
+         *     ``analysis`` names what it is of: subcase, symmetry, Mach number, density, method. Where
+         *     ``is_bound``, the root was not seen stable at a lower speed: it goes unstable at or below
+         *     ``airspeed_m_s``. ``density_ratio`` and ``mach`` are None where the file gives none.
          */
         FlutterPoint: {
             /** Root */
@@ -5347,13 +5461,31 @@ export interface components {
             airspeed_m_s: number;
             /** Omega Rad S */
             omega_rad_s: number;
+            /** @default flutter */
+            kind: components["schemas"]["Instability"];
+            /**
+             * Is Bound
+             * @default false
+             */
+            is_bound: boolean;
+            /**
+             * Analysis
+             * @default
+             */
+            analysis: string;
+            /** Mach */
+            mach?: number | null;
+            /** Density Ratio */
+            density_ratio?: number | null;
         };
         /**
          * FlutterSummary
          * @description Roots of a flutter analysis (Nastran SOL 145) against airspeed.
          *
-         *     ``arrays`` names ``root`` (N,), ``airspeed`` (N,) [m/s], ``damping`` (N,) structural
-         *     damping g [1], ``omega`` (N,) [rad/s] and, where printed, ``density`` (N,).
+         *     ``arrays`` names ``analysis`` (N,), ``root`` (N,), ``airspeed`` (N,) [m/s], ``damping``
+         *     (N,) structural damping g [1], ``omega`` and ``growth`` (N,), imaginary and real part of the
+         *     root [rad/s, 1/s], and, where printed, ``density`` and ``mach`` (N,). A root is one of its
+         *     analysis only. ``notes`` name the analyses, and what no speed is read from.
          */
         FlutterSummary: {
             /** Aircraft Id */
@@ -5636,18 +5768,40 @@ export interface components {
             items: components["schemas"]["GroundTest"][];
         };
         /**
+         * Guess
+         * @description A value that nobody has confirmed, at its key, and the consequence of taking it.
+         */
+        Guess: {
+            kind: components["schemas"]["GuessKind"];
+            /** Key */
+            key: string;
+            /** Value */
+            value: string;
+            /** Consequence */
+            consequence: string;
+        };
+        /**
+         * GuessKind
+         * @description What a guess is about.
+         * @enum {string}
+         */
+        GuessKind: "aircraft" | "flight" | "clock" | "unit" | "role" | "condition";
+        /**
          * Health
-         * @description That the server works, and with which database.
+         * @description How the workbench is, and its parts: database, dispatcher, workers, clock.
+         *
+         *     ``status`` is ok, or degraded where a part is.
          */
         Health: {
-            /** Status */
-            status: string;
+            status: components["schemas"]["PartState"];
             /** Version */
             version: string;
             /** Database */
             database: string;
             /** Migration */
             migration: string;
+            /** Parts */
+            parts: components["schemas"]["PartHealth"][];
         };
         /**
          * HeldBy
@@ -5740,6 +5894,12 @@ export interface components {
             power?: number[] | null;
         };
         /**
+         * Instability
+         * @description How a root of a flutter analysis goes unstable.
+         * @enum {string}
+         */
+        Instability: "flutter" | "divergence";
+        /**
          * Instrument
          * @description A chain of elements followed by a pure delay. [s]
          */
@@ -5757,7 +5917,10 @@ export interface components {
         };
         /**
          * Iteration
-         * @description One step of the maximisation.
+         * @description One step of the maximisation; the first one of a stage is where it starts.
+         *
+         *     Stages after the first fit lines that were corrected anew for the ends of the record: costs
+         *     of different stages are of different data and cannot be compared.
          */
         Iteration: {
             /** Iteration */
@@ -5766,6 +5929,11 @@ export interface components {
             cost: number;
             /** Step */
             step: number;
+            /**
+             * Stage
+             * @default 0
+             */
+            stage: number;
         };
         /**
          * Job
@@ -6402,6 +6570,29 @@ export interface components {
             id?: number | null;
         };
         /**
+         * ModeInBand
+         * @description A symmetric mode in the excited band or just above it.
+         *
+         *     ``air_frequency_hz`` and ``half_power_hz`` (full width at half power) are predicted at the
+         *     condition of the maneuver; without a prediction the width is that in vacuo.
+         */
+        ModeInBand: {
+            /** Number */
+            number: number;
+            /** Name */
+            name: string;
+            /** Frequency Hz */
+            frequency_hz: number;
+            /** Air Frequency Hz */
+            air_frequency_hz: number | null;
+            /** Half Power Hz */
+            half_power_hz: number;
+            /** In Band */
+            in_band: boolean;
+            /** Proposed */
+            proposed: boolean;
+        };
+        /**
          * ModeList
          * @description Modes of a table at one fuel fraction, in order of frequency.
          */
@@ -6727,7 +6918,7 @@ export interface components {
         };
         /**
          * ParameterEstimate
-         * @description One estimated derivative or delay; ``std_error`` is None where it is not identifiable.
+         * @description One estimated derivative or delay; ``no_error`` says why ``std_error`` is None.
          */
         ParameterEstimate: {
             /** Name */
@@ -6742,7 +6933,26 @@ export interface components {
             cramer_rao?: number | null;
             /** Insensitivity */
             insensitivity?: number | null;
+            /** No Error */
+            no_error?: string | null;
         };
+        /**
+         * PartHealth
+         * @description One part of the workbench, how it is, and where it is not well what to do.
+         */
+        PartHealth: {
+            /** Name */
+            name: string;
+            state: components["schemas"]["PartState"];
+            /** Text */
+            text: string;
+        };
+        /**
+         * PartState
+         * @description How a part of the workbench is.
+         * @enum {string}
+         */
+        PartState: "ok" | "starting" | "degraded";
         /**
          * Participation
          * @description Share of one motion in the root that becomes unstable.
@@ -6973,6 +7183,31 @@ export interface components {
             fitting: string[];
         };
         /**
+         * ProposalBasis
+         * @description Why a run has its model structure, where it follows the proposal; kept with the run.
+         *
+         *     ``decision_id`` names the approval of a baseline, ``run_id`` the run of the same FTA that
+         *     used a saved structure.
+         */
+        ProposalBasis: {
+            source: components["schemas"]["ProposalSource"];
+            /** Reasons */
+            reasons: string[];
+            /** Band Hz */
+            band_hz: [
+                number,
+                number
+            ];
+            /** Decision Id */
+            decision_id?: number | null;
+            /** Structure Id */
+            structure_id?: number | null;
+            /** Structure Version */
+            structure_version?: number | null;
+            /** Run Id */
+            run_id?: number | null;
+        };
+        /**
          * ProposalRequest
          * @description A model structure for a range of conditions, and what speaks for it.
          *
@@ -7008,6 +7243,12 @@ export interface components {
              */
             figure_ids: number[];
         };
+        /**
+         * ProposalSource
+         * @description What a proposal rests on, the strongest first.
+         * @enum {string}
+         */
+        ProposalSource: "approved-baseline" | "saved-structure" | "band";
         /**
          * QualityItem
          * @description One line of the list; verdict, summary and figures are None until it was looked at.
@@ -7340,9 +7581,10 @@ export interface components {
          * @description One derivative; ``values`` follow the order of the sources, None where one has no say.
          *
          *     ``max_difference_sigma`` is the largest |a - b| / sqrt(sigma_a^2 + sigma_b^2) over
-         *     pairs of sources with a standard error; ``consistent`` says that it is at most 2.
-         *     ``mean`` is that of those sources, weighted by their errors, ``chi_square`` their
-         *     scatter about it and ``probability`` that of a scatter at least as large.
+         *     pairs of runs with a standard error; ``consistent`` says that it is at most 2.
+         *     ``mean`` is that of those runs, weighted by their errors, ``chi_square`` their
+         *     scatter about it and ``probability`` that of a scatter at least as large. Predictions
+         *     take no part: each is judged against the runs in its own value.
          */
         Row: {
             /** Name */
@@ -7391,6 +7633,9 @@ export interface components {
          * Run
          * @description An estimation run; ``parameters``, ``fit`` and ``poles`` are there once it succeeded.
          *
+         *     ``altered`` means that the result, or what was asked for, does not match the hash that
+         *     was kept with it; ``changed_since`` names data that were corrected since the run was
+         *     computed, null where an earlier release did not record what it was computed from.
          *     ``repeated`` tells who asked for it that the same run had been asked for before.
          */
         Run: {
@@ -7455,6 +7700,11 @@ export interface components {
             input_hash: string | null;
             /** Worker */
             worker: string | null;
+            /** Altered */
+            altered: boolean;
+            /** Changed Since */
+            changed_since: string[] | null;
+            proposal?: components["schemas"]["ProposalBasis"] | null;
             /** Repeated */
             repeated: boolean;
         };
@@ -7525,8 +7775,8 @@ export interface components {
          * RunForecast
          * @description Flutter speed of one run, against the speed at which it was flown.
          *
-         *     ``separation`` is the lowest elastic over the short-period frequency there; None where the
-         *     short period does not oscillate.
+         *     ``sentence`` says why there is none where it is None. ``separation`` is the lowest elastic over
+         *     the short-period frequency there; None where the short period does not oscillate.
          */
         RunForecast: {
             /** Run Id */
@@ -7539,6 +7789,8 @@ export interface components {
             airspeed_m_s: number | null;
             /** Airspeed Std M S */
             airspeed_std_m_s: number | null;
+            /** Sentence */
+            sentence: string;
             /** Separation */
             separation: number | null;
         };
@@ -7611,6 +7863,8 @@ export interface components {
             finished_at: string | null;
             /** Deleted At */
             deleted_at: string | null;
+            /** Changed Since */
+            changed_since: string[];
         };
         /**
          * RunList
@@ -7627,7 +7881,9 @@ export interface components {
          * @description An estimate with its label.
          *
          *     ``cramer_rao`` is the bound for white residuals, ``insensitivity`` the standard
-         *     error that was left if all other parameters were known.
+         *     error that was left if all other parameters were known. ``no_error`` says why there is
+         *     no standard error: the fit did not converge, or the parameter ended at its limit, or it is
+         *     not identifiable.
          */
         RunParameter: {
             /** Name */
@@ -7644,6 +7900,42 @@ export interface components {
             cramer_rao: number | null;
             /** Insensitivity */
             insensitivity: number | null;
+            /** No Error */
+            no_error: string | null;
+        };
+        /**
+         * RunProposal
+         * @description Modes, inputs, outputs, band and options of a run, and what it asks of the data.
+         *
+         *     ``inputs`` and ``outputs`` are what the empty ones of the structure stand for;
+         *     ``lines_per_parameter`` counts excited frequencies for each parameter of one equation.
+         */
+        RunProposal: {
+            /** Maneuver Id */
+            maneuver_id: number;
+            basis: components["schemas"]["ProposalBasis"];
+            structure: components["schemas"]["Structure"];
+            settings: components["schemas"]["RunSettings"];
+            /** Inputs */
+            inputs: string[];
+            /** Outputs */
+            outputs: string[];
+            /** Modes */
+            modes: components["schemas"]["ModeInBand"][];
+            /** N Parameters */
+            n_parameters: number;
+            /** N Lines */
+            n_lines: number;
+            /** Lines Per Input */
+            lines_per_input: {
+                [key: string]: number;
+            };
+            /** Lines Per Parameter */
+            lines_per_parameter: number;
+            /** Resolution Hz */
+            resolution_hz: number;
+            /** Warnings */
+            warnings: string[];
         };
         /**
          * RunRequest
@@ -8273,6 +8565,8 @@ export interface components {
         /**
          * Source
          * @description One column of a comparison; ``kind`` is OE, FRE, EE or prediction.
+         *
+         *     ``changed_since`` names data of a run that were corrected after it was computed.
          */
         Source: {
             /** Key */
@@ -8285,10 +8579,19 @@ export interface components {
             run_id?: number | null;
             /** Prediction Id */
             prediction_id?: number | null;
+            /**
+             * Changed Since
+             * @default []
+             */
+            changed_since: string[];
         };
         /**
          * SourceValue
          * @description What one source says about a derivative; ``std_error`` is None where it gives none.
+         *
+         *     Of a prediction, ``difference_sigma`` is the largest |prediction - run| over the runs, in
+         *     combined standard errors, and ``consistent`` whether that is at most 2; None of a run, and
+         *     where one of the two has no standard error.
          */
         SourceValue: {
             /** Key */
@@ -8297,6 +8600,10 @@ export interface components {
             value: number;
             /** Std Error */
             std_error?: number | null;
+            /** Difference Sigma */
+            difference_sigma?: number | null;
+            /** Consistent */
+            consistent?: boolean | null;
         };
         /**
          * StaleProposal
@@ -8558,7 +8865,7 @@ export interface components {
          *     were carried in a second fit; ``left_out_modes`` are known to a prediction but not to the
          *     model, whose derivatives hold their static response. ``check`` is a second fit with one mode
          *     fewer, of which half of the difference counts. ``airspeed_m_s`` is None where the model stays
-         *     stable.
+         *     stable, or flight contradicts it; ``airspeed_std_m_s`` counts the modal frequencies too.
          */
         StructureForecast: {
             /** Run Ids */
@@ -8782,12 +9089,12 @@ export interface components {
         };
         /**
          * Surface
-         * @description A control surface, or a symmetric pair moved as one.
+         * @description A control surface, or a pair moved as one.
          *
-         *     ``instrument`` lies between the true deflection and its recording. Where the
-         *     command was recorded instead, ``actuator`` turns it into the true deflection.
-         *     ``servo`` lies between command and deflection where both were recorded; control loops
-         *     are broken in front of it.
+         *     ``symmetry`` of None leaves it to the name; see ``symmetry_of``. ``instrument`` lies
+         *     between the true deflection and its recording. Where the command was recorded instead,
+         *     ``actuator`` turns it into the true deflection. ``servo`` lies between command and
+         *     deflection where both were recorded; control loops are broken in front of it.
          */
         Surface: {
             /** Name */
@@ -8800,6 +9107,42 @@ export interface components {
             servo?: string | null;
             /** Noise Std Rad */
             noise_std_rad?: number | null;
+            /** Symmetry */
+            symmetry?: ("symmetric" | "antisymmetric" | "single") | null;
+        };
+        /**
+         * TargetMode
+         * @description A structural mode that a design targets, with its frequencies over fuel. [Hz]
+         *
+         *     ``group`` is LE or HE of Table 1, or "all" for a design that is no row of it.
+         */
+        TargetMode: {
+            /** Number */
+            number: number;
+            /** Name */
+            name: string;
+            /** Group */
+            group: string;
+            /** Low Hz */
+            low_hz: number;
+            /** High Hz */
+            high_hz: number;
+            /** In Band */
+            in_band: boolean;
+        };
+        /**
+         * TargetModes
+         * @description The band of a design [Hz] and the structural modes it targets; ``sentence`` compares them.
+         */
+        TargetModes: {
+            /** Low Hz */
+            low_hz: number;
+            /** High Hz */
+            high_hz: number;
+            /** Modes */
+            modes: components["schemas"]["TargetMode"][];
+            /** Sentence */
+            sentence: string;
         };
         /**
          * Task
@@ -9046,13 +9389,18 @@ export interface components {
         };
         /**
          * UploadMappingRequest
-         * @description A mapping, as TOML, for the files of an upload.
+         * @description A mapping, as TOML, for the files of an upload; ``confirmed``: its guesses are right.
          */
         UploadMappingRequest: {
             /** Mapping */
             mapping: string;
             /** Aircraft Id */
             aircraft_id?: number | null;
+            /**
+             * Confirmed
+             * @default false
+             */
+            confirmed: boolean;
         };
         /**
          * UploadState
@@ -9168,16 +9516,37 @@ export interface components {
         };
         /**
          * Verdict
+         * @description How many of the derivatives that can be judged agree within 2 combined standard errors.
+         *
+         *     ``source`` is the key of the prediction that is judged against the runs; None of the runs
+         *     judged among each other.
+         */
+        flexsid__records__comparison__Verdict: {
+            /** Source */
+            source?: string | null;
+            /**
+             * N Judged
+             * @default 0
+             */
+            n_judged: number;
+            /**
+             * N Consistent
+             * @default 0
+             */
+            n_consistent: number;
+        };
+        /**
+         * Verdict
          * @description What a pair of ground records says of the structure.
          * @enum {string}
          */
         flexsid__records__ground_test__Verdict: "healthy" | "watch" | "alarm";
         /**
          * Verdict
-         * @description Whether a maneuver may be estimated from.
+         * @description Whether a maneuver may be estimated from; ``unchecked`` where this cannot be concluded.
          * @enum {string}
          */
-        flexsid__records__quality__Verdict: "good" | "doubtful" | "bad";
+        flexsid__records__quality__Verdict: "good" | "doubtful" | "bad" | "unchecked";
         /**
          * FoundFile
          * @description One file of an upload.
@@ -9833,6 +10202,43 @@ export interface operations {
             };
         };
     };
+    get_run_proposal: {
+        parameters: {
+            query?: {
+                low_hz?: number | null;
+                high_hz?: number | null;
+                /** @description Ids of maneuvers fitted together with it, by commas. */
+                together_with?: string | null;
+            };
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                maneuver_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RunProposal"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
     get_quality: {
         parameters: {
             query?: never;
@@ -9979,7 +10385,7 @@ export interface operations {
                 aircraft_id?: number | null;
                 flight_id?: number | null;
                 /** @description `missing` for maneuvers nobody has looked at. */
-                verdict?: ("good" | "doubtful" | "bad" | "missing") | null;
+                verdict?: ("good" | "doubtful" | "bad" | "unchecked" | "missing") | null;
                 search?: string | null;
                 /** @description `-` for falling order, then one of airspeed_drift, airspeed_ratio, flight_number, fuel_change, label, largest_skew_s, least_coherence, max_input_correlation, n_stretches, saturated, signal_to_noise_db, verdict. */
                 sort?: string;
@@ -13598,7 +14004,9 @@ export interface operations {
                 natural_frequency: number;
                 damping?: number;
                 delay_s?: number;
+                /** @description [rad], at most 1.05 (60 deg). */
                 position?: number | null;
+                /** @description [rad/s], at most 50 (2900 deg/s). */
                 rate?: number | null;
                 acceleration?: number | null;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
@@ -13620,6 +14028,40 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["DesignChecks"];
+                };
+            };
+            /** @description Client Error */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                };
+            };
+        };
+    };
+    get_target_modes: {
+        parameters: {
+            query: {
+                aircraft_id: number;
+            };
+            header?: never;
+            path: {
+                /** @description Id of the record. */
+                design_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TargetModes"];
                 };
             };
             /** @description Client Error */
@@ -13745,6 +14187,7 @@ export interface operations {
         parameters: {
             query: {
                 run_id: number;
+                /** @description [rad], at most 1.05 (60 deg). */
                 deflection?: number | null;
                 load_factor?: number | null;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */

@@ -3,7 +3,7 @@ import { Outlet } from "@tanstack/react-router";
 import { useLive } from "../api/live";
 import { AnalystMenu } from "./AnalystMenu";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
-import { Health, LostConnection } from "./Health";
+import { Degraded, Health, LostConnection } from "./Health";
 import { Keyboard } from "./Keyboard";
 import { MainNav } from "./MainNav";
 import { NoticeBar } from "./NoticeBar";
@@ -35,6 +35,7 @@ export function AppFrame() {
       <AppShell.Main>
         <div className="page" id="content" tabIndex={-1}>
           <LostConnection />
+          <Degraded />
           <Outlet />
         </div>
       </AppShell.Main>

@@ -19,7 +19,7 @@ export function CompareAgreement({ comparison, view, onChange, onRun }: CompareT
     <Stack gap="md" style={{ minWidth: 0 }}>
       <Section
         title="Forest plot"
-        note="Estimates with ±2σ; the band is their weighted mean with ±2σ"
+        note="Values with ±2σ; the band is the weighted mean of the runs with ±2σ"
         actions={
           <DerivativeSelect
             names={names}
@@ -62,7 +62,7 @@ export function CompareAgreement({ comparison, view, onChange, onRun }: CompareT
       {judged.length > 0 && (
         <Section
           title="Every derivative"
-          note="Scatter of all estimates about their weighted mean; unlikely ones are marked"
+          note="Scatter of the runs about their weighted mean; unlikely ones are marked"
         >
           <DataTable
             label="Scatter of every derivative"

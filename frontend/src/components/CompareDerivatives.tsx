@@ -1,10 +1,15 @@
-import { Button, Group, SegmentedControl, Select, Stack, Switch, Text } from "@mantine/core";
-import type { Comparison } from "../api/types";
+import { Alert, Button, Group, SegmentedControl, Select, Stack, Switch } from "@mantine/core";
+import type { Comparison, ComparisonRow } from "../api/types";
 import { coefficientsIn, parseDerivative } from "../lib/derivatives";
 import type { CompareView } from "../views";
 import { ComparisonTable } from "./ComparisonTable";
+import { ComparisonVerdicts } from "./ComparisonVerdicts";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
+
+/** Whether runs differ among each other, or a prediction from a run. */
+const differs = (row: ComparisonRow) =>
+  row.consistent === false || row.values.some((value) => value?.consistent === false);
 
 export interface CompareTabProps {
   comparison: Comparison;
@@ -22,15 +27,25 @@ export function CompareDerivatives({ comparison, view, onChange, onRun }: Compar
   const all = view.coefficient === "all";
   const drawn = all ? coefficients : coefficient === undefined ? [] : [coefficient];
   const rows = comparison.rows.filter((row) => {
-    if (view.differences === true && row.consistent !== false) return false;
+    if (view.differences === true && !differs(row)) return false;
     return all || parseDerivative(row.name)?.coefficient === coefficient;
   });
-  const inconsistent = comparison.rows.filter((row) => row.consistent === false).length;
-  const judged = comparison.rows.filter((row) => row.consistent != null).length;
   const baseline = sources.findIndex((source) => source.key === view.baseline);
+
+  const late = sources.filter((source) => source.changed_since.length > 0);
 
   return (
     <Stack gap="md" style={{ minWidth: 0 }}>
+      {late.length > 0 && (
+        <Alert color="yellow" variant="light" title="Data changed since">
+          {late
+            .map(
+              (source) => `${source.label} was computed before ${source.changed_since.join(", ")}`,
+            )
+            .join("; ")}{" "}
+          changed; estimate again.
+        </Alert>
+      )}
       <Group justify="space-between">
         <SegmentedControl
           aria-label="Coefficient"
@@ -40,11 +55,7 @@ export function CompareDerivatives({ comparison, view, onChange, onRun }: Compar
             onChange({ coefficient: next });
           }}
         />
-        <Text size="sm" className="quiet numbers">
-          {judged > 0
-            ? `${judged - inconsistent} of ${judged} derivatives agree within 2σ between runs`
-            : "Two runs are needed to judge consistency"}
-        </Text>
+        <ComparisonVerdicts comparison={comparison} />
       </Group>
       <div className="panel" style={{ padding: 12 }}>
         {drawn.map((one) => (

@@ -27,7 +27,7 @@ export function ComparisonTable({ sources, rows, baseline }: Props) {
     {
       key: "difference",
       header: (
-        <span title="Largest difference between two runs, in their joint σ">Largest diff.</span>
+        <span title="Largest difference between two runs, in their joint σ">Runs differ</span>
       ),
       unit: "σ",
       numeric: true,
@@ -35,7 +35,9 @@ export function ComparisonTable({ sources, rows, baseline }: Props) {
     },
     {
       key: "consistent",
-      header: "Consistent",
+      header: (
+        <span title="Of the runs among each other; predictions take no part">Consistent</span>
+      ),
       render: (row) =>
         row.consistent == null ? (
           <span className="quiet">–</span>
@@ -64,8 +66,12 @@ export function ComparisonTable({ sources, rows, baseline }: Props) {
         const { value, error } = withError(cell.value, cell.std_error);
         const base = baseline === undefined || baseline === place ? null : row.values[baseline];
         return (
-          <span style={{ whiteSpace: "nowrap" }}>
-            {value}
+          <span
+            style={{ whiteSpace: "nowrap" }}
+            title={departure(cell)}
+            data-departs={cell.consistent === false}
+          >
+            <span style={cell.consistent === false ? DEPARTS : undefined}>{value}</span>
             {cell.std_error != null && <span className="quiet"> ± {error}</span>}
             {base != null && <Difference from={base} to={cell} />}
           </span>
@@ -86,6 +92,14 @@ export function ComparisonTable({ sources, rows, baseline }: Props) {
 }
 
 type Cell = NonNullable<ComparisonRow["values"][number]>;
+
+const DEPARTS = { color: "var(--page-warn)" };
+
+/** How far a prediction is from the run that it differs from most. */
+const departure = (cell: Cell) =>
+  cell.difference_sigma == null
+    ? undefined
+    : `Up to ${fixed(cell.difference_sigma, 1)}σ from the runs`;
 
 /** In joint standard errors where there are any, else in percent. */
 function Difference({ from, to }: { from: Cell; to: Cell }) {

@@ -1,8 +1,10 @@
-import { Alert, Button, Group, NumberInput, Stack, TextInput } from "@mantine/core";
+import { Alert, Button, Group, NumberInput, Select, Stack, TextInput } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
 import { useState } from "react";
 import { useCut } from "../api/commands";
 import { ProblemAlert } from "./ProblemAlert";
+
+const AXES = ["longitudinal", "lateral"] as const;
 
 interface Props {
   flightId: number;
@@ -19,6 +21,7 @@ export function CutForm({ flightId, window, label: offered, fta: number, onWindo
   const [start, setStart] = useState<number | string>(rounded(window?.[0]));
   const [stop, setStop] = useState<number | string>(rounded(window?.[1]));
   const [known, setKnown] = useState({ window, offered, number });
+  const [axis, setAxis] = useState<(typeof AXES)[number] | null>(null);
   const cut = useCut(flightId);
   if (known.window?.join() !== window?.join()) {
     // Brushed, or another address: what was typed beside the window stays.
@@ -79,6 +82,16 @@ export function CutForm({ flightId, window, label: offered, fta: number, onWindo
         allowDecimal={false}
         min={0}
       />
+      <Select
+        label="Axis"
+        placeholder="as the channels show"
+        data={AXES}
+        value={axis}
+        onChange={(value) => {
+          setAxis(AXES.find((one) => one === value) ?? null);
+        }}
+        clearable
+      />
       <Button
         disabled={!ready}
         loading={cut.isPending}
@@ -91,7 +104,7 @@ export function CutForm({ flightId, window, label: offered, fta: number, onWindo
               start_s: start,
               stop_s: stop,
               fta: typeof fta === "number" ? fta : null,
-              axis: "longitudinal",
+              axis,
               note: "",
             },
           ]);

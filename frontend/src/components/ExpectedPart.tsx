@@ -48,13 +48,14 @@ const MODE_COLUMNS: Column<ExpectedMode>[] = [
     numeric: true,
     render: (mode) => mode.lines,
   },
-  { key: "output", header: "Seen best by", render: (mode) => mode.output },
+  { key: "output", header: "Seen best by", render: (mode) => mode.output ?? "not excited" },
   {
     key: "signal",
     header: "Signal over noise",
     unit: "dB",
     numeric: true,
-    render: (mode) => fixed(20 * Math.log10(mode.signal_to_noise), 1),
+    render: (mode) =>
+      fixed(mode.signal_to_noise === null ? null : 20 * Math.log10(mode.signal_to_noise), 1),
   },
 ];
 

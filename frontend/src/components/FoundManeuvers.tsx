@@ -106,7 +106,7 @@ const wanted = (one: FoundManeuver) => ({
   start_s: one.start_s,
   stop_s: one.stop_s,
   fta: one.fta,
-  axis: "longitudinal" as const,
+  axis: null,
   note: "",
 });
 

@@ -7,7 +7,8 @@ import { healthQuery } from "../api/queries";
 /** Whether the server answers, and which version it is. */
 export function Health() {
   const { data, isError, isPending } = useQuery(healthQuery);
-  const color = isError ? "red" : isPending ? "gray" : "teal";
+  const degraded = data?.status === "degraded";
+  const color = isError ? "red" : isPending ? "gray" : degraded ? "yellow" : "teal";
   const label = isError ? "Not reachable, retrying" : isPending ? "Connecting" : data.version;
   return (
     <Tooltip label={isError ? "The server does not answer" : "Server version"}>
@@ -25,6 +26,27 @@ export function Health() {
         </Text>
       </Group>
     </Tooltip>
+  );
+}
+
+/** What of the workbench is not well: nobody computes, or the clock is behind. */
+export function Degraded() {
+  const { data, isError } = useQuery(healthQuery);
+  if (isError || data?.status !== "degraded") return null;
+  const parts = data.parts.filter((part) => part.state === "degraded");
+  return (
+    <Alert
+      color="yellow"
+      variant="light"
+      role="alert"
+      mb="md"
+      title={`Not working: ${parts.map((part) => part.name).join(", ")}`}
+      data-testid="degraded"
+    >
+      {parts.map((part) => (
+        <div key={part.name}>{part.text}</div>
+      ))}
+    </Alert>
   );
 }
 

@@ -22,6 +22,7 @@ import { useDraft } from "../lib/useDraft";
 import { IMPORT_FORMS } from "../views";
 import { FoundFields } from "./FoundFields";
 import { ImportProgress } from "./ImportProgress";
+import { MappingGuesses } from "./MappingGuesses";
 import { MappingPreview } from "./MappingPreview";
 import { MappingTable } from "./MappingTable";
 import { ProblemAlert } from "./ProblemAlert";
@@ -43,7 +44,11 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
   const check = useQuery(mappingCheckQuery(id, settled));
   const checked = check.data;
   const current = settled === text && !check.isPlaceholderData;
-  const fine = current && checked?.problem === null && checked.questions.length === 0;
+  const fine =
+    current &&
+    checked?.problem === null &&
+    checked.questions.length === 0 &&
+    checked.guesses.length === 0;
 
   return (
     <Stack gap="md">
@@ -104,6 +109,9 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
           )}
           {check.isError && <ProblemAlert error={check.error} />}
           {checked !== undefined && <Remarks checked={checked} text={text} onChange={setText} />}
+          {checked !== undefined && checked.guesses.length > 0 && (
+            <MappingGuesses guesses={checked.guesses} text={text} onChange={setText} />
+          )}
         </Stack>
       </Section>
       {checked?.problem === null && checked.channels.length > 0 && (

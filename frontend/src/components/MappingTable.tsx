@@ -1,6 +1,6 @@
 import { ActionIcon, Checkbox, NativeSelect, TextInput } from "@mantine/core";
 import type { CheckedMapping } from "../api/types";
-import { isGuessed, removeTable, setKey } from "../lib/mappingText";
+import { guessedKeys, removeTable, setKey } from "../lib/mappingText";
 import { DataTable, type Column } from "./DataTable";
 
 interface Props {
@@ -25,6 +25,8 @@ export function MappingTable({ checked, text, onChange, shown, onShow }: Props) 
   const doubtful = new Set(checked.questions.map((doubt) => doubt.channel));
   const name = ({ rule }: Row) => word(rule["name"]) || word(rule["column"]);
   const made = (row: Row) => checked.channels.find((channel) => channel.name === name(row));
+  const guessed = (row: Row, key: string) =>
+    guessedKeys(text, "channels", row.nth).includes(key) ? "guessed" : undefined;
   const set = (row: Row, key: string, value: string | number | undefined) => {
     onChange(setKey(text, "channels", row.nth, key, value));
   };
@@ -80,7 +82,7 @@ export function MappingTable({ checked, text, onChange, shown, onShow }: Props) 
             w={90}
             aria-label={`Unit of ${name(row)}`}
             error={doubtful.has(name(row))}
-            description={isGuessed(text, row.nth) ? "guessed" : undefined}
+            description={guessed(row, "unit")}
             inputWrapperOrder={["input", "description"]}
             value={word(row.rule["unit"])}
             onChange={(event) => {
@@ -97,6 +99,8 @@ export function MappingTable({ checked, text, onChange, shown, onShow }: Props) 
           size="xs"
           aria-label={`Role of ${name(row)}`}
           data={ROLES}
+          description={guessed(row, "role")}
+          inputWrapperOrder={["input", "description"]}
           value={word(row.rule["role"])}
           onChange={(event) => {
             set(row, "role", event.currentTarget.value);

@@ -5,9 +5,12 @@ import { DataTable, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
 import { UnitOf } from "./UnitOf";
 
-/** Less than two standard errors away from zero: its sign is not known. */
+/** Without a standard error, or less than two away from zero: its sign is not known. */
 const isWeak = (parameter: Parameter): boolean =>
-  parameter.std_error == null || Math.abs(parameter.value) < 2 * parameter.std_error;
+  parameter.std_error == null || isNearZero(parameter);
+
+const isNearZero = (parameter: Parameter): boolean =>
+  parameter.std_error != null && Math.abs(parameter.value) < 2 * parameter.std_error;
 
 const nameColumn = (names: readonly string[]): Column<Parameter> => ({
   key: "name",
@@ -78,11 +81,11 @@ const NUMBERS: Column<Parameter>[] = [
           c="var(--page-warn)"
           title={
             one.std_error == null
-              ? "Not identifiable from this record"
+              ? "No standard error is known: see the warnings of the fit"
               : "Not distinguishable from zero: |value| < 2σ"
           }
         >
-          {one.std_error == null ? "not identifiable" : "< 2σ"}
+          {one.std_error == null ? (one.no_error ?? "no σ") : "< 2σ"}
         </Text>
       ),
   },
@@ -113,7 +116,8 @@ interface Props {
 
 /** Estimates with their standard errors. */
 export function ParameterTable({ parameters, sort, onSort }: Props) {
-  const weak = parameters.filter(isWeak).length;
+  const near = parameters.filter(isNearZero).length;
+  const without = parameters.filter((one) => one.std_error == null).length;
   return (
     <>
       <DataTable
@@ -126,7 +130,8 @@ export function ParameterTable({ parameters, sort, onSort }: Props) {
         onSort={onSort}
       />
       <Text size="xs" className="quiet numbers" p="xs">
-        {parameters.length} parameters, {weak} of them within 2σ of zero
+        {parameters.length} parameters, {near} of them within 2σ of zero
+        {without > 0 && `, ${without} without standard error`}
       </Text>
     </>
   );

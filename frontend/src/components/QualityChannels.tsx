@@ -46,6 +46,11 @@ const columns: Column<ChannelQuality>[] = [
       ),
   },
   {
+    key: "checked",
+    header: <span title="Against the other sensors">Checked</span>,
+    render: (one) => <Checked channel={one} />,
+  },
+  {
     key: "bias",
     header: "Bias",
     numeric: true,
@@ -88,6 +93,12 @@ export function QualityChannels({ channels }: { channels: ChannelQuality[] }) {
       maxHeight={520}
     />
   );
+}
+
+function Checked({ channel }: { channel: ChannelQuality }) {
+  if (channel.role !== "output") return "–";
+  if (channel.not_checked === null) return "yes";
+  return <span title={channel.not_checked}>cannot be checked</span>;
 }
 
 const standsOut = (value: number | null, std: number | null) =>

@@ -21,6 +21,7 @@ const TITLES = {
   good: "Good",
   doubtful: "Doubtful: to be looked at first",
   bad: "Bad: not to be estimated from as it is",
+  unchecked: "Cannot be checked",
 } as const;
 
 /** What was found about the recording: verdict, findings, channels, condition, corrections. */
@@ -54,7 +55,9 @@ function Found({ id, quality, shared }: FoundProps) {
           <Text size="sm">{quality.summary}</Text>
         ) : (
           <List size="sm" spacing={2}>
-            {quality.verdict === "good" && <List.Item>{quality.summary}</List.Item>}
+            {(quality.verdict === "good" || quality.verdict === "unchecked") && (
+              <List.Item>{quality.summary}</List.Item>
+            )}
             {report.findings.map((finding, place) => (
               <List.Item key={place} fw={finding.severity === "bad" ? 600 : undefined}>
                 {finding.text}
@@ -90,7 +93,7 @@ function Found({ id, quality, shared }: FoundProps) {
         />
       </div>
       {report.not_checked.length > 0 && (
-        <Section title="Not looked at">
+        <Section title="Not checked">
           <List size="sm">
             {report.not_checked.map((reason) => (
               <List.Item key={reason}>{reason}</List.Item>
@@ -112,7 +115,7 @@ function bandOf(quality: ManeuverQuality): string {
 
 function SkewNote({ quality }: { quality: ManeuverQuality }) {
   const { skew_reference: reference } = quality.report;
-  if (reference === null) return "Skews are not known: the sensors are not redundant here";
+  if (reference === null) return "Not checked against each other";
   return `Skews against ${reference}, from ${bandOf(quality)}; ± are standard errors`;
 }
 

@@ -49,8 +49,14 @@ export function RunActions({ run }: { run: Run }) {
               onClick={() => {
                 saveText(
                   csv([
-                    ["name", "value", "std_error", "start"],
-                    ...run.parameters.map((one) => [one.name, one.value, one.std_error, one.start]),
+                    ["name", "value", "std_error", "no_error", "start"],
+                    ...run.parameters.map((one) => [
+                      one.name,
+                      one.value,
+                      one.std_error,
+                      one.no_error,
+                      one.start,
+                    ]),
                   ]),
                   `flexsid-run-${run.id}-parameters.csv`,
                 );

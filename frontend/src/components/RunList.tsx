@@ -64,7 +64,14 @@ const columns: Column<RunItem>[] = [
   {
     key: "outcome",
     header: "Outcome",
-    render: (run) => run.outcome ?? run.error_code ?? "",
+    render: (run) =>
+      run.changed_since.length > 0 ? (
+        <span title={`Changed since: ${run.changed_since.join(", ")}`}>
+          {run.outcome}, data changed since
+        </span>
+      ) : (
+        (run.outcome ?? run.error_code ?? "")
+      ),
   },
   {
     key: "fit",

@@ -6,6 +6,7 @@ export const VERDICT_COLORS: Record<Verdict, string> = {
   good: "green",
   doubtful: "yellow",
   bad: "red",
+  unchecked: "gray",
 };
 
 /** Whether a maneuver may be estimated from; the word says it, the color only helps. */
@@ -19,7 +20,7 @@ export function VerdictBadge({ verdict }: { verdict: Verdict | null }) {
       miw="max-content"
       data-testid={`verdict-${verdict}`}
     >
-      {verdict}
+      {verdict === "unchecked" ? "cannot be checked" : verdict}
     </Badge>
   );
 }

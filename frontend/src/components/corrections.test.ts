@@ -19,6 +19,7 @@ const sound: ChannelQuality = {
   saturated: 0,
   n_stretches: 0,
   stretches: [],
+  not_checked: null,
 };
 
 test("what does not stand out of its error is not corrected", () => {

@@ -6,6 +6,10 @@ const SIGMAS = 3;
 /** Of some fifty channels one stands out of three by chance. */
 const SKEW_SIGMAS = 4;
 const LEAST_SKEW_S = 1e-3;
+/** Modes that the model has not look like a skew of a surface of up to a millisecond. */
+const LEAST_INPUT_SKEW_S = 3e-3;
+/** Of the scale factors of all sensors one stands out of three by chance, too. */
+const SCALE = { least: 0.02, sigmas: 4 };
 const SURE_S = 5e-3;
 
 /** Delays that stand out of their errors. */
@@ -13,7 +17,8 @@ export function delaysOf(channels: ChannelQuality[], band: string): StepRequest[
   return channels.flatMap((one) => {
     const { delay_s: delay, delay_std: std } = one;
     if (delay === null || std === null) return [];
-    if (std >= SURE_S || Math.abs(delay) <= Math.max(LEAST_SKEW_S, SKEW_SIGMAS * std)) return [];
+    const least = one.role === "input" ? LEAST_INPUT_SKEW_S : LEAST_SKEW_S;
+    if (std >= SURE_S || Math.abs(delay) <= Math.max(least, SKEW_SIGMAS * std)) return [];
     return [
       {
         ...NONE,
@@ -30,7 +35,7 @@ export function delaysOf(channels: ChannelQuality[], band: string): StepRequest[
 /** Scale factors and biases that stand out of their errors. */
 export function calibrationsOf(channels: ChannelQuality[]): StepRequest[] {
   return channels.flatMap((one) => {
-    const scale = sure(one.scale === null ? null : one.scale - 1, one.scale_std);
+    const scale = sure(one.scale === null ? null : one.scale - 1, one.scale_std, SCALE);
     const bias = sure(one.bias, one.bias_std);
     if (scale === 0 && bias === 0) return [];
     return [
@@ -59,6 +64,11 @@ export function repairsOf(channels: ChannelQuality[]): StepRequest[] {
   });
 }
 
-function sure(value: number | null, std: number | null): number {
-  return value !== null && std !== null && Math.abs(value) > SIGMAS * std ? value : 0;
+function sure(
+  value: number | null,
+  std: number | null,
+  { least, sigmas } = { least: 0, sigmas: SIGMAS },
+): number {
+  if (value === null || std === null) return 0;
+  return Math.abs(value) > Math.max(least, sigmas * std) ? value : 0;
 }

@@ -4,6 +4,7 @@ import type {
   ModalTable,
   Prediction,
   Run,
+  RunProposal,
   BatchRequest,
   RunRequest,
   StructureVersion as Origin,
@@ -105,6 +106,7 @@ interface Beginning {
   predictions: Prediction[];
   like?: Run;
   origin?: Origin;
+  proposal?: RunProposal;
   methods?: RunDraft["methods"];
   /** Limits that were brushed [Hz]. */
   band?: [number, number];
@@ -118,7 +120,7 @@ export function firstDraft(beginning: Beginning): RunDraft {
 }
 
 function chosenBefore(beginning: Beginning): RunDraft {
-  const { maneuver, tables, predictions, like, origin, methods } = beginning;
+  const { maneuver, tables, predictions, like, origin, methods, proposal } = beginning;
   const modal = tables.find((one) => one.kind === "FEM");
   const excited = excitedInputs(maneuver);
   const sources = {
@@ -127,14 +129,13 @@ function chosenBefore(beginning: Beginning): RunDraft {
     prediction: predictions[0]?.id ?? null,
   };
   if (like === undefined) {
-    const symmetric = modal?.numbers.filter((_, place) => modal.symmetric[place]) ?? [];
     const draft: RunDraft = {
       ...EMPTY_DRAFT,
       ...sources,
-      modes: symmetric.slice(0, 2),
       ...(methods && methods.length > 0 ? { methods } : {}),
     };
-    return origin === undefined ? draft : withStructure(draft, excited, origin.structure);
+    const structure = origin?.structure ?? proposal?.structure;
+    return structure === undefined ? draft : withStructure(draft, excited, structure);
   }
   const { structure, settings } = like;
   const draft: RunDraft = {

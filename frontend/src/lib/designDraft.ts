@@ -1,4 +1,6 @@
 /** What is typed of a design of one's own, and the request that it becomes. */
+import { significant } from "./format";
+
 export const AXES = ["symmetric", "antisymmetric", "independent"] as const;
 export type Axis = (typeof AXES)[number];
 
@@ -62,6 +64,17 @@ export function inputsOf(draft: DesignDraft): DraftInput[] {
       targets: last?.targets ?? "",
       spectrum: last?.spectrum ?? "",
     }));
+}
+
+/** Lowest to highest frequency of any input of a design [Hz]. */
+export function bandOf({
+  wish,
+}: {
+  wish: { duration_s: number; inputs: { harmonics: number[] }[] };
+}): string {
+  const every = wish.inputs.flatMap((own) => own.harmonics);
+  const [low, high] = [Math.min(...every), Math.max(...every)].map((k) => k / wish.duration_s);
+  return `${significant(low, 2)}–${significant(high, 3)}`;
 }
 
 const RADIAN = Math.PI / 180;

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { isGuessed, readKey, removeTable, setKey } from "./mappingText";
+import { confirmPath, guessedKeys, readKey, removeTable, setKey } from "./mappingText";
 
 const TEXT = `[aircraft]
 name = "X-1"
@@ -9,7 +9,8 @@ number = 7  # the first
 
 [[channels]]
 column = "bf"
-unit = "deg"  # guessed
+unit = "deg"
+guessed = ["unit", "role"]
 role = "input"
 
 [[channels]]
@@ -23,7 +24,7 @@ q = "deg/s"
 describe("edits of a mapping", () => {
   it("change one key of one table and leave the rest", () => {
     expect(setKey(TEXT, "channels", 0, "unit", "rad")).toBe(
-      TEXT.replace('unit = "deg"  # guessed', 'unit = "rad"'),
+      TEXT.replace('unit = "deg"\nguessed = ["unit", "role"]', 'unit = "rad"\nguessed = ["role"]'),
     );
     expect(setKey(TEXT, "flight", 0, "number", 8)).toContain("number = 8\n");
   });
@@ -38,15 +39,23 @@ describe("edits of a mapping", () => {
   });
 
   it("take a key or a table out", () => {
-    expect(setKey(TEXT, "channels", 0, "unit", undefined)).not.toContain("guessed");
+    expect(setKey(TEXT, "channels", 0, "unit", undefined)).not.toContain('"unit"');
     const less = removeTable(TEXT, "channels", 0);
     expect(less).not.toContain('"bf"');
     expect(less).toContain('column = "q"');
   });
 
   it("settle what was guessed", () => {
-    expect([0, 1, 2].map((nth) => isGuessed(TEXT, nth))).toEqual([true, false, false]);
-    expect(isGuessed(setKey(TEXT, "channels", 0, "unit", "deg"), 0)).toBe(false);
+    expect([0, 1, 2].map((nth) => guessedKeys(TEXT, "channels", nth))).toEqual([
+      ["unit", "role"],
+      [],
+      [],
+    ]);
+    const edited = setKey(TEXT, "channels", 0, "unit", "deg");
+    expect(guessedKeys(edited, "channels", 0)).toEqual(["role"]);
+    expect(confirmPath(edited, "channels[1].role")).not.toContain("guessed");
+    const nested = '[maneuver.condition]\nfuel = 1\nguessed = ["fuel"]\n';
+    expect(confirmPath(nested, "maneuver.condition.fuel")).not.toContain("guessed");
   });
 
   it("add a table that is not there", () => {

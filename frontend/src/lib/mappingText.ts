@@ -21,8 +21,18 @@ function bare(line: string): string {
 
 const isKey = (line: string, key: string) => new RegExp(`^\\s*"?${key}"?\\s*=`).test(line);
 
-/** Set a key of the nth table of a name; undefined takes the key out. */
+/** Set a key of the nth table of a name, which confirms it; undefined takes the key out. */
 export function setKey(
+  text: string,
+  table: string,
+  nth: number,
+  key: string,
+  value: string | number | string[] | undefined,
+): string {
+  return setLine(confirmKey(text, table, nth, key), table, nth, key, value);
+}
+
+function setLine(
   text: string,
   table: string,
   nth: number,
@@ -47,12 +57,31 @@ export function setKey(
   return lines.join("\n");
 }
 
-/** Whether the unit of the nth channel is marked as guessed, which an edit takes away. */
-export function isGuessed(text: string, nth: number): boolean {
+/** Keys of the nth table of a name that were proposed and that nobody has confirmed. */
+export function guessedKeys(text: string, table: string, nth: number): string[] {
   const lines = text.split("\n");
-  const found = block(lines, "channels", nth);
-  if (found === null) return false;
-  return lines.slice(...found).some((line) => isKey(line, "unit") && line.endsWith("# guessed"));
+  const found = block(lines, table, nth);
+  if (found === null) return [];
+  const line = lines.slice(...found).find((own) => isKey(own, "guessed"));
+  return [...(line ?? "").replace(/^[^=]*=/, "").matchAll(/"([^"]*)"/g)].map(
+    ([, key]) => key ?? "",
+  );
+}
+
+/** Take the mark away from a key that somebody has confirmed or changed. */
+export function confirmKey(text: string, table: string, nth: number, key: string): string {
+  const guessed = guessedKeys(text, table, nth);
+  if (!guessed.includes(key)) return text;
+  const rest = guessed.filter((own) => own !== key);
+  return setLine(text, table, nth, "guessed", rest.length > 0 ? rest : undefined);
+}
+
+/** Confirm the value at a key such as "channels[2].unit". */
+export function confirmPath(text: string, path: string): string {
+  const cut = path.lastIndexOf(".");
+  const [, table, number] = /^(.*?)(?:\[(\d+)\])?$/.exec(path.slice(0, cut)) ?? [];
+  const nth = number === undefined ? 0 : Number(number) - 1;
+  return table === undefined ? text : confirmKey(text, table, nth, path.slice(cut + 1));
 }
 
 /** Take the nth table of a name out. */

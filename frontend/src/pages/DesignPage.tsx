@@ -17,8 +17,10 @@ import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { RehearsalPart } from "../components/RehearsalPart";
 import { Section } from "../components/Section";
+import { TargetModesPart } from "../components/TargetModesPart";
 import { TaskProgress } from "../components/TaskProgress";
 import { overFrequency } from "../lib/band";
+import { bandOf } from "../lib/designDraft";
 import { fixed } from "../lib/format";
 import { DESIGN_TABS, type DesignView } from "../views";
 
@@ -105,6 +107,7 @@ function OneDesign({ design }: { design: Design }) {
           facts={[
             ["Duration", fixed(design.wish.duration_s, 1), "s"],
             ["Rate", fixed(design.wish.rate_hz, 0), "Hz"],
+            ["Band", bandOf(design), "Hz"],
             ["Inputs", design.wish.inputs.length],
             ["Harmonics", design.wish.inputs.reduce((sum, own) => sum + own.harmonics.length, 0)],
             ["Highest RPF", fixed(Math.max(...Object.values(design.peak_factors)), 3)],
@@ -136,6 +139,13 @@ function OneDesign({ design }: { design: Design }) {
         </Tabs.List>
         <Tabs.Panel value="excitation" pt="md">
           <Stack gap="md">
+            <TargetModesPart
+              design={design}
+              aircraft={view.aircraft}
+              onChange={(aircraft) => {
+                change({ aircraft });
+              }}
+            />
             <Checks design={design} level={level} view={view} onChange={change} />
             <div className="panel" style={{ padding: 12 }}>
               <Figure kind="design-history" title="One period as commanded" params={params} />

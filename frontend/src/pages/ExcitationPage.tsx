@@ -1,8 +1,8 @@
-import { Button, Group, NumberInput, Stack, Tabs } from "@mantine/core";
+import { Button, Group, NumberInput, Select, Stack, Tabs } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { Link, useNavigate, useSearch } from "@tanstack/react-router";
 import { useSearchDesign } from "../api/commands";
-import { catalogueQuery, designsQuery } from "../api/queries";
+import { aircraftQuery, catalogueQuery, designsQuery } from "../api/queries";
 import type { CatalogueRow, Design, DesignRequest } from "../api/types";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
@@ -13,12 +13,14 @@ import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
 import { TaskProgress } from "../components/TaskProgress";
+import { bandOf } from "../lib/designDraft";
 import { dateTime, fixed } from "../lib/format";
 import { useDraft } from "../lib/useDraft";
 import { DESIGN_SOURCES, type ExcitationView } from "../views";
 
 const DEGREE = Math.PI / 180;
 const FORMS = ["csv", "mat", "h", "json"] as const;
+const NONE = "none";
 const LEVELS = [0.5, 1, 2] as const;
 
 const DESIGN_COLUMNS: Column<Design>[] = [
@@ -45,6 +47,7 @@ const DESIGN_COLUMNS: Column<Design>[] = [
     numeric: true,
     render: (design) => fixed(design.wish.rate_hz, 0),
   },
+  { key: "band", header: "Band", unit: "Hz", numeric: true, render: bandOf },
   {
     key: "inputs",
     header: "Inputs",
@@ -89,6 +92,7 @@ export function ExcitationPage() {
   const navigate = useNavigate({ from: "/excitation" });
   const designs = useQuery(designsQuery);
   const catalogue = useQuery(catalogueQuery);
+  const aircraft = useQuery(aircraftQuery);
   const search = useSearchDesign();
   const cache = useQueryClient();
   const { draft, setDraft } = useDraft("catalogue-design", {
@@ -96,9 +100,13 @@ export function ExcitationPage() {
     rate: 100,
     first: 6,
     peak: 2,
+    aircraft: "",
   });
   const { period, rate, first, peak } = draft;
-  const set = (key: keyof typeof draft) => (value: number) => {
+  const known = (aircraft.data ?? []).map((one) => ({ value: String(one.id), label: one.name }));
+  // One aircraft needs no choice; a row is stretched to the modes of none but by choice.
+  const owner = draft.aircraft === "" ? (known[0]?.value ?? NONE) : draft.aircraft;
+  const set = (key: "period" | "rate" | "first" | "peak") => (value: number) => {
     setDraft((previous) => ({ ...previous, [key]: value }));
   };
 
@@ -108,6 +116,7 @@ export function ExcitationPage() {
   const fromRow = (row: CatalogueRow): DesignRequest => ({
     name: `FTA ${row.number}`,
     fta: row.number,
+    aircraft_id: owner === NONE ? null : Number(owner),
     duration_s: period * row.periods,
     rate_hz: rate,
     first_harmonic: first,
@@ -213,6 +222,16 @@ export function ExcitationPage() {
                 <Wanted label="T [s]" value={period} onChange={set("period")} />
                 <Wanted label="Rate [Hz]" value={rate} onChange={set("rate")} />
                 <Wanted label="First harmonic" value={first} onChange={set("first")} />
+                <Select
+                  label="Reach the target modes of"
+                  w={220}
+                  allowDeselect={false}
+                  data={[...known, { value: NONE, label: "no aircraft: Table 1" }]}
+                  value={owner}
+                  onChange={(next) => {
+                    if (next !== null) setDraft((previous) => ({ ...previous, aircraft: next }));
+                  }}
+                />
                 <Wanted label="Body flap, medium [deg]" value={peak} onChange={set("peak")} />
               </Group>
               <Loaded query={catalogue} rows={24}>

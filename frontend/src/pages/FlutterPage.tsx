@@ -396,7 +396,7 @@ function Runs({ answer }: { answer: Flutter }) {
               <Table.Td ta="right">{fixed(run.tested_m_s, 1)}</Table.Td>
               <Table.Td ta="right">
                 {run.airspeed_m_s === null
-                  ? "stable"
+                  ? run.sentence
                   : plusMinus(run.airspeed_m_s, run.airspeed_std_m_s ?? 0, 2)}
               </Table.Td>
               <Table.Td ta="right">{fixed(run.separation, 2)}</Table.Td>

@@ -1,4 +1,4 @@
-import { SegmentedControl, Text } from "@mantine/core";
+import { Box, SegmentedControl, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useSubmitBatch, useSubmitRuns } from "../api/commands";
@@ -7,13 +7,15 @@ import {
   maneuverQuery,
   modalTablesQuery,
   predictionsQuery,
+  runProposalQuery,
   runQuery,
 } from "../api/queries";
-import type { Aircraft, Maneuver, ModalTable, Prediction, Run } from "../api/types";
+import type { Aircraft, Maneuver, ModalTable, Prediction, Run, RunProposal } from "../api/types";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { RunForm } from "../components/RunForm";
+import { RunProposalNote } from "../components/RunProposalNote";
 import { batchRequest, firstDraft, isUnchanged, runRequest } from "../components/runRequest";
 import { StructureLink } from "../components/StructureLink";
 import { useRunOrigin, type RunOrigin } from "../components/useRunOrigin";
@@ -45,7 +47,9 @@ function WithTables({ maneuver, like }: { maneuver: Maneuver; like?: number }) {
   const tables = useQuery(modalTablesQuery(maneuver.aircraft_id));
   const predictions = useQuery(predictionsQuery(maneuver.aircraft_id));
   const before = useQuery({ ...runQuery(like ?? 0), enabled: like !== undefined });
-  const begun = useRunOrigin(maneuver.id, route.useSearch(), like);
+  const view = route.useSearch();
+  const begun = useRunOrigin(maneuver.id, view, like);
+  const proposal = useQuery({ ...runProposalQuery(maneuver.id, windowOf(view)), retry: false });
   return (
     <Loaded query={tables}>
       {(modal) => (
@@ -55,16 +59,22 @@ function WithTables({ maneuver, like }: { maneuver: Maneuver; like?: number }) {
               {(all) => {
                 const own = all.find((one) => one.id === maneuver.aircraft_id);
                 const form = (run?: Run) => (
-                  <Form
-                    maneuver={maneuver}
-                    aircraft={own}
-                    tables={modal}
-                    predictions={sources}
-                    like={run}
-                    origin={begun.origin}
-                  />
+                  <>
+                    {proposal.isError && run === undefined && (
+                      <ProblemAlert error={proposal.error} />
+                    )}
+                    <Form
+                      maneuver={maneuver}
+                      aircraft={own}
+                      tables={modal}
+                      predictions={sources}
+                      like={run}
+                      origin={begun.origin}
+                      proposal={proposal.data}
+                    />
+                  </>
                 );
-                if (begun.loading) return null;
+                if (begun.loading || proposal.isPending) return null;
                 return like === undefined ? form() : <Loaded query={before}>{form}</Loaded>;
               }}
             </Loaded>
@@ -82,9 +92,10 @@ interface FormProps {
   predictions: Prediction[];
   like?: Run;
   origin?: RunOrigin;
+  proposal?: RunProposal;
 }
 
-function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormProps) {
+function Form({ maneuver, aircraft, tables, predictions, like, origin, proposal }: FormProps) {
   const view = route.useSearch();
   const navigate = route.useNavigate();
   const submit = useSubmitRuns();
@@ -98,6 +109,7 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
       predictions,
       like,
       origin: origin?.structure,
+      proposal,
       methods: view.methods,
       band,
     }),
@@ -200,6 +212,11 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin }: FormPro
       />
       {origin !== undefined && (
         <OriginNote origin={origin} unchanged={unchanged} eachItsOwn={eachItsOwn} />
+      )}
+      {proposal !== undefined && (
+        <Box mb="md">
+          <RunProposalNote proposal={proposal} modes={draft.modes} />
+        </Box>
       )}
       <RunForm
         maneuver={maneuver}

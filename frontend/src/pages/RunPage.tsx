@@ -13,6 +13,7 @@ import { PoleTable } from "../components/PoleTable";
 import { Provenance } from "../components/Provenance";
 import { StateBadge } from "../components/RunBadge";
 import { RunActions } from "../components/RunActions";
+import { RunIntegrity } from "../components/RunIntegrity";
 import { RunOutcome } from "../components/RunOutcome";
 import { TimeTab } from "../components/TimeTab";
 import { overFrequency } from "../lib/band";
@@ -81,6 +82,7 @@ function OneRun({ run }: { run: Run }) {
           {run.error?.message ?? "The worker gave no reason."}
         </Alert>
       )}
+      <RunIntegrity run={run} />
       {run.fit !== null && <RunOutcome run={run} fit={run.fit} />}
       {isOver(run.state) && <Results run={run} />}
     </>

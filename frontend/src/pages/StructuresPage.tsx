@@ -189,7 +189,7 @@ function Choices({ all, aircraft, view, onChange, usable, table }: ChoicesProps)
       </div>
       {table !== undefined && (
         <Text size="xs" className="quiet" maw={420}>
-          {[table.origin, ...table.notes.slice(0, 3)].filter(Boolean).join(" · ")}
+          {[table.origin, ...table.notes].filter(Boolean).join(" · ")}
         </Text>
       )}
     </Group>

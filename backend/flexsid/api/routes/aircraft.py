@@ -10,7 +10,7 @@ from pydantic import ConfigDict, Field
 
 from flexsid.api.answers import AircraftList
 from flexsid.api.context import TheStore
-from flexsid.api.requests import LONGEST_TEXT
+from flexsid.api.requests import LONGEST_TEXT, Line, Name
 from flexsid.api.wire import Identity, Json
 from flexsid.records.aircraft import Aircraft
 from flexsid.workflow.thrust import keep_thrust, parse_table
@@ -18,7 +18,7 @@ from flexsid.workflow.thrust import keep_thrust, parse_table
 router = APIRouter(prefix="/aircraft", tags=["aircraft"])
 
 _STRICT: Any = ConfigDict(extra="forbid")
-_Name = Annotated[str, Field(min_length=1, max_length=100)]
+_Name = Annotated[str, Field(min_length=1, max_length=100), Line]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,10 +31,10 @@ class ThrustRequest:
 
     engines: Annotated[list[_Name], Field(min_length=1, max_length=16)]
     text: Annotated[str, Field(max_length=LONGEST_TEXT)]
-    speed_unit: str = "rpm"
-    temperature_unit: str = "K"
-    thrust_unit: str = "N"
-    source: Annotated[str, Field(max_length=500)] = ""
+    speed_unit: Name = "rpm"
+    temperature_unit: Name = "K"
+    thrust_unit: Name = "N"
+    source: Annotated[str, Field(max_length=500), Line] = ""
 
     __pydantic_config__ = _STRICT
 

@@ -41,7 +41,7 @@ class QueuedBatch:
 def request_batch(context: TheContext, wanted: BatchRequest, analyst: TheAnalyst) -> Json:
     """Queue many runs; all of them, or none.
 
-    Without structures each maneuver takes the one that was approved for its condition.
+    Without structures each maneuver takes what is proposed for it, as single runs do.
     """
     store = context.store
     templates = []
@@ -60,7 +60,7 @@ def request_batch(context: TheContext, wanted: BatchRequest, analyst: TheAnalyst
         wanted.methods,
         templates,
         from_equation_error=wanted.from_equation_error,
-        by_baseline=not wanted.structures,
+        by_proposal=not wanted.structures,
     )
     context.dispatcher.wake()
     assert queued.batch.id is not None

@@ -12,7 +12,7 @@ from pydantic import ConfigDict, Field
 
 from flexsid.api.context import TheStore
 from flexsid.api.received import receive
-from flexsid.api.requests import LONGEST_TEXT, Id, Title
+from flexsid.api.requests import LONGEST_TEXT, Id, Text, Title
 from flexsid.api.wire import Identity, Json
 from flexsid.errors import BadInput, Conflict
 from flexsid.importers import confined
@@ -66,9 +66,9 @@ def upload_controller(
     store: TheStore,
     file: Annotated[UploadFile, File(description="JSON, or MATLAB with A, B, C and D.")],
     aircraft_id: Annotated[int, Form(ge=1, le=LARGEST_ID)],
-    name: Annotated[str, Form(min_length=1, max_length=200)],
-    reads: Annotated[str, Form(description="For MATLAB: signals read, by commas.")] = "",
-    drives: Annotated[str, Form(description="For MATLAB: surfaces driven, by commas.")] = "",
+    name: Annotated[Title, Form()],
+    reads: Annotated[Text, Form(description="For MATLAB: signals read, by commas.")] = "",
+    drives: Annotated[Text, Form(description="For MATLAB: surfaces driven, by commas.")] = "",
 ) -> Json:
     """Keep a controller of a file."""
     if (file.filename or "").lower().endswith(".json"):

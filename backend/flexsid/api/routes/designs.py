@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Any, Literal
@@ -19,24 +19,33 @@ from flexsid.api.design_requests import (
     RescaleRequest,
 )
 from flexsid.api.received import receive
+from flexsid.api.requests import Title
 from flexsid.api.wire import Identity, Json
-from flexsid.errors import BadInput
 from flexsid.importers import confined
 from flexsid.records.excitation import ExcitationDesign
-from flexsid.records.views import ExpectedMode
+from flexsid.records.views import ExpectedMode, TargetModes
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks
-from flexsid.sysid.excitation.designer import Wish, check_wish
 from flexsid.workflow import allocation, classic, excitation, flown, foresight, rehearsal
+from flexsid.workflow.target_modes import target_modes
 from flexsid.workflow.tasks import Report, Task
 
 router = APIRouter(prefix="/designs", tags=["designs"])
 
 _STRICT: Any = ConfigDict(extra="forbid")
-_MOST_TONES = 2000  # in a design: some ten seconds of search at the most patient
+_DIRECT_S = 20.0  # estimated processor time of a search that a request may wait for
 
 Level = Annotated[int, Query(ge=0, le=2, description="Amplitude: 0 low, 1 medium, 2 high.")]
 Limit = Annotated[float | None, Query(ge=1e-6, le=1e9, allow_inf_nan=False)]
+# Larger ones are degrees given as radians: no surface turns by more than 60 deg, or 2900 deg/s.
+Deflection = Annotated[
+    float | None,
+    Query(ge=1e-6, le=1.05, allow_inf_nan=False, description="[rad], at most 1.05 (60 deg)."),
+]
+Rate = Annotated[
+    float | None,
+    Query(ge=1e-6, le=50.0, allow_inf_nan=False, description="[rad/s], at most 50 (2900 deg/s)."),
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,7 +107,8 @@ def list_designs(store: TheStore) -> Json:
 @router.post("", response_model=ExcitationDesign, status_code=status.HTTP_201_CREATED)
 def create_design(store: TheStore, wanted: DesignRequest) -> Json:
     """Search the phases of a design and keep it; a few seconds."""
-    wish = _wish(wanted)
+    wish = wanted.wish(store)
+    excitation.check_search(wish, _DIRECT_S, ", or begin it as a task (POST /designs/searches)")
     kept = excitation.create_design(store, wanted.name, wish, wanted.fta, wanted.note)
     return Json(kept, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{kept.id}"})
 
@@ -106,8 +116,8 @@ def create_design(store: TheStore, wanted: DesignRequest) -> Json:
 @router.post("/searches", response_model=Task, status_code=status.HTTP_202_ACCEPTED)
 def search_design(context: TheContext, wanted: DesignRequest) -> Json:
     """Begin to search the phases of a design, as a task that can be followed and cancelled."""
-    wish = _wish(wanted)
-    check_wish(wish)
+    wish = wanted.wish(context.store)
+    excitation.check_search(wish)
 
     def work(report: Report) -> int | None:
         return excitation.create_design(
@@ -122,7 +132,7 @@ def search_design(context: TheContext, wanted: DesignRequest) -> Json:
 def import_flown(
     store: TheStore,
     files: Annotated[list[UploadFile], File(description="Samples of exactly one period.")],
-    name: Annotated[str, Form(min_length=1, max_length=200)],
+    name: Annotated[Title, Form()],
     rate_hz: Annotated[float, Form(gt=0.0, le=1e5, allow_inf_nan=False)],
     unit: Annotated[Literal["deg", "rad"], Form()] = "deg",
     apart: Annotated[bool, Form(description="Each file is a design of its own.")] = False,
@@ -161,12 +171,15 @@ def check_design(
     natural_frequency: Annotated[float, Query(ge=0.01, le=1e5, description="Actuator's. [rad/s]")],
     damping: Annotated[float, Query(ge=0.001, le=10.0)] = 0.7,
     delay_s: Annotated[float, Query(ge=0.0, le=10.0)] = 0.0,
-    position: Limit = None,
-    rate: Limit = None,
+    position: Deflection = None,
+    rate: Rate = None,
     acceleration: Limit = None,
     level: Level = 0,
 ) -> Json:
-    """Check orthogonality, peaks, and what moves behind an actuator."""
+    """Check orthogonality, peaks, and what moves behind an actuator.
+
+    Limits: position [rad], rate [rad/s], acceleration [rad/s2].
+    """
     actuator = ActuatorLimits(
         natural_frequency=natural_frequency,
         damping=damping,
@@ -176,6 +189,16 @@ def check_design(
         acceleration=acceleration,
     )
     return Json(excitation.checks_of(store.designs.get(design_id), actuator, level))
+
+
+@router.get("/{design_id}/target-modes", response_model=TargetModes)
+def get_target_modes(
+    store: TheStore,
+    design_id: Identity,
+    aircraft_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
+) -> Json:
+    """Compare the band of a design with the structural modes that it targets on an aircraft."""
+    return Json(target_modes(store, store.designs.get(design_id), aircraft_id))
 
 
 @router.get("/{design_id}/expected-errors", response_model=foresight.ExpectedErrors)
@@ -224,7 +247,7 @@ def allocate_amplitudes(
     store: TheStore,
     design_id: Identity,
     run_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
-    deflection: Limit = None,
+    deflection: Deflection = None,
     load_factor: Limit = None,
     level: Level = 0,
 ) -> Json:
@@ -249,18 +272,11 @@ def rescale_design(store: TheStore, design_id: Identity, wanted: RescaleRequest)
     return Json(kept, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{kept.id}"})
 
 
-def _wish(wanted: DesignRequest) -> Wish:
-    wish = wanted.wish()
-    tones = sum(len(own.harmonics) for own in wish.inputs)
-    if tones > _MOST_TONES:
-        raise BadInput(f"{tones} harmonics are more than a design may have here, {_MOST_TONES}")
-    return wish
-
-
 @router.post("/{design_id}/redesign", response_model=Task, status_code=status.HTTP_202_ACCEPTED)
 def redesign(context: TheContext, design_id: Identity, wanted: RedesignRequest) -> Json:
     """Begin to search phases anew for the lines of a design, as one that was flown."""
     design = context.store.designs.get(design_id)
+    excitation.check_search(replace(design.wish, effort=wanted.effort))
 
     def work(report: Report) -> int | None:
         return flown.redesign(context.store, design, wanted.name, wanted.effort, _teller(report)).id

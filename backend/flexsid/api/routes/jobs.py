@@ -34,12 +34,16 @@ class JobLog:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crew:
-    """The server that hands out work: who computes, and which runs they are at."""
+    """The server that hands out work: who computes, and which runs they are at.
+
+    ``without_workers_s`` is how long no worker has been connected. [s]
+    """
 
     server: str
     place: str
     workers: int
     running: list[int]
+    without_workers_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,7 +63,12 @@ def list_jobs(
     state: RunState | None = None,
     batch_id: Reference = None,
     ids: Annotated[
-        str | None, Query(max_length=20_000, description="Only these, separated by commas.")
+        str | None,
+        Query(
+            max_length=20_000,
+            pattern="^[0-9, ]*$",
+            description="Only these, separated by commas.",
+        ),
     ] = None,
     limit: Limit = 100,
     after: After = None,

@@ -12,19 +12,22 @@ from flexsid.api.answers import Changed, ManeuverDetail, ManeuverList, extend
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.received import receive
 from flexsid.api.requests import ChangeRequest
-from flexsid.api.wire import After, Identity, Json, Limit
+from flexsid.api.wire import After, Identity, Json, Limit, split_ids
 from flexsid.errors import BadInput
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import Method, RunState
+from flexsid.records.run_proposal import RunProposal
 from flexsid.storage import bulk
 from flexsid.storage.facets import Facets
 from flexsid.storage.maneuver_list import SORT_FIELDS, ManeuverFilters
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
 from flexsid.workflow.ingest import keep_upload, read_upload
+from flexsid.workflow.run_proposal import propose_run
 
 router = APIRouter(prefix="/maneuvers", tags=["maneuvers"])
 
+Frequency = Annotated[float | None, Query(ge=0.0, le=1e4, allow_inf_nan=False)]
 _LARGEST_MAPPING = 1024**2
 
 
@@ -114,6 +117,27 @@ def get_maneuver(store: TheStore, maneuver_id: Identity) -> Json:
     return Json(detail_of(store, store.maneuvers.get(maneuver_id)))
 
 
+@router.get("/{maneuver_id}/run-proposal", response_model=RunProposal)
+def get_run_proposal(
+    store: TheStore,
+    maneuver_id: Identity,
+    low_hz: Frequency = None,
+    high_hz: Frequency = None,
+    together_with: Annotated[
+        str | None, Query(description="Ids of maneuvers fitted together with it, by commas.")
+    ] = None,
+) -> Json:
+    """Propose modes, inputs, outputs and band of a run, with what they ask of the data.
+
+    A run that is requested without a structure takes this proposal.
+    """
+    if (low_hz is None) != (high_hz is None):
+        raise BadInput("give both low_hz and high_hz, or neither", code="bad-band")
+    band = None if low_hz is None or high_hz is None else (low_hz, high_hz)
+    further = () if together_with is None else split_ids(together_with, "together_with")
+    return Json(propose_run(store, (maneuver_id, *further), band))
+
+
 @router.post("", response_model=ManeuverDetail, status_code=status.HTTP_201_CREATED)
 def upload_maneuver(
     context: TheContext,
@@ -125,6 +149,9 @@ def upload_maneuver(
     aircraft_id: Annotated[
         int | None, Form(ge=1, le=LARGEST_ID, description="Where the mapping names none.")
     ] = None,
+    confirmed: Annotated[
+        bool, Form(description="What the mapping, or that of a known form, guesses is right.")
+    ] = False,
 ) -> Json:
     """Import a maneuver from files; all of it is kept, or nothing."""
     with TemporaryDirectory(prefix="flexsid-") as folder:
@@ -133,7 +160,11 @@ def upload_maneuver(
         if upload.mapping.maneuver is None:
             raise BadInput("the mapping describes no maneuver", code="bad-mapping", key="maneuver")
         kept = keep_upload(
-            context.store, upload, aircraft_id, bring_along=context.bring_along
+            context.store,
+            upload,
+            aircraft_id,
+            bring_along=context.bring_along,
+            confirmed=confirmed,
         ).maneuver
     assert kept is not None
     location = {"Location": f"/api/v1/maneuvers/{kept.id}"}

@@ -21,7 +21,7 @@ from flexsid.workflow.assessing import Assessing
 
 router = APIRouter(prefix="/quality", tags=["quality"])
 
-_Verdict = Literal["good", "doubtful", "bad", "missing"]
+_Verdict = Literal["good", "doubtful", "bad", "unchecked", "missing"]
 
 
 @router.get("", response_model=QualityList)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Depends, Query, Response, status
@@ -14,15 +13,16 @@ from flexsid.api.requests import ChangeRequest
 from flexsid.api.run_answers import Run, RunList, run_answer
 from flexsid.api.run_requests import RunRequest
 from flexsid.api.wire import After, Identity, Json, Limit, Reference
+from flexsid.records.model_structure import Structure
 from flexsid.records.run import Method, RunState
 from flexsid.storage import batches, bulk
 from flexsid.storage.facets import Facets
 from flexsid.storage.run_list import RUN_SORT_FIELDS, RunFilters
 from flexsid.workflow import estimation, structures
-from flexsid.workflow.baselines import baseline_of_run
 from flexsid.workflow.export import RunExport, export_run
 from flexsid.workflow.identified_export import ModelExport, export_model, matlab_model
 from flexsid.workflow.identity import identified
+from flexsid.workflow.run_proposal import with_basis, with_proposal
 
 router = APIRouter(prefix="/runs", tags=["runs"])
 
@@ -41,20 +41,20 @@ _MATLAB: dict[int | str, dict[str, Any]] = {
 def request_run(context: TheContext, wanted: RunRequest, analyst: TheAnalyst) -> Json:
     """Queue an estimation run; follow it at the answer's ``Location``.
 
-    Without a structure it takes the one that was approved for the condition of the
-    maneuver. What cannot be estimated (an unknown mode, input or output) is refused at
-    once. A run with the same inputs as one that waits, runs or succeeded is that run (200,
-    ``repeated``).
+    Without a structure it takes what `GET /maneuvers/{maneuver_id}/run-proposal` proposes: the
+    structure that was approved for the condition, else the saved one of this FTA, else the modes
+    in the excited band; `proposal` of the run records which. What cannot be estimated (an unknown
+    mode, input or output) is refused at once. A run with the same inputs as one that waits, runs
+    or succeeded is that run (200, ``repeated``).
     """
     store = context.store
     given = None if wanted.structure is None else wanted.structure.record()
     reference = (wanted.structure_id, wanted.structure_version)
     if given is None and reference == (None, None):
-        together = () if wanted.settings is None else wanted.settings.together_with
-        approved = baseline_of_run(store, (wanted.maneuver_id, *together)).structure
-        reference = (approved.structure_id, approved.version)
-    structure, version = structures.structure_of_run(store, given, *reference)
-    run = replace(wanted.record(structure, version, analyst), structure_id=reference[0])
+        run = with_proposal(store, wanted.record(Structure(fixed={}), None, analyst))
+    else:
+        structure, version = structures.structure_of_run(store, given, *reference)
+        run = with_basis(store, wanted.record(structure, version, analyst))
     task = estimation.prepare(store, run)
     kept, is_new = batches.add_once(store, identified(store, run))
     assert kept.id is not None
@@ -62,7 +62,7 @@ def request_run(context: TheContext, wanted: RunRequest, analyst: TheAnalyst) ->
         context.dispatcher.expect(kept.id, task)
     location = {"Location": f"/api/v1/jobs/{kept.id}"}
     code = status.HTTP_202_ACCEPTED if is_new else status.HTTP_200_OK
-    return Json(run_answer(kept, repeated=not is_new), code, location)
+    return Json(run_answer(store, kept, repeated=not is_new), code, location)
 
 
 async def read_filters(
@@ -138,7 +138,7 @@ def change_runs(store: TheStore, wanted: ChangeRequest) -> Json:
 @router.get("/{run_id}", response_model=Run)
 def get_run(store: TheStore, run_id: Identity) -> Json:
     """Return one run; its parameters once it succeeded."""
-    return Json(run_answer(store.runs.get(run_id)))
+    return Json(run_answer(store, store.runs.get(run_id)))
 
 
 @router.get("/{run_id}/export", response_model=RunExport)

@@ -152,7 +152,7 @@ def open_candidate(
     """Open a candidate as a run; it is queued when first opened, and the same ever after."""
     run = searching.open_as_run(context.store, search_id, place, analyst)
     context.dispatcher.wake()
-    return Json(run_answer(run), headers={"Location": f"/api/v1/runs/{run.id}"})
+    return Json(run_answer(context.store, run), headers={"Location": f"/api/v1/runs/{run.id}"})
 
 
 def _line(found: StructureSearch) -> SearchItem:

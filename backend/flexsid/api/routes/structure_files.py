@@ -11,7 +11,7 @@ from pydantic import ConfigDict, Field, StrictBool
 
 from flexsid.api.answers import FlutterSummaryList
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.requests import Title
+from flexsid.api.requests import Line, Title
 from flexsid.api.wire import Identity, Json, Reference
 from flexsid.importers.structure import (
     StructureAnswers,
@@ -21,7 +21,8 @@ from flexsid.importers.structure import (
 )
 from flexsid.records.modal_table import FlutterSummary, ModalKind, ModalTable
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow.modal_import import keep_flutter_summary, keep_structure
+from flexsid.workflow.flutter_summary import keep_flutter_summary, with_warning
+from flexsid.workflow.modal_import import keep_structure
 
 router = APIRouter(tags=["structures"])
 
@@ -43,11 +44,11 @@ class StructureFilesRequest:
     length_unit: Literal["m", "mm", "in", "ft"] | None = None
     mass_unit: Literal["kg", "t", "lb", "slug", "slinch"] | None = None
     generalized_mass: Literal["file", "unit", "unknown"] | None = None
-    axes: Annotated[str, Field(max_length=60)] = "aft right up"
+    axes: Annotated[str, Field(max_length=60), Line] = "aft right up"
     origin: tuple[_Metre, _Metre, _Metre] = (0.0, 0.0, 0.0)
-    fuel: Annotated[dict[str, _Fraction], Field(max_length=200)] = field(default_factory=dict)
+    fuel: Annotated[dict[Title, _Fraction], Field(max_length=200)] = field(default_factory=dict)
     rigid_modes: StrictBool = False
-    points: Annotated[dict[str, _Node], Field(max_length=1000)] = field(default_factory=dict)
+    points: Annotated[dict[Title, _Node], Field(max_length=1000)] = field(default_factory=dict)
 
     __pydantic_config__ = _STRICT
 
@@ -117,10 +118,11 @@ def import_flutter_summary(
 def list_flutter_summaries(store: TheStore, aircraft_id: Reference = None) -> Json:
     """List the flutter summaries of an aircraft or of all."""
     chosen = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
-    return Json(FlutterSummaryList(items=store.flutter_summaries.find(**chosen)))
+    found = [with_warning(summary) for summary in store.flutter_summaries.find(**chosen)]
+    return Json(FlutterSummaryList(items=found))
 
 
 @router.get("/flutter-summaries/{summary_id}", response_model=FlutterSummary)
 def get_flutter_summary(store: TheStore, summary_id: Identity) -> Json:
     """Return one flutter summary."""
-    return Json(store.flutter_summaries.get(summary_id))
+    return Json(with_warning(store.flutter_summaries.get(summary_id)))

@@ -66,7 +66,9 @@ def get_upload_state(context: TheContext, upload_id: _Id) -> Json:
 @router.post("/{upload_id}/check", response_model=describing.Checked)
 def check_upload(context: TheContext, upload_id: _Id, wanted: UploadMappingRequest) -> Json:
     """Say what a mapping makes of the files; nothing is stored."""
-    return Json(describing.check_mapping(context.uploads.sources(upload_id), wanted.mapping))
+    return Json(
+        describing.check_mapping(context.store, context.uploads.sources(upload_id), wanted.mapping)
+    )
 
 
 @router.post("/{upload_id}/preview", response_model=Figure)
@@ -80,7 +82,9 @@ def preview_upload(context: TheContext, upload_id: _Id, wanted: PreviewRequest) 
 @router.post("/{upload_id}/import", response_model=Upload, status_code=status.HTTP_202_ACCEPTED)
 def import_upload(context: TheContext, upload_id: _Id, wanted: UploadMappingRequest) -> Json:
     """Begin to import the files through a mapping, all of them or nothing."""
-    begun = context.uploads.import_later(upload_id, wanted.mapping, wanted.aircraft_id)
+    begun = context.uploads.import_later(
+        upload_id, wanted.mapping, wanted.aircraft_id, confirmed=wanted.confirmed
+    )
     return Json(begun, status.HTTP_202_ACCEPTED)
 
 

@@ -10,12 +10,13 @@ from fastapi import Path as InPath
 from pydantic import ConfigDict, Field
 
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.requests import Title
+from flexsid.api.requests import Line, Title
 from flexsid.api.wire import Identity, Json, Reference
 from flexsid.importers.responses import ResponseAnswers, extract_responses
 from flexsid.records.modal_table import MeasuredResponses, ModalTable
 from flexsid.records.modal_views import FoundModes, Orthogonality
 from flexsid.storage.repository import LARGEST_ID
+from flexsid.text import LONGEST_FIELD
 from flexsid.workflow import vibration_test
 
 router = APIRouter(tags=["vibration-tests"])
@@ -40,7 +41,7 @@ class ResponsesRequest:
     force_unit: Literal["N", "lbf"]
     fuel: _Fraction = 0.0
     length_unit: Literal["m", "mm", "in", "ft"] | None = None
-    axes: Annotated[str, Field(max_length=60)] = "aft right up"
+    axes: Annotated[str, Field(max_length=60), Line] = "aft right up"
     origin: tuple[_Metre, _Metre, _Metre] = (0.0, 0.0, 0.0)
 
     __pydantic_config__ = _STRICT
@@ -70,7 +71,7 @@ class OrthogonalityRequest:
     """Which field of the files is the mass matrix, and whose shapes are taken."""
 
     modal_table_id: _Id
-    field: Annotated[str, Field(min_length=1, max_length=200)]
+    field: Annotated[str, Field(min_length=1, max_length=LONGEST_FIELD), Line]
     fuel: _Fraction = 0.5
 
     __pydantic_config__ = _STRICT

@@ -19,7 +19,7 @@ from flexsid.sysid.structure.likelihood import reduced
 from flexsid.sysid.structure.search import StructureFound, search_equations
 from flexsid.sysid.structure.selection import Selection
 from flexsid.sysid.structure.stability import selection_frequency
-from flexsid.workflow.computation import any_start, motion_of, parameters_of
+from flexsid.workflow.computation import any_start, motion_of, parameters_of, remarks_on_motion
 from flexsid.workflow.structure_search.task import Fitted, Report, SearchTask
 from flexsid.workflow.structure_search.terms import term_group
 
@@ -31,12 +31,14 @@ class EquationSearch:
         self.task = task
         self.candidates: list[Parameters] = []
         self.evidences: list[dict[str, Evidence]] = []
+        self.remarks: list[str] = []
         for number, one in enumerate(task.maneuvers):
             data = one.maneuvers[0]
             share = 0.4 * number / len(task.maneuvers)
             report(Progress(fraction=share, message=f"Reconstructing motion in {data.label}"))
             candidates = parameters_of(one, any_start(one), ())
             motion, _ = motion_of(data)
+            self.remarks += remarks_on_motion(data, motion)
             found = equation_evidence(data.model, motion, data.measured.inputs, candidates)
             crowding = data.measured.crowding
             self.candidates.append(candidates)
@@ -72,6 +74,7 @@ class EquationSearch:
             "all terms": self.candidates[0].names,
         }
         kept: list[Fitted] = []
+        warnings += self.remarks
         for name, chosen in wanted.items():
             same = next((one for one in kept if set(one.chosen) == set(chosen)), None)
             if same is not None:

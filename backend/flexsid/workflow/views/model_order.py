@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import SensorKind
+from flexsid.records.axes import symmetric_surfaces
+from flexsid.records.modal_table import ModalTable
 from flexsid.records.modal_views import ModelOrder, OrderStep, ReducedResponses
+from flexsid.records.prediction import Prediction
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
@@ -27,6 +31,7 @@ from flexsid.workflow.predictions import best_prediction, predicted_modes, predi
 
 BAND_HZ = (0.25, 15.0)
 _LINES = 240
+_FORCE = re.compile(r"CQ(\d+)_alpha")
 _UNITS = {
     SensorKind.ACCELEROMETER: ("g/rad", 1.0 / 9.80665),
     SensorKind.STRAIN: ("ustrain/rad", 1e6),
@@ -55,6 +60,7 @@ class _Full:
     modal_table_id: int
     prediction_id: int
     kinds: dict[str, SensorKind]
+    left_out: tuple[str, ...]
 
 
 def model_order(store: Store, question: OrderQuestion) -> ModelOrder:
@@ -69,7 +75,7 @@ def model_order(store: Store, question: OrderQuestion) -> ModelOrder:
         airspeed_m_s=question.airspeed_m_s,
         fuel=question.fuel,
         needed=study.needed,
-        evidence=_evidence(study, names, question),
+        evidence=(*_evidence(study, names, question), *full.left_out),
         full=study.full.named(),
         steps=tuple(_step(step, names) for step in study.steps),
     )
@@ -119,7 +125,7 @@ def _full_model(store: Store, question: OrderQuestion) -> _Full:
     aircraft = store.aircraft.get(question.aircraft_id)
     modal, damping = find_modal_tables(store, question.aircraft_id, question.modal_table_id, None)
     modes = load_modes(store, modal, damping)
-    inputs = tuple(surface.name for surface in aircraft.surfaces)
+    inputs = symmetric_surfaces(aircraft)
     symmetric = tuple(n for n in modes.table.numbers if modes.symmetric[n])
     prediction = best_prediction(
         store, question.aircraft_id, question.prediction_id, symmetric, inputs
@@ -132,6 +138,15 @@ def _full_model(store: Store, question: OrderQuestion) -> _Full:
         )
     at_fuel = modes.table.at(question.fuel)
     covered = predicted_modes(prediction, symmetric)
+    if symmetric and not covered:
+        raise BadInput(
+            f"prediction '{prediction.source}' has no generalised force of the modes of modal "
+            f"table '{modal.name}', version {modal.version} ({', '.join(map(str, symmetric))}); "
+            "choose the modal table that it was made for, or import a prediction for this one",
+            code="modes-not-predicted",
+            modal_table_id=modal.id,
+            prediction_id=prediction.id,
+        )
     order = sorted(covered, key=lambda n: float(at_fuel.omega[at_fuel.numbers.index(n)]))
     values = {
         name: value for name, (value, _) in prediction_at(store, prediction, question.fuel).items()
@@ -164,7 +179,26 @@ def _full_model(store: Store, question: OrderQuestion) -> _Full:
         modal.id,
         prediction.id,
         {output.name: output.kind for output in outputs},
+        _left_out(prediction, modal, symmetric, covered),
     )
+
+
+def _left_out(
+    prediction: Prediction, modal: ModalTable, symmetric: tuple[int, ...], covered: tuple[int, ...]
+) -> tuple[str, ...]:
+    """What the prediction and the table do not share, in words."""
+    known = {
+        int(match[1]) for name in prediction.names if (match := _FORCE.fullmatch(name)) is not None
+    }
+    notes = []
+    for numbers, text in (
+        (set(symmetric) - set(covered), f"are not in prediction '{prediction.source}'"),
+        (known - set(modal.numbers), f"are predicted and not in modal table '{modal.name}'"),
+    ):
+        if numbers:
+            listed = ", ".join(map(str, sorted(numbers)))
+            notes.append(f"Modes {listed} {text}: the full model is without them.")
+    return tuple(notes)
 
 
 def _lines(question: OrderQuestion) -> np.ndarray:

@@ -7,16 +7,16 @@ from typing import Literal
 
 import numpy as np
 
-from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.errors import BadInput
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.records.views import PlotMatrix
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.equation_error import regressors
-from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.model.derivatives import variables
 from flexsid.sysid.spectra.collinearity import collinearity
+from flexsid.workflow.computation import motion_of
 from flexsid.workflow.estimation import prepare
 from flexsid.workflow.interval import excitation_interval
 from flexsid.workflow.recording import maneuver_lines
@@ -81,12 +81,7 @@ def _of_regressors(store: Store, maneuver: Maneuver, modes: tuple[int, ...]) -> 
         settings=RunSettings(),
     )
     data = prepare(store, request).maneuvers[0]
-    lines = data.measured
-    try:
-        motion = reconstruct_motion(data.companions, lines.outputs, lines.instruments)
-    except NotIdentifiable:
-        motion = reconstruct_motion(data.model, lines.outputs, lines.instruments)
-    columns = regressors(data.model, motion.first(len(modes)), lines.inputs)
+    columns = regressors(data.model, motion_of(data)[0], data.measured.inputs)
     names = variables(modes, data.model.inputs)
     return _judged(maneuver, names, tuple("s" for _ in names), columns)
 

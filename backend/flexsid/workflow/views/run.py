@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexsid.errors import BadInput, Conflict
+from flexsid.errors import BadInput
 from flexsid.nomenclature import describe
 from flexsid.records.comparison import Comparison
 from flexsid.records.run import EstimationRun, FitBlock, Method, Pole, RunResult
@@ -21,6 +21,7 @@ from flexsid.records.views import (
 )
 from flexsid.storage.store import Store
 from flexsid.workflow.comparison import compare, of_coefficient
+from flexsid.workflow.results import result_of
 from flexsid.workflow.views.modes import modal_poles
 
 _SHOWN_FIRST = 2  # outputs drawn when none was chosen; a page shows that many at once
@@ -32,17 +33,10 @@ def finished(store: Store, run_id: int) -> tuple[EstimationRun, RunResult]:
     Raises
     ------
     Conflict
-        If it has none (yet).
+        If it has none (yet), or it was altered.
     """
     run = store.runs.get(run_id)
-    if run.result is None:
-        raise Conflict(
-            f"run {run_id} is {run.state.value} and has no result to show; "
-            "choose a run that succeeded",
-            code="run-without-result",
-            run_id=run_id,
-        )
-    return run, run.result
+    return run, result_of(run, "no result to show")
 
 
 def fit(

@@ -20,7 +20,7 @@ export function useImportUpload(id: string) {
       body(
         api.POST("/api/v1/uploads/{upload_id}/import", {
           params: { path: { upload_id: id } },
-          body: { mapping },
+          body: { mapping, confirmed: false },
         }),
       ),
     onSuccess: (begun) => {

@@ -22,6 +22,19 @@ export const catalogueQuery = queryOptions({
   staleTime: Infinity,
 });
 
+export const targetModesQuery = (id: number, aircraftId: number | undefined) =>
+  queryOptions({
+    queryKey: ["designs", id, "targets", aircraftId],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/designs/{design_id}/target-modes", {
+          params: { path: { design_id: id }, query: { aircraft_id: aircraftId ?? 0 } },
+          signal,
+        }),
+      ),
+    enabled: aircraftId !== undefined,
+  });
+
 export interface Actuator {
   natural_frequency: number;
   position?: number;

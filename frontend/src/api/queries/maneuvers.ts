@@ -48,3 +48,19 @@ export const conditioningQuery = (id: number) =>
         }),
       ),
   });
+
+/** Modes and band that suit a maneuver, and what they ask of its data. */
+export const runProposalQuery = (id: number, band: [number, number] | undefined) =>
+  queryOptions({
+    queryKey: ["maneuver", id, "run-proposal", band],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/maneuvers/{maneuver_id}/run-proposal", {
+          params: {
+            path: { maneuver_id: id },
+            query: { low_hz: band?.[0], high_hz: band?.[1] },
+          },
+          signal,
+        }),
+      ),
+  });

@@ -38,7 +38,7 @@ export const mappingCheckQuery = (id: string, mapping: string) =>
       body(
         api.POST("/api/v1/uploads/{upload_id}/check", {
           params: { path: { upload_id: id } },
-          body: { mapping },
+          body: { mapping, confirmed: false },
           signal,
         }),
       ),

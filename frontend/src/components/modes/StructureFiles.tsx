@@ -8,11 +8,12 @@ import {
   useUploadFiles,
 } from "../../api/commands";
 import { flutterSummariesQuery, structureUploadQuery } from "../../api/queries";
-import type { Aircraft, StructureFound } from "../../api/types";
+import type { Aircraft, FlutterSummary, StructureFound } from "../../api/types";
 import { fixed } from "../../lib/format";
 import type { StructuresView } from "../../views";
 import { DataTable } from "../DataTable";
 import { Loaded } from "../Loaded";
+import { Notes } from "./Notes";
 import { ProblemAlert } from "../ProblemAlert";
 import { Section } from "../Section";
 
@@ -358,7 +359,10 @@ function Summaries({ aircraftId }: { aircraftId: number }) {
   const summaries = useQuery(flutterSummariesQuery(aircraftId));
   if (summaries.data === undefined || summaries.data.length === 0) return null;
   return (
-    <Section title="Flutter summaries" note="First crossings of oscillating roots">
+    <Section
+      title="Flutter summaries"
+      note="Speeds where roots lose their damping, of each analysis on its own"
+    >
       <DataTable
         label="Flutter summaries"
         testId="flutter-summaries"
@@ -367,22 +371,39 @@ function Summaries({ aircraftId }: { aircraftId: number }) {
           { key: "origin", header: "File", render: (row) => row.origin },
           {
             key: "points",
-            header: "Airspeed and frequency",
+            header: "Instabilities",
             render: (row) => (
-              <Text size="sm">
-                {row.points
-                  .map(
-                    (point) =>
-                      `root ${String(point.root)}: ${fixed(point.airspeed_m_s, 1)} m/s (${fixed(point.airspeed_m_s / 0.514444, 1)} kt), ${fixed(point.omega_rad_s, 1)} rad/s`,
-                  )
-                  .join("; ") || "none"}
-              </Text>
+              <Stack gap={4}>
+                {row.points.map((point) => (
+                  <Text
+                    size="sm"
+                    key={`${point.analysis} ${String(point.root)} ${String(point.airspeed_m_s)}`}
+                  >
+                    {instability(point)}
+                    {point.analysis !== "" && (
+                      <Text span size="xs" c="dimmed">
+                        {` ${point.analysis}`}
+                      </Text>
+                    )}
+                  </Text>
+                ))}
+                {row.points.length === 0 && <Text size="sm">none found</Text>}
+              </Stack>
             ),
           },
+          { key: "notes", header: "Notes", render: (row) => <Notes notes={row.notes} /> },
         ]}
         rows={summaries.data}
         rowKey={(row) => row.id}
       />
     </Section>
   );
+}
+
+/** One root that goes unstable, in words: how, where, and at which frequency. */
+function instability(point: FlutterSummary["points"][number]): string {
+  const speed = `${fixed(point.airspeed_m_s, 1)} m/s (${fixed(point.airspeed_m_s / 0.514444, 1)} kt)`;
+  const where = point.is_bound ? `at or below ${speed}` : speed;
+  const frequency = point.kind === "divergence" ? "" : `, ${fixed(point.omega_rad_s, 1)} rad/s`;
+  return `root ${String(point.root)}: ${point.kind} ${where}${frequency}`;
 }

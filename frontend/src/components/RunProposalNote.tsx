@@ -1,0 +1,36 @@
+import { Alert, Text } from "@mantine/core";
+import type { RunProposal } from "../api/types";
+import { fixed } from "../lib/format";
+import { Section } from "./Section";
+
+interface Props {
+  proposal: RunProposal;
+  /** Modes that the form has now. */
+  modes: readonly number[];
+}
+
+/** The excited band, what lies in it, and what the proposed model asks of the data. */
+export function RunProposalNote({ proposal, modes }: Props) {
+  const [low = 0, high = 0] = proposal.basis.band_hz;
+  const above = proposal.modes.filter((mode) => modes.includes(mode.number) && !mode.in_band);
+  return (
+    <Section title="Proposal" note={`${fixed(low, 2)} to ${fixed(high, 2)} Hz`}>
+      <Text size="sm" data-testid="run-proposal">
+        {proposal.basis.reasons.join(" ")} {proposal.n_parameters} parameters, {proposal.n_lines}{" "}
+        excited frequencies, {fixed(proposal.lines_per_parameter, 1)} per parameter of an equation,{" "}
+        {fixed(proposal.resolution_hz, 3)} Hz apart.
+      </Text>
+      {above.length > 0 && (
+        <Alert color="orange" variant="light" mt="sm" data-testid="above-band">
+          {above.map((mode) => mode.name).join(", ")} not below the upper limit of the excited band:
+          the data hold little of that dynamics, and standard errors may be too small.
+        </Alert>
+      )}
+      {proposal.warnings.map((warning) => (
+        <Text size="sm" key={warning}>
+          {warning}
+        </Text>
+      ))}
+    </Section>
+  );
+}

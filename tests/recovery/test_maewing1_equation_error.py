@@ -1,0 +1,105 @@
+"""mAEWing1: six outputs, no vane, and modes near the band that so few sensors cannot check."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage.store import Store
+from flexsid.sysid.estimation.equation_error import equation_error
+from flexsid.workflow.computation import (
+    Computed,
+    Task,
+    any_start,
+    motion_of,
+    parameters_of,
+    remarks_on_motion,
+)
+from flexsid.workflow.estimation import compute, prepare
+from flexsid.workflow.ingest import import_files
+
+PROJECT = Path(__file__).parents[2]
+FLIGHT = PROJECT.parent / "shared" / "data" / "maewing1" / "flight"
+FILES = (
+    "geri_flight_raw.csv",
+    "Geri_Database.mat",
+    "GerimassProp.mat",
+    "GericoeffsNOM.mat",
+    "geri_coeffsPIDfull.mat",
+)
+FREE = (
+    "CZ_alpha", "CZ_wf2s", "CZ_wf3s", "Cm_alpha", "Cm_q", "Cm_wf2s", "Cm_wf3s",
+    "CQ7_alpha", "CQ7_eta7", "CQ7_etadot7", "CQ7_wf2s", "CQ7_wf3s",
+)  # fmt: skip
+
+pytestmark = pytest.mark.skipif(
+    not FLIGHT.is_dir(), reason="the mAEWing1 data are not here; examples/maewing1 says where from"
+)
+
+
+@dataclass(frozen=True)
+class Fits:
+    """The record estimated by output error and by equation error."""
+
+    task: Task
+    oe: Computed
+    ee: Computed
+
+
+@pytest.fixture
+def flown(store: Store) -> Fits:
+    mapping = PROJECT / "examples/maewing1/maewing1.toml"
+    imported = import_files(store, [FLIGHT / name for name in FILES], mapping)
+    assert imported.maneuver is not None
+    assert imported.maneuver.id is not None
+    request = EstimationRun(
+        maneuver_id=imported.maneuver.id,
+        method=Method.EE,
+        structure=Structure(modes=(7,), free=FREE, fixed={}),
+        settings=RunSettings(band_hz=(0.45, 18.6)),
+    )
+    task = prepare(store, request)
+    oe = compute(prepare(store, replace(request, method=Method.OE)), lambda progress: None)
+    return Fits(task, oe, compute(task, lambda progress: None))
+
+
+def test_equation_error_agrees_with_output_error(flown: Fits) -> None:
+    oe, ee = flown.oe.estimate, flown.ee.estimate
+    apart = (ee.values - oe.values) / np.hypot(ee.std_errors, oe.std_errors)
+    assert np.abs(apart).max() < 2.0
+    place = ee.names.index("CQ7_eta7")
+    assert ee.values[place] == pytest.approx(0.08, abs=0.05)
+    assert flown.ee.start == "none needed"  # no mode was reconstructed besides
+    assert any("too few to find the noise of" in warning for warning in flown.ee.warnings)
+    assert any("the sensors disagree" in warning for warning in flown.ee.warnings)
+
+
+@pytest.mark.parametrize("records", [8, pytest.param(40, marks=pytest.mark.long)])
+def test_synthetic_records_have_no_bias(flown: Fits, records: int) -> None:
+    """Lines made from the estimate of output error, as noisy as the sensors disagree."""
+    task = flown.task
+    data = task.maneuvers[0]
+    lines = data.measured
+    parameters = parameters_of(task, any_start(task), ())
+    truth = flown.oe.estimate.values
+    response = data.model.response(parameters.table(truth), lines.omega)
+    y = lines.instruments * (response @ lines.inputs.values[:, :, None])[:, :, 0]
+    level = motion_of(data)[0].noise
+    error = []
+    for seed in range(records):
+        rng = np.random.default_rng(seed)
+        noise = (rng.normal(size=y.shape) + 1j * rng.normal(size=y.shape)) / np.sqrt(2.0)
+        outputs = replace(lines.outputs, values=y + level * noise)
+        one = replace(data, measured=replace(lines, outputs=outputs))
+        motion, companions = motion_of(one)
+        assert companions == ()
+        assert remarks_on_motion(one, motion)
+        found = equation_error(data.model, motion, lines.inputs, parameters)
+        error.append((found.values - truth) / found.std_errors)
+    assert np.abs(np.mean(error, axis=0)).max() < 1.0
+    assert np.mean(np.abs(error) < 2.0) > 0.9
