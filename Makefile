@@ -18,12 +18,13 @@ export UV_NO_PROGRESS := 1
 export UV_LINK_MODE := copy
 say = @printf '\033[1mflexsid: %s\033[0m\n'
 
-.PHONY: help install demo serve docs test lint types rules page-checks browser database format lock clean
+.PHONY: help install demo serve docs test test-long lint types rules page-checks browser database format lock clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo 'make demo     install, fill an empty workbench with the demonstration campaign, serve it'
 	@echo 'make test     install and run every check and test, one walk in a browser included'
+	@echo 'make test-long    run rare faults and statistics over large matrices (hours)'
 	@echo 'make serve    serve the workbench without filling it (PORT=8000)'
 	@echo 'make docs     build the documentation site into var/site'
 	@echo 'make install  only what the others need first'
@@ -88,7 +89,11 @@ docs: install
 
 test: lint types rules page-checks browser database
 	$(say) 'running the tests'
-	@$(BIN)/python -m pytest --numprocesses auto
+	@$(BIN)/python -m pytest --numprocesses auto --dist loadfile
+
+test-long: install browser database
+	$(say) 'running the long tests'
+	@$(BIN)/python -m pytest --numprocesses auto --dist loadfile -m long
 
 lint: install
 	$(say) 'style and spelling'

@@ -27,7 +27,7 @@ from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.model.instruments import Butterworth, FirstOrder, Instrument, SecondOrder
 
-Listening = Callable[[Path], AbstractContextManager[str]]
+Listening = Callable[[str], AbstractContextManager[str]]
 
 AIRCRAFT = Aircraft(
     name="X-1",
@@ -40,7 +40,7 @@ AIRCRAFT = Aircraft(
         z_cg_m=(0.0, 0.0),
     ),
     surfaces=(Surface(name="bfs", noise_std_rad=1e-4),),
-    sensors=(Sensor(name="q", kind=SensorKind.GYRO, point="egi", instrument="egi"),),
+    sensors=(Sensor(name="q", kind=SensorKind.GYRO, point="egi", axis="y", instrument="egi"),),
     instruments={
         "egi": Instrument(
             elements=(
@@ -91,6 +91,7 @@ def postgresql() -> Iterator[postgresql_server.Cluster]:
 _BOTH = (
     *("storage/", "jobs/", "api/test_batches.py", "api/test_resources.py", "api/test_decisions.py"),
     *("api/test_uploads.py", "api/test_model_structures.py", "workflow/test_ingest.py"),
+    "api/test_hostile_input.py",
     *("api/test_searches.py", "workflow/test_recordings.py", "cli/"),
 )
 
@@ -120,7 +121,7 @@ def database_url(backend: str, request: pytest.FixtureRequest, tmp_path: Path) -
     if backend == "sqlite":
         migrated: Path = request.getfixturevalue("migrated_file")
         file = tmp_path / "flexsid.db"
-        file.write_bytes(migrated.read_bytes())
+        shutil.copy(migrated, file)
         yield f"sqlite:///{file}"
     else:
         cluster: postgresql_server.Cluster = request.getfixturevalue("postgresql")
@@ -230,9 +231,17 @@ def _fly(url: str) -> None:
 
 
 @pytest.fixture(scope="session")
+def campaign() -> Path:
+    """Database with the demonstration campaign; copy it before changing anything."""
+    import demonstration
+
+    return demonstration.campaign_file()
+
+
+@pytest.fixture(scope="session")
 def flown_file(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("flown") / "flown.db"
-    file.write_bytes(migrated_file.read_bytes())
+    shutil.copy(migrated_file, file)
     _fly(f"sqlite:///{file}")
     return file
 
@@ -251,7 +260,7 @@ def live_url(
     """Address of a server that listens; maneuver 1 was flown, and run 1, EE, succeeded."""
     file = tmp_path_factory.mktemp("live") / "flown.db"
     shutil.copy(flown_file, file)
-    with listening(file) as url:
+    with listening(f"sqlite:///{file}") as url:
         yield url
 
 
@@ -264,8 +273,8 @@ def listening() -> Listening:
     from flexsid.settings import Settings
 
     @contextmanager
-    def serve(file: Path) -> Iterator[str]:
-        app = create_app(Settings(database=f"sqlite:///{file}"))
+    def serve(database: str) -> Iterator[str]:
+        app = create_app(Settings(database=database))
         server = uvicorn.Server(uvicorn.Config(app, log_level="warning", access_log=False))
         with socket.create_server(("127.0.0.1", 0)) as port:
             thread = threading.Thread(target=server.run, kwargs={"sockets": [port]})
@@ -286,10 +295,24 @@ def flown_url(backend: str, request: pytest.FixtureRequest, tmp_path: Path) -> I
     if backend == "sqlite":
         flown: Path = request.getfixturevalue("flown_file")
         file = tmp_path / "flown.db"
-        file.write_bytes(flown.read_bytes())
+        shutil.copy(flown, file)
         yield f"sqlite:///{file}"
     else:
         cluster: postgresql_server.Cluster = request.getfixturevalue("postgresql")
         name = cluster.copy(request.getfixturevalue("flown_template"))
         yield cluster.url(name)
         cluster.drop(name)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Print what tests recorded as ``digits``: agreement with certified values."""
+    recorded = [
+        (report.nodeid.split("::")[-1], value)
+        for report in terminalreporter.getreports("passed")
+        for name, value in report.user_properties
+        if name == "digits"
+    ]
+    if recorded:
+        terminalreporter.section("digits that agree with certified values")
+        for test, value in sorted(recorded):
+            terminalreporter.write_line(f"{value}  {test}")

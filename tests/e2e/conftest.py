@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import shutil
 import socket
 import subprocess
 import sys
-import time
 import urllib.error
 import urllib.request
 from collections.abc import Callable, Iterator
@@ -25,6 +23,7 @@ from playwright.sync_api import (
     expect,
     sync_playwright,
 )
+from waiting import PATIENCE_MS, PATIENCE_S, wait_until
 
 ROOT = Path(__file__).parents[2]
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
@@ -47,27 +46,11 @@ def browser() -> Iterator[Browser]:
         if os.environ.get("CI") == "true":
             pytest.fail(reason)
         pytest.skip(reason)
-    expect.set_options(timeout=20_000)  # other tests share the cores
+    expect.set_options(timeout=PATIENCE_MS)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, args=QUIET)
         yield browser
         browser.close()
-
-
-@pytest.fixture(scope="session")
-def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Database with the demonstration campaign, made again only when its makers change."""
-    kept = ROOT / ".cache" / "e2e" / f"{_hash_of_makers()}.db"
-    if not kept.is_file():
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        for outdated in kept.parent.glob("*.db"):
-            outdated.unlink(missing_ok=True)
-        made = tmp_path_factory.mktemp("campaign") / "made.db"
-        _run("demo", "--no-serve", "--database", f"sqlite:///{made}")
-        # Moved into place whole, for another process may have made the same.
-        shutil.move(made, kept.with_suffix(f".{os.getpid()}"))
-        kept.with_suffix(f".{os.getpid()}").rename(kept)
-    return kept
 
 
 @pytest.fixture(scope="module")
@@ -131,7 +114,7 @@ def serving(database: Path, port: int, log: Path) -> Iterator[subprocess.Popen[b
             yield process
         finally:
             process.terminate()
-            process.wait(timeout=20)
+            process.wait(timeout=PATIENCE_S)
 
 
 @pytest.fixture(scope="module")
@@ -181,7 +164,7 @@ def watched_page(browser: Browser, server: str, refused: int | None = None) -> I
 
     context = browser.new_context(viewport={"width": 1440, "height": 1000}, base_url=server)
     page = context.new_page()
-    page.set_default_timeout(20_000)
+    page.set_default_timeout(PATIENCE_MS)
     page.on("console", heard)
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.on("response", answered)
@@ -190,38 +173,16 @@ def watched_page(browser: Browser, server: str, refused: int | None = None) -> I
     assert not complaints, "\n".join(complaints)
 
 
-def _hash_of_makers() -> str:
-    package = ROOT / "backend" / "flexsid"
-    floors = ("demo", "sysid", "records", "storage", "workflow", "importers")
-    sources = [path for floor in floors for path in sorted((package / floor).rglob("*.*"))]
-    digest = hashlib.sha256()
-    for path in [*sources, *sorted((ROOT / "migrations").rglob("*.py"))]:
-        if path.suffix != ".pyc":
-            digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def _run(*arguments: str) -> None:
-    done = subprocess.run(
-        [*FLEXSID, *arguments],
-        cwd=ROOT / "backend",
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=240,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-
-
 def _wait_until_healthy(address: str, process: subprocess.Popen[bytes], log: Path) -> None:
-    for _ in range(300):
+    def is_healthy() -> bool:
         assert process.poll() is None, f"the server ended:\n{log.read_text()}"
         try:
-            with urllib.request.urlopen(f"{address}/api/v1/health", timeout=2):
-                return
+            with urllib.request.urlopen(f"{address}/api/v1/health", timeout=PATIENCE_S):
+                return True
         except (urllib.error.URLError, ConnectionError, TimeoutError):
-            time.sleep(0.1)
-    pytest.fail(f"the server does not answer:\n{log.read_text()}")
+            return False
+
+    wait_until(is_healthy, "an answer of the server")
 
 
 def _estimate(server: str, maneuver: int, method: str) -> int:
@@ -233,11 +194,12 @@ def _estimate(server: str, maneuver: int, method: str) -> int:
     )
     with urllib.request.urlopen(request) as answer:
         run = json.load(answer)["id"]
-    for _ in range(1200):
+
+    def has_succeeded() -> bool:
         with urllib.request.urlopen(f"{server}/api/v1/jobs/{run}") as answer:
             state = json.load(answer)["state"]
-        if state == "succeeded":
-            return run
-        assert state in ("queued", "running"), state
-        time.sleep(0.1)
-    pytest.fail(f"run {run} does not end")
+        assert state in ("queued", "running", "succeeded"), state
+        return state == "succeeded"
+
+    wait_until(has_succeeded, f"the end of run {run}")
+    return run

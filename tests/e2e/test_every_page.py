@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import re
-import time
 from pathlib import Path
 from typing import Any
 from urllib.request import Request, urlopen
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
+from waiting import PATIENCE_MS, PATIENCE_S, wait_until
 
 from flexsid.client import Workbench
 
@@ -54,11 +54,13 @@ def records(server: str, compared: list[int]) -> dict[str, str]:
     rehearsed = workbench.post(
         f"designs/{design}/rehearsals", {"run_id": compared[0], "level": 1, "controller_id": None}
     )
-    workbench.wait(fre, timeout_s=120)
+    workbench.wait(fre, timeout_s=PATIENCE_S)
     jobs = workbench.items("jobs", batch_id=batched["id"])
-    workbench.wait(*(job["id"] for job in jobs), timeout_s=120)
+    workbench.wait(*(job["id"] for job in jobs), timeout_s=PATIENCE_S)
     for path in (f"searches/{asked}", f"tasks/{rehearsed['id']}"):
-        _wait(workbench, path)
+        wait_until(
+            lambda path=path: workbench.get(path)["state"] not in ("queued", "running"), path
+        )
     return {
         "run": str(compared[0]),
         "runs": ",".join(map(str, compared)),
@@ -77,14 +79,6 @@ def _say(server: str, path: str, body: object) -> dict[str, Any]:
     request = Request(f"{server}/api/v1/{path}", json.dumps(body).encode(), headers)
     with urlopen(request) as answer:
         return json.load(answer)
-
-
-def _wait(workbench: Workbench, path: str) -> None:
-    for _ in range(600):
-        if workbench.get(path)["state"] not in ("queued", "running"):
-            return
-        time.sleep(0.1)
-    pytest.fail(f"{path} does not end")
 
 
 @pytest.mark.parametrize("name", PAGES)
@@ -133,8 +127,8 @@ _FIGURES_FIT = """() => [...document.querySelectorAll(".js-plotly-plot")].every(
 def _settled(page: Page) -> None:
     """Nothing is loading, and every figure is drawn."""
     expect(page.get_by_role("heading", level=1)).to_be_visible()
-    expect(page.locator("[aria-busy=true]")).to_have_count(0, timeout=60_000)
-    expect(page.locator("[data-drawn=false]")).to_have_count(0, timeout=60_000)
+    expect(page.locator("[aria-busy=true]")).to_have_count(0, timeout=PATIENCE_MS)
+    expect(page.locator("[data-drawn=false]")).to_have_count(0, timeout=PATIENCE_MS)
     page.wait_for_function(_FIGURES_FIT)
 
 

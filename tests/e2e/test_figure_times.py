@@ -7,6 +7,7 @@ import urllib.request
 
 import pytest
 from playwright.sync_api import Page, expect
+from waiting import PATIENCE_MS
 
 pytestmark = pytest.mark.e2e
 
@@ -44,7 +45,7 @@ def test_every_figure_of_a_maneuver_is_drawn(page: Page, server: str):
         kind = name.split()[0]
         page.goto(path.format(id=maneuver["id"], flight=maneuver["flight_id"]))
         figure = page.get_by_test_id(f"figure-{kind}").first
-        expect(figure).to_have_attribute("data-drawn", "true", timeout=30_000)
+        expect(figure).to_have_attribute("data-drawn", "true", timeout=PATIENCE_MS)
         asked, answered, drawn = page.evaluate(READ, kind)
         line = {
             "name": f"figure {name}",

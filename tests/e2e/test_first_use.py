@@ -7,6 +7,7 @@ import socket
 
 import pytest
 from playwright.sync_api import Locator, Page, expect
+from waiting import PATIENCE_MS
 
 pytestmark = pytest.mark.e2e
 
@@ -26,10 +27,10 @@ def test_six_clicks_lead_from_the_first_page_to_a_comparison(page: Page):
     click(page.get_by_test_id("submit-run"))
     states = page.get_by_test_id("runs-table").get_by_test_id("run-state")
     for place in (0, 1):
-        expect(states.nth(place)).to_have_attribute("data-state", "succeeded", timeout=120_000)
+        expect(states.nth(place)).to_have_attribute("data-state", "succeeded", timeout=PATIENCE_MS)
     click(page.get_by_test_id("compare-link"))
     figure = page.get_by_test_id("figure-derivatives").first
-    expect(figure).to_have_attribute("data-drawn", "true", timeout=30_000)
+    expect(figure).to_have_attribute("data-drawn", "true", timeout=PATIENCE_MS)
     header = page.get_by_test_id("comparison-table").locator("thead")
     expect(header).to_contain_text(re.compile("OE.*EE.*Panel code|EE.*OE.*Panel code"))
     assert figure.locator(".errorbar").count() > 0, "±2σ"

@@ -8,18 +8,16 @@ import urllib.request
 
 import pytest
 from playwright.sync_api import Page, expect
+from waiting import PATIENCE_MS
 
 pytestmark = pytest.mark.e2e
-
-FIGURE_MS = 30_000
-ESTIMATION_MS = 120_000
 
 
 def test_a_designed_excitation_is_looked_at_and_checked(page: Page):
     page.goto("/excitation")
     page.get_by_role("button", name="Design FTA 500", exact=True).click()
     link = page.get_by_test_id("designs-table").get_by_role("link", name="FTA 500").first
-    link.click(timeout=ESTIMATION_MS)
+    link.click(timeout=PATIENCE_MS)
     expect(page.get_by_role("heading", name="FTA 500")).to_be_visible()
     for kind in ("design-history", "design-spectrum"):
         _drawn(page, kind)
@@ -42,12 +40,12 @@ def test_the_next_test_point_is_answered(page: Page, server: str):
     }
     run = _post(f"{server}/api/v1/runs", wish)
     page.goto(f"/runs/{run['id']}")
-    expect(page.get_by_test_id("parameter-table")).to_be_visible(timeout=ESTIMATION_MS)
+    expect(page.get_by_test_id("parameter-table")).to_be_visible(timeout=PATIENCE_MS)
     page.goto("/flutter")
     expect(page.get_by_text("No runs chosen")).to_be_visible()
     page.goto(f"/flutter?runs={run['id']}&next=45")
     answer = page.get_by_test_id("next-point")
-    expect(answer).to_contain_text("Next point at 45.0 m/s", timeout=FIGURE_MS)
+    expect(answer).to_contain_text("Next point at 45.0 m/s", timeout=PATIENCE_MS)
     expect(page.get_by_test_id("structures").locator("tbody tr")).to_have_count(2)
     drawn = ("v-omega-zeta", "flutter-forecast", "root-locus", "flutter-map", "equivalent-modes")
     for kind in drawn:
@@ -56,7 +54,7 @@ def test_the_next_test_point_is_answered(page: Page, server: str):
 
 def _drawn(page: Page, kind: str) -> None:
     figure = page.get_by_test_id(f"figure-{kind}")
-    expect(figure).to_have_attribute("data-drawn", "true", timeout=FIGURE_MS)
+    expect(figure).to_have_attribute("data-drawn", "true", timeout=PATIENCE_MS)
 
 
 def _get(address: str) -> dict:

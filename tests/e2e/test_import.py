@@ -77,7 +77,14 @@ def test_a_proposal_is_corrected_and_survives_a_reload(page: Page, tmp_path: Pat
     expect(page.get_by_test_id("import-submit")).to_be_disabled()
     page.get_by_role("button", name="It is in deg").click()
     expect(page.get_by_test_id("mapping-question")).to_have_count(0)
-    page.get_by_role("textbox", name="Flight number").fill("78")
+    page.get_by_role("textbox", name="Flight number").fill("79")
+    guesses = page.get_by_test_id("mapping-guesses")
+    expect(guesses).to_contain_text("50 Hz, 200 samples in 4 s")
+    expect(guesses).to_contain_text("largest value")
+    expect(page.get_by_test_id("import-submit")).to_be_disabled()
+    for kind in ("Aircraft", "Clock", "Units"):
+        page.get_by_role("button", name=f"Confirm: {kind}").click()
+        expect(page.get_by_role("button", name=f"Confirm: {kind}")).to_have_count(0)
     page.get_by_test_id("import-submit").click()
     expect(page.get_by_test_id("imported")).to_contain_text("2 channels")
 

@@ -6,12 +6,13 @@ import re
 
 import pytest
 from playwright.sync_api import Locator, Page, expect
+from waiting import PATIENCE_MS
 
 pytestmark = pytest.mark.e2e
 
 
 def test_a_brushed_band_is_shared_and_fitted(page: Page):
-    page.goto("/maneuvers/2?tab=spectra&full=true")
+    page.goto("/maneuvers/2?tab=spectra")
     _brush(page, _drawn(page, "spectrum"), 0.1, 0.3)
     expect(page).to_have_url(re.compile(r"low=.*high="))
     band = page.get_by_test_id("band-bar")
@@ -27,11 +28,17 @@ def test_a_brushed_band_is_shared_and_fitted(page: Page):
     expect(page.get_by_label("Band from")).to_have_value(re.compile(r"^\d"))
 
 
+def test_a_band_without_data_is_named_beside_the_form(refused: Page):
+    refused.goto("/maneuvers/2/new-run?low=60&high=90")
+    expect(refused.get_by_role("alert")).to_contain_text("between 60 and 90 Hz")
+    expect(refused.get_by_label("Band from")).to_have_value(re.compile(r"^60"))
+
+
 def test_fits_that_are_compared_share_zoom_and_cursor(page: Page, compared: list[int]):
     page.goto(f"/compare?runs={compared[0]},{compared[2]}&tab=poles")
     fits = page.get_by_test_id("figure-fit")
     for place in (0, 1):
-        expect(fits.nth(place)).to_have_attribute("data-drawn", "true", timeout=30_000)
+        expect(fits.nth(place)).to_have_attribute("data-drawn", "true", timeout=PATIENCE_MS)
     _brush(page, fits.first, 0.1, 0.3)
     expect(page.get_by_test_id("band-bar")).to_contain_text("Hz")
     ranges = [
@@ -80,7 +87,7 @@ def test_a_symbol_tells_its_meaning(page: Page):
 
 def _drawn(page: Page, kind: str) -> Locator:
     figure = page.get_by_test_id(f"figure-{kind}").first
-    expect(figure).to_have_attribute("data-drawn", "true", timeout=30_000)
+    expect(figure).to_have_attribute("data-drawn", "true", timeout=PATIENCE_MS)
     return figure
 
 

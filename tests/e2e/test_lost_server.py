@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, expect
+from waiting import PATIENCE_MS
 
 from .conftest import free_port, serving
 
@@ -38,7 +39,7 @@ def test_the_page_outlives_its_server(browser: Browser, campaign: Path, tmp_path
         page.get_by_role("link", name="Campaign").click()
         page.locator("tbody a.link").first.click()
         figure = page.get_by_test_id("figure-time-history")
-        expect(figure).to_have_attribute("data-drawn", "true", timeout=30_000)
+        expect(figure).to_have_attribute("data-drawn", "true", timeout=PATIENCE_MS)
     assert page.evaluate("window.openedOnce") is True
     context.close()
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
+from waiting import PATIENCE_MS
 
 pytestmark = pytest.mark.e2e
 
-FIGURE_MS = 30_000
 DECK = "".join(f"GRID,{n},,{x},{y},0.\n" for n, (x, y) in enumerate([(0, -4), (0, 0), (0, 4)], 1))
 PRINTOUT = "1    JOB\n      EIGENVALUE =  9.869604E+02\n" + (
     "          R E A L   E I G E N V E C T O R   N O .          1\n\n"
@@ -27,14 +27,14 @@ def test_modes_are_seen_over_fuel_and_drawn(page: Page):
     page.get_by_role("tab", name="Shapes").click()
     expect(page).to_have_url(re.compile("tab=shapes"))
     shape = page.get_by_test_id("mode-shape")
-    expect(shape).to_have_attribute("data-nodes", "133", timeout=FIGURE_MS)
+    expect(shape).to_have_attribute("data-nodes", "133", timeout=PATIENCE_MS)
     expect(shape).to_have_attribute("aria-label", re.compile("SW1B"))
     shape.focus()
     page.keyboard.press("ArrowLeft")
     page.get_by_role("switch", name="Two side by side").click()
     expect(page.get_by_test_id("mode-shape")).to_have_count(2)
     page.reload()
-    expect(page.get_by_test_id("mode-shape")).to_have_count(2, timeout=FIGURE_MS)
+    expect(page.get_by_test_id("mode-shape")).to_have_count(2, timeout=PATIENCE_MS)
 
 
 def test_sources_sensors_orders_and_tests_are_told(page: Page):
@@ -42,7 +42,7 @@ def test_sources_sensors_orders_and_tests_are_told(page: Page):
     _drawn(page, "mac")
     expect(page.get_by_test_id("paired-modes").locator("tbody tr")).to_have_count(25)
     page.get_by_role("tab", name="Sensors").click()
-    expect(page.get_by_test_id("observability")).to_contain_text("az_oar", timeout=FIGURE_MS)
+    expect(page.get_by_test_id("observability")).to_contain_text("az_oar", timeout=PATIENCE_MS)
     expect(page.get_by_test_id("candidates").locator("tbody tr").first).to_be_visible()
     page.get_by_role("tab", name="Model order").click()
     expect(page.get_by_test_id("order-proposal")).to_contain_text("This condition needs SP + SW1B")
@@ -59,16 +59,16 @@ def test_a_structure_is_imported_with_what_is_asked(page: Page, tmp_path: Path):
         (tmp_path / name).write_text(text)
     page.goto("/structures?tab=files")
     page.get_by_test_id("structure-files").set_input_files([tmp_path / name for name in files])
-    expect(page.get_by_text("1 mode shapes at 3 nodes")).to_be_visible(timeout=FIGURE_MS)
+    expect(page.get_by_text("1 mode shapes at 3 nodes")).to_be_visible(timeout=PATIENCE_MS)
     page.get_by_label("Name", exact=True).fill("Beam")
     for question, answer in (("length_unit", "ft"), ("generalized_mass", "unknown")):
         page.get_by_test_id(f"answer-{question}").click()
         page.get_by_role("option", name=answer, exact=True).click()
     page.get_by_role("button", name="Keep these modes").click()
-    expect(page.get_by_test_id("modes").locator("tbody tr")).to_have_count(1, timeout=FIGURE_MS)
+    expect(page.get_by_test_id("modes").locator("tbody tr")).to_have_count(1, timeout=PATIENCE_MS)
     expect(page.get_by_test_id("modes")).to_contain_text("5.000")
 
 
 def _drawn(page: Page, kind: str) -> None:
     figure = page.get_by_test_id(f"figure-{kind}")
-    expect(figure).to_have_attribute("data-drawn", "true", timeout=FIGURE_MS)
+    expect(figure).to_have_attribute("data-drawn", "true", timeout=PATIENCE_MS)

@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 import pytest
 from playwright.sync_api import Browser, expect
+from waiting import PATIENCE_MS, PATIENCE_S
 
 from flexsid.client import Workbench
 
@@ -42,7 +43,7 @@ def estimated(
     with serving_on(database, folder / "server.log") as url:
         workbench = Workbench(url)
         for maneuver, method in ((4, "OE"), (4, "FRE"), (4, "EE"), (8, "OE")):
-            workbench.wait(workbench.submit(maneuver, method, modes=[7, 9]), timeout_s=120)
+            workbench.wait(workbench.submit(maneuver, method, modes=[7, 9]), timeout_s=PATIENCE_S)
         yield url
 
 
@@ -58,7 +59,7 @@ def test_the_pictures_of_the_documentation_can_be_taken(
     page = context.new_page()
     page.goto(path)
     shown = page.get_by_test_id(f"figure-{figure}").first
-    expect(shown).to_have_attribute("data-drawn", "true", timeout=30_000)
+    expect(shown).to_have_attribute("data-drawn", "true", timeout=PATIENCE_MS)
     page.wait_for_load_state("networkidle")
     box = shown.bounding_box()
     if box is not None and box["y"] > height / 2:

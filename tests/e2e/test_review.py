@@ -8,10 +8,9 @@ import urllib.request
 
 import pytest
 from playwright.sync_api import Locator, Page, expect
+from waiting import PATIENCE_MS
 
 pytestmark = pytest.mark.e2e
-
-ESTIMATION_MS = 120_000
 
 
 @pytest.fixture
@@ -117,7 +116,7 @@ def test_a_structure_is_proposed_argued_over_changed_and_approved(
     expect(origin).to_contain_text("version 3, the baseline for Dynamic pressure 0 to")
     expect(_count(ann)).to_contain_text("42 of 44 free, 1 fixed, 1 absent")
     ann.get_by_test_id("submit-run").click()
-    expect(ann.get_by_test_id("parameter-table")).to_be_visible(timeout=ESTIMATION_MS)
+    expect(ann.get_by_test_id("parameter-table")).to_be_visible(timeout=PATIENCE_MS)
     run = _get(f"{server}/api/v1/runs/{ann.url.rsplit('/', 1)[-1].split('?')[0]}")
     assert (run["structure_id"], run["structure_version"], run["author"]) == (structure, 3, "Ann")
     assert not {"CZ_q", "Cm_eta9"} & {one["name"] for one in run["parameters"]}

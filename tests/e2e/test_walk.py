@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Locator, Page, expect
+from waiting import PATIENCE_MS
 
 SCREENSHOTS = Path(__file__).parent / "screenshots"
-ESTIMATION_MS = 120_000
-FIGURE_MS = 30_000
 
 pytestmark = pytest.mark.e2e
 
@@ -97,9 +96,7 @@ def _watch_runs(page: Page) -> None:
     expect(table.locator("tbody tr")).to_have_count(2)
     states = table.get_by_test_id("run-state")
     for number in range(2):
-        expect(states.nth(number)).to_have_attribute(
-            "data-state", "succeeded", timeout=ESTIMATION_MS
-        )
+        expect(states.nth(number)).to_have_attribute("data-state", "succeeded", timeout=PATIENCE_MS)
     _shoot(page, "maneuver-runs")
 
 
@@ -140,7 +137,7 @@ def _compare(page: Page) -> None:
 
 def _drawn(page: Page, kind: str) -> Locator:
     figure = page.get_by_test_id(f"figure-{kind}").first
-    expect(figure).to_have_attribute("data-drawn", "true", timeout=FIGURE_MS)
+    expect(figure).to_have_attribute("data-drawn", "true", timeout=PATIENCE_MS)
     expect(figure.locator(".js-plotly-plot .main-svg").first).to_be_visible()
     return figure
 

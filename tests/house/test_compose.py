@@ -15,17 +15,17 @@ import sys
 import time
 import urllib.request
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any
 
 import postgresql as postgresql_server
 import pytest
 from ruamel.yaml import YAML
+from waiting import PATIENCE_S, wait_until
 
 ROOT = Path(__file__).parents[2]
 COMPOSE = ROOT / "docker-compose.yml"
-PATIENCE_S = 90.0
 INPUT = re.compile(r"\$\{(\w+)(?::([-?])([^}]*))?\}")
 
 
@@ -53,20 +53,66 @@ def test_nothing_but_loopback_is_published() -> None:
             assert port.startswith("127.0.0.1:")
 
 
-def test_every_service_answers_its_own_health_check(started: dict[str, str]) -> None:
+def test_whoever_runs_code_binds_loopback_alone() -> None:
+    found = services({"DB_PASSWORD": "x"})
+    for name in ("scheduler", "worker"):
+        command = found[name]["command"]
+        assert command[command.index("--host") + 1] == "127.0.0.1", name
+        assert command[command.index("--dashboard-address") + 1] == "127.0.0.1:0", name
+        assert found[name]["network_mode"] == "host"
+    written = (ROOT / "README.md").read_text() + COMPOSE.read_text()
+    written += "".join(file.read_text() for file in ROOT.glob("docs/**/*.md"))
+    for line in written.splitlines():
+        if re.search(r"^\s*dask (scheduler|worker)\b", line):
+            assert "--host 127.0.0.1 --dashboard-address 127.0.0.1:0" in line, line
+
+
+def _check_loopback_only(pids: set[int]) -> None:
+    """Look at every socket that a service, or a process below it, listens on."""
+    for pid in pids | _children(pids):
+        own: set[str] = set()
+        with suppress(OSError):  # it may have ended
+            own = {os.readlink(file) for file in Path(f"/proc/{pid}/fd").iterdir()}
+        for kind in ("tcp", "tcp6"):
+            for line in Path(f"/proc/net/{kind}").read_text().splitlines()[1:]:
+                fields = line.split()
+                if fields[3] == "0A" and f"socket:[{fields[9]}]" in own:
+                    assert fields[1].startswith("0100007F:"), (pid, kind, fields[1])
+
+
+def _children(pids: set[int]) -> set[int]:
+    """Return all processes below these."""
+    found: set[int] = set()
+    for folder in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            parent = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
+            if parent in pids:
+                found.add(int(folder.name))
+    return found | _children(found) if found else found
+
+
+def test_every_service_answers_its_own_health_check_and_nobody_outside(
+    started: dict[str, str],
+) -> None:
     port = started["PORT"]
-    with urllib.request.urlopen(f"http://127.0.0.1:{port}/api/v1/health", timeout=10) as answer:
-        assert json.load(answer)["status"] == "ok"
-    deadline = time.monotonic() + PATIENCE_S
-    while True:
+
+    def crew() -> dict[str, Any] | None:
         address = f"http://127.0.0.1:{port}/api/v1/jobs/status"
-        with urllib.request.urlopen(address, timeout=10) as answer:
-            crew = json.load(answer)["crew"]
-        if crew is not None and crew["workers"] == 1:
-            break
-        assert time.monotonic() < deadline, crew
-        time.sleep(0.2)
-    assert crew["place"].startswith("Dask cluster")
+        with urllib.request.urlopen(address, timeout=PATIENCE_S) as answer:
+            found = json.load(answer)["crew"]
+        return found if found is not None and found["workers"] == 1 else None
+
+    assert wait_until(crew, "a worker")["place"].startswith("Dask cluster")
+    with urllib.request.urlopen(
+        f"http://127.0.0.1:{port}/api/v1/health", timeout=PATIENCE_S
+    ) as answer:
+        health = json.load(answer)
+    assert {part["name"]: part["state"] for part in health["parts"]} == dict.fromkeys(
+        ("database", "dispatcher", "workers", "clock"), "ok"
+    )
+    assert health["status"] == "ok"
+    if Path("/proc/net/tcp6").exists():
+        _check_loopback_only({int(pid) for pid in started["PIDS"].split()})
 
 
 @pytest.fixture
@@ -93,7 +139,7 @@ def started(tmp_path: Path, postgresql: postgresql_server.Cluster) -> Iterator[d
                 assert service["command"][0] == "postgres"
                 environment |= {"PGPORT": inputs["DB_PORT"]}
             else:
-                command = [inputs["DASK_PORT"] if p == "8786" else p for p in service["command"]]
+                command = service["command"]
                 with (tmp_path / ready).open("w") as log:
                     running.append(
                         subprocess.Popen(
@@ -101,12 +147,12 @@ def started(tmp_path: Path, postgresql: postgresql_server.Cluster) -> Iterator[d
                         )
                     )
             _wait_until_healthy(ready, service["healthcheck"]["test"], environment, tmp_path)
-        yield inputs
+        yield inputs | {"PIDS": " ".join(str(process.pid) for process in running)}
     finally:
         for process in reversed(running):
             process.terminate()
         for process in reversed(running):
-            process.wait(timeout=30)
+            process.wait(timeout=PATIENCE_S)
         postgresql.drop(name)
 
 
@@ -140,8 +186,6 @@ def _environment(service: dict[str, Any], inputs: dict[str, str], database: str)
         "PYTHONPATH": str(ROOT / "backend"),
         **service.get("environment", {}),
     }
-    if "DASK_SCHEDULER_ADDRESS" in environment:
-        environment["DASK_SCHEDULER_ADDRESS"] = f"tcp://127.0.0.1:{inputs['DASK_PORT']}"
     if "FLEXSID_DATABASE" in environment:
         address = environment["FLEXSID_DATABASE"]
         environment["FLEXSID_DATABASE"] = f"{address.rpartition('/')[0]}/{database}"

@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import dask_cluster
 import pytest
+from waiting import wait_until
 
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.executors import make_workers
@@ -19,8 +19,28 @@ from flexsid.records.run import EstimationRun, RunState
 from flexsid.storage.store import Store
 
 HERE = Path(__file__).parent
-PATIENCE_S = 60.0  # other tests share the cores
 Until = Callable[..., EstimationRun]
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Leave one combination of executor and database of each fault in ``make test``, in turn.
+
+    All combinations are run by ``make test-long``.
+    """
+    cases: dict[str, list[pytest.Function]] = {}
+    for item in items:
+        if isinstance(item, pytest.Function) and item.path.parent == HERE:
+            own = {k: v for k, v in _parameters(item).items() if k not in ("executor", "backend")}
+            cases.setdefault(f"{item.path.name}::{item.originalname}{own}", []).append(item)
+    for place, combinations in enumerate(cases.values()):
+        for k, item in enumerate(combinations):
+            if k != place % len(combinations):
+                item.add_marker(pytest.mark.long)
+
+
+def _parameters(item: pytest.Function) -> dict[str, object]:
+    return item.callspec.params if hasattr(item, "callspec") else {}
 
 
 @pytest.fixture(scope="session")
@@ -66,11 +86,9 @@ def until(store: Store) -> Until:
     def wait(run: EstimationRun, *states: RunState) -> EstimationRun:
         assert run.id is not None
         states = states or (RunState.SUCCEEDED, RunState.FAILED, RunState.CANCELLED)
-        deadline = time.monotonic() + PATIENCE_S
-        while (now := store.runs.get(run.id)).state not in states:
-            assert time.monotonic() < deadline, f"still {now.state}"
-            time.sleep(0.01)
-        return now
+        identity = run.id
+        wait_until(lambda: store.runs.get(identity).state in states, f"run {identity} in {states}")
+        return store.runs.get(identity)
 
     return wait
 
@@ -104,11 +122,7 @@ def process_of() -> Callable[[Path], int]:
     """Wait until a task has written its process number into a file, and return it."""
 
     def wait(file: Path) -> int:
-        deadline = time.monotonic() + PATIENCE_S
-        while not (file.exists() and file.read_text()):
-            assert time.monotonic() < deadline, "the task did not begin"
-            time.sleep(0.01)
-        return int(file.read_text())
+        return int(wait_until(lambda: file.exists() and file.read_text(), "the start of the task"))
 
     return wait
 
@@ -118,10 +132,7 @@ def is_over() -> Callable[[int], None]:
     """Fail unless a process ends soon."""
 
     def wait(process: int) -> None:
-        deadline = time.monotonic() + 5.0
-        while _alive(process):
-            assert time.monotonic() < deadline, "an orphan is left"
-            time.sleep(0.01)
+        wait_until(lambda: not _alive(process), f"the end of process {process}")
 
     return wait
 

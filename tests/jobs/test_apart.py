@@ -7,11 +7,11 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from waiting import PATIENCE_S, wait_until
 
 from flexsid.errors import FlexsidError
 from flexsid.jobs.apart import DispatcherApart, Duty
@@ -21,7 +21,6 @@ from flexsid.storage import leases
 from flexsid.storage.store import Store
 
 HERE = Path(__file__).parent
-PATIENCE_S = 60.0
 
 SERVER = """
 import sys, time
@@ -145,8 +144,5 @@ def test_a_server_without_its_cluster_does_not_start(
 
 def _dispatcher(store: Store) -> int:
     """Number of the process that has the lease."""
-    deadline = time.monotonic() + PATIENCE_S
-    while not (holder := leases.read(store).holder):
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    holder = wait_until(lambda: leases.read(store).holder, "a dispatcher")
     return int(holder.split(" ")[2])

@@ -9,12 +9,15 @@ from pathlib import Path
 import dask_cluster
 import postgresql as postgresql_server
 import pytest
+from waiting import wait_until
 
+from flexsid.jobs import cluster as cluster_module
+from flexsid.jobs import health
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.executors import make_workers
 from flexsid.jobs.steps import Steps
 from flexsid.records.run import EstimationRun, RunState
-from flexsid.storage import run_log
+from flexsid.storage import leases, run_log
 from flexsid.storage.store import Store
 
 AddRun = Callable[..., EstimationRun]
@@ -95,3 +98,53 @@ def test_a_scheduler_that_goes_away_is_waited_for(
     finally:
         dispatcher.stop()
         own.close()
+
+
+@pytest.mark.parametrize("backend", ["sqlite"])
+def test_a_run_whose_last_worker_is_gone_waits_in_the_queue_and_health_says_so(
+    store: Store,
+    add_run: AddRun,
+    steps: Steps,
+    until: Until,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(cluster_module, "_ALONE_S", 0.2)
+    monkeypatch.setattr(health, "_GRACE_S", 0.5)
+    own = dask_cluster.Cluster(tmp_path, workers=1, path=Path(__file__).parent)
+    watch = health.QueueHealth(store)
+    runs = [add_run(author=f"hold-once {tmp_path}/begun"), add_run(author="brief")]
+    workers = make_workers(steps.compute, own.address)
+    dispatcher = Dispatcher(store, steps, workers, patience_s=1.0)
+    dispatcher.start()
+    try:
+        wait_until(lambda: (tmp_path / "begun").exists())
+        own.workers[0].kill()
+        wait_until(lambda: {run.state for run in store.runs.find()} == {RunState.QUEUED})
+        wait_until(lambda: watch.look()[1].state is health.PartState.DEGRADED)
+        dispatch, computing = watch.look()
+        assert dispatch.state is health.PartState.OK
+        assert "No worker" in computing.text
+        assert "dask worker" in computing.text
+        own.add_worker()
+        assert {until(run).state for run in runs} == {RunState.SUCCEEDED}
+        wait_until(lambda: watch.look()[1].state is health.PartState.OK)
+    finally:
+        dispatcher.stop()
+        own.close()
+
+
+def test_a_dispatcher_that_is_gone_or_stands_still_is_found(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    watch = health.QueueHealth(store)
+    assert [part.state for part in watch.look()] == [health.PartState.STARTING] * 2
+    monkeypatch.setattr(health, "_GRACE_S", 0.0)
+    assert [part.state for part in watch.look()] == [health.PartState.DEGRADED] * 2
+    lease = leases.take(store, leases.read(store), "elsewhere")
+    assert lease is not None
+    status = {"server": "s", "place": "p", "workers": 1, "running": []}
+    assert leases.renew(store, lease, status) is not None
+    assert [part.state for part in watch.look()] == [health.PartState.OK] * 2
+    monkeypatch.setattr(health, "_STILL_S", 0.0)
+    assert "stood still" in watch.look()[0].text

@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from waiting import PATIENCE_S
 
 FIRST_PRODUCT = """
 from flexsid.jobs.worker import _at_most
@@ -25,7 +26,7 @@ def test_the_first_product_of_matrices_does_not_hang_for_want_of_memory(memory_m
         [sys.executable, "-c", FIRST_PRODUCT.format(memory_mb=memory_mb)],
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=PATIENCE_S,
         check=False,
     )
     assert ended.stdout == "done\n", ended.stderr

@@ -6,12 +6,12 @@ import os
 import socket
 import subprocess
 import sys
-import time
 from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 from distributed import Client
+from waiting import PATIENCE_S, wait_until
 
 
 class Cluster:
@@ -51,19 +51,16 @@ class Cluster:
         """Start a worker with one thread."""
         worker = self._start(
             *("worker", self.address, "--nthreads", "1", "--no-dashboard", "--no-nanny"),
-            *("--local-directory", str(self._folder), "--death-timeout", "30"),
+            *("--local-directory", str(self._folder), "--death-timeout", str(PATIENCE_S)),
         )
         self.workers.append(worker)
         return worker
 
     def wait_for(self, workers: int) -> None:
         """Wait until there are so many workers."""
-        with Client(self.address, timeout=30, set_as_default=False) as client:
+        with Client(self.address, timeout=PATIENCE_S, set_as_default=False) as client:
             asked: Any = client
-            deadline = time.monotonic() + 30.0
-            while len(asked.nthreads()) != workers:
-                assert time.monotonic() < deadline
-                time.sleep(0.05)
+            wait_until(lambda: len(asked.nthreads()) == workers, f"{workers} workers")
 
     def close(self) -> None:
         """Kill everything."""

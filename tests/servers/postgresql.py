@@ -14,6 +14,7 @@ from contextlib import closing
 from pathlib import Path
 
 import psycopg
+from waiting import PATIENCE_S
 
 
 def find_programs() -> Path | None:
@@ -59,7 +60,7 @@ class Cluster:
                 user=self._user,
                 cwd=self.folder,
             )
-        deadline = time.monotonic() + 30.0
+        deadline = time.monotonic() + PATIENCE_S
         while True:
             try:
                 self._tell("SELECT 1")
