@@ -9,7 +9,7 @@ import pytest
 from fastapi.testclient import TestClient
 from tests.api.team import Act, propose, vote
 
-from flexsid.workflow import clock, notifications, review
+from flexsid.workflow.review import clock, notifications
 
 HOUR = timedelta(hours=1)
 
@@ -27,7 +27,7 @@ def test_a_baseline_approved_by_a_slow_clock_supersedes_the_earlier_one(
 ) -> None:
     first = propose(act)
     vote(act, "Bo", first)
-    monkeypatch.setattr(review, "datetime", _Slow)
+    monkeypatch.setattr(decision_review, "datetime", _Slow)
     second = propose(act, title="the better one")
     with caplog.at_level(logging.WARNING):
         vote(act, "Bo", second)
@@ -48,7 +48,7 @@ def test_the_later_of_two_overlapping_baselines_is_taken_by_new_runs(
 ) -> None:
     wide = propose(act, limits={"dynamic_pressure_pa": [0.0, 9000.0]})
     vote(act, "Bo", wide)
-    monkeypatch.setattr(review, "datetime", _Slow)
+    monkeypatch.setattr(decision_review, "datetime", _Slow)
     edit = {"name": "SP + SW1B", "structure": {"modes": [7], "absent": ["CZ_q"]}, "version": 1}
     act("Bo", "put", "model-structures/1", edit)
     part = propose(
@@ -65,7 +65,7 @@ def test_changes_are_listed_in_the_order_in_which_they_were_made(
     decision = propose(act)
     address = f"decisions/{decision['id']}/comments"
     act("Bo", "post", address, {"text": "first"})
-    monkeypatch.setattr(review, "datetime", _Slow)
+    monkeypatch.setattr(decision_review, "datetime", _Slow)
     act("Bo", "post", address, {"text": "second"})
     changes = act("Ann", "get", "notifications").json()["changes"]
     assert [change["text"] for change in changes] == ["second", "first"]

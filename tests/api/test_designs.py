@@ -11,8 +11,8 @@ from waiting import ended
 
 from flexsid.errors import BadInput
 from flexsid.sysid.excitation.designer import InputWish, Wish
-from flexsid.workflow import excitation
-from flexsid.workflow.excitation import check_evaluation
+from flexsid.workflow.excitation import excitation_designs
+from flexsid.workflow.excitation.excitation_designs import check_evaluation
 
 URL = "/api/v1/designs"
 FTA_503: dict[str, Any] = {
@@ -174,7 +174,7 @@ def test_a_design_that_is_too_large_for_a_model_is_refused_where_it_is_evaluated
     wish = Wish(duration_s=500.0, rate_hz=100.0, inputs=inputs, peaks=(0.1, 0.1, 0.1))
     with pytest.raises(BadInput, match="at most 10000 samples of so many harmonics"):
         check_evaluation(wish)
-    largest = excitation.wish_for(574, 96.0, 100.0, 6, (0.01, 0.02, 0.04))
+    largest = excitation_designs.wish_for(574, 96.0, 100.0, 6, (0.01, 0.02, 0.04))
     check_evaluation(largest)
 
 

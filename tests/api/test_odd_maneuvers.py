@@ -15,7 +15,7 @@ from flexsid.records.maneuver import GROUND
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
-from flexsid.workflow.estimation import compute, prepare
+from flexsid.workflow.runs.estimation import compute, prepare
 
 API = "/api/v1"
 Samples = Callable[[str, np.ndarray], np.ndarray]

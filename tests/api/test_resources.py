@@ -15,7 +15,7 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.comparison import Comparison
 from flexsid.records.flight import Flight
 from flexsid.storage.job_list import Job
-from flexsid.workflow.export import RunExport
+from flexsid.workflow.runs.run_export import RunExport
 
 API = "/api/v1"
 FIGURES = (

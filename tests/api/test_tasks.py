@@ -10,7 +10,7 @@ from fastapi.testclient import TestClient
 from waiting import wait_until
 
 from flexsid.errors import BadInput, Conflict
-from flexsid.workflow.tasks import Report, Task, Tasks, TaskState
+from flexsid.workflow.background_tasks import Report, Task, Tasks, TaskState
 
 WISH = {
     "name": "interleaved",

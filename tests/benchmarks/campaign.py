@@ -30,7 +30,7 @@ from flexsid.settings import Settings
 from flexsid.storage.channels import read_channels
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
-from flexsid.workflow.ingest import Imported, import_each, read_upload
+from flexsid.workflow.importing.flight_import import Imported, import_each, read_upload
 
 N_CHANNELS, N_SAMPLES, RATE_HZ, N_READ = 90, 8000, 200.0, 20
 MANEUVERS_PER_FLIGHT = 26

@@ -45,7 +45,7 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import finite_fourier_transform, unit_lines
 from flexsid.sysid.spectra.response import bare_airframe_responses
-from flexsid.workflow.models import build_model, default_outputs, define_outputs
+from flexsid.workflow.aircraft.aircraft_models import build_model, default_outputs, define_outputs
 
 Result = TypeVar("Result")
 RNG = np.random.default_rng(7)

@@ -56,9 +56,9 @@ from flexsid.sysid.stability.trackers import (
     envelope_function,
     flutter_margin,
 )
-from flexsid.workflow.flutter import Others, Question
-from flexsid.workflow.flutter import flutter as ask
-from flexsid.workflow.models import build_model, default_outputs, define_outputs
+from flexsid.workflow.aircraft.aircraft_models import build_model, default_outputs, define_outputs
+from flexsid.workflow.flutter.flutter_analysis import Others, Question
+from flexsid.workflow.flutter.flutter_analysis import flutter as ask
 
 FUEL = 0.5
 KEPT, ALL = 4, 8

@@ -38,7 +38,7 @@ from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.storage.tables import channels
-from flexsid.workflow import estimation
+from flexsid.workflow.runs import estimation
 
 STRUCTURE = {"modes": [7, 9]}
 BROWSERS = 50

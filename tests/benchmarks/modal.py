@@ -27,12 +27,12 @@ from fastapi.testclient import TestClient
 from flexsid.api.app import create_app
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import load_truth
-from flexsid.importers.structure import RawStructure
+from flexsid.importers.modal_data import RawStructure
 from flexsid.records.modal_table import ModalKind
 from flexsid.settings import Settings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
-from flexsid.workflow.modal_import import keep_structure
+from flexsid.workflow.modal_data.modal_import import keep_structure
 
 N_FUEL, N_MODES, N_NODES = 17, 25, 8480
 ROUNDS = 5

@@ -20,9 +20,9 @@ from estimation import as_experiment, fit, free_all, make_problem, say, timed
 
 from flexsid.demo.flex28 import load_truth
 from flexsid.sysid.estimation.likelihood import maximize
-from flexsid.sysid.structure.candidates import search_candidates
-from flexsid.sysid.structure.evidence import Look, look
-from flexsid.sysid.structure.likelihood import likelihood_evidence, reduced
+from flexsid.sysid.structure_determination.candidates import search_candidates
+from flexsid.sysid.structure_determination.evidence import Look, look
+from flexsid.sysid.structure_determination.likelihood import likelihood_evidence, reduced
 
 
 def main() -> None:

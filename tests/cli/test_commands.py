@@ -22,7 +22,7 @@ from flexsid.cli.main import main
 from flexsid.records.decision import StructureProposal, StructureReference, Vote
 from flexsid.storage.store import Store
 from flexsid.storage.tables import arrays, decisions
-from flexsid.workflow import review
+from flexsid.workflow.review import decision_review
 
 ESTIMATE = ["run", "--maneuver", "1", "--method", "EE", "--modes", "7,9"]
 
@@ -112,8 +112,8 @@ def test_a_run_takes_a_kept_structure_or_the_approved_one(flown_url: str, capsys
         limits={},
         reasoning="enough",
     )
-    decision = review.propose(store, proposal, "Ann")
-    review.cast_vote(store, decision.id or 0, 1, Vote.APPROVE, "yes", "Bo")
+    decision = decision_review.propose(store, proposal, "Ann")
+    decision_review.cast_vote(store, decision.id or 0, 1, Vote.APPROVE, "yes", "Bo")
     store.close()
     assert main(list(run)) == 0
     approved = json.loads(capsys.readouterr().out)
@@ -234,7 +234,7 @@ def test_the_environment_names_database_and_port(monkeypatch, capsys, tmp_path: 
 
 
 def test_a_run_that_fails_says_why(flown_url: str, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("flexsid.workflow.estimation.keep", lambda *_: 1 / 0)
+    monkeypatch.setattr("flexsid.workflow.runs.estimation.keep", lambda *_: 1 / 0)
     error = refused(capsys, 1, *ESTIMATE, "--wait", "--database", flown_url)
     assert "run 2 failed" in error
 
@@ -363,7 +363,7 @@ def test_a_sound_database_is_said_to_be_so(flown_url: str, capsys) -> None:
 def test_damage_is_named_one_sentence_each_with_what_to_do(flown_url: str, capsys) -> None:
     store = Store.open(flown_url)
     (channel,) = store.channels.find(maneuver_id=1, name="q")
-    decision = review.propose(
+    decision = decision_review.propose(
         store,
         StructureProposal(
             title="two modes",
@@ -374,7 +374,7 @@ def test_damage_is_named_one_sentence_each_with_what_to_do(flown_url: str, capsy
         ),
         "Ann",
     )
-    review.cast_vote(store, decision.id or 0, 1, Vote.APPROVE, "", "Bob")
+    decision_review.cast_vote(store, decision.id or 0, 1, Vote.APPROVE, "", "Bob")
     with store.database.transaction() as connection:
         run = 'UPDATE runs SET settings = \'{"start": "best", "max_iterations": 3}\''
         connection.exec_driver_sql(f"{run}, deleted_at = created_at")
@@ -399,7 +399,7 @@ def test_damage_is_named_one_sentence_each_with_what_to_do(flown_url: str, capsy
 
 def test_a_deleted_run_on_which_a_baseline_rests_is_found(flown_url: str, capsys) -> None:
     store = Store.open(flown_url)
-    decision = review.propose(
+    decision = decision_review.propose(
         store,
         StructureProposal(
             title="two modes",
@@ -410,7 +410,7 @@ def test_a_deleted_run_on_which_a_baseline_rests_is_found(flown_url: str, capsys
         ),
         "Ann",
     )
-    review.cast_vote(store, decision.id or 0, 1, Vote.APPROVE, "", "Bob")
+    decision_review.cast_vote(store, decision.id or 0, 1, Vote.APPROVE, "", "Bob")
     with store.database.transaction() as connection:  # as an earlier release let one do
         connection.exec_driver_sql("UPDATE runs SET deleted_at = created_at")
     store.close()

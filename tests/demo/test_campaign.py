@@ -19,7 +19,7 @@ from flexsid.records.ground_test import Verdict
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.storage import bulk
 from flexsid.storage.store import Store
-from flexsid.workflow.ground_tests import ground_tests
+from flexsid.workflow.quality.ground_records import ground_tests
 
 
 def test_plan_covers_the_envelope():

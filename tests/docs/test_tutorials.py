@@ -20,7 +20,7 @@ from flexsid.demo.campaign import PLAN, SEED, add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.records.flight import Flight
 from flexsid.storage.store import Store
-from flexsid.workflow.flutter import Question, flutter
+from flexsid.workflow.flutter.flutter_analysis import Question, flutter
 
 ROOT = Path(__file__).parents[2]
 TUTORIALS = ROOT / "docs" / "tutorials"

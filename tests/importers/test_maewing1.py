@@ -18,9 +18,9 @@ from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.workflow.ingest import Imported, import_files
-from flexsid.workflow.models import build_model, define_outputs
-from flexsid.workflow.modes import load_modes
+from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
+from flexsid.workflow.importing.flight_import import Imported, import_files
+from flexsid.workflow.modal_data.aligned_modes import load_modes
 
 ROOT = Path(__file__).parents[2]
 FLIGHT = ROOT / "../shared/data/maewing1/flight"

@@ -6,7 +6,7 @@ import pytest
 
 from flexsid.errors import BadInput
 from flexsid.importers.mapping import parse_mapping
-from flexsid.workflow.models import default_outputs
+from flexsid.workflow.aircraft.aircraft_models import default_outputs
 
 GOOD = """
 [aircraft]

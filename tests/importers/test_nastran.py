@@ -10,9 +10,9 @@ import pytest
 
 from flexsid.errors import BadInput, UnreadableFile
 from flexsid.importers import confined
+from flexsid.importers.modal_data import StructureAnswers, extract_structure
 from flexsid.importers.nastran import bulk, f06, op2, punch
 from flexsid.importers.nastran.frames import Frames
-from flexsid.importers.structure import StructureAnswers, extract_structure
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 FEM = SHARED / "maewing1" / "fem"

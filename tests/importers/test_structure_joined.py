@@ -7,7 +7,7 @@ import pytest
 
 from flexsid.errors import BadInput
 from flexsid.importers import confined
-from flexsid.importers.structure import StructureAnswers, extract_structure, look_at_structure
+from flexsid.importers.modal_data import StructureAnswers, extract_structure, look_at_structure
 
 ANSWERS = StructureAnswers(name="wing", length_unit="m", generalized_mass="unknown")
 DECK = "".join(f"GRID,{n},,{n}.,0.,0.\n" for n in (1, 2, 3))

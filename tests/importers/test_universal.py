@@ -9,8 +9,8 @@ import pytest
 
 from flexsid.errors import BadInput, UnreadableFile
 from flexsid.importers import confined, universal
+from flexsid.importers.modal_data import StructureAnswers, extract_structure
 from flexsid.importers.responses import ResponseAnswers, extract_responses
-from flexsid.importers.structure import StructureAnswers, extract_structure
 
 UFF = Path(__file__).parents[3] / "shared" / "data" / "uff"
 needs_samples = pytest.mark.skipif(not UFF.exists(), reason="the UFF samples are not here")

@@ -17,9 +17,9 @@ from flexsid.records.flight import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
-from flexsid.workflow.closed_loop import closed_loop
-from flexsid.workflow.controllers import add_controller
-from flexsid.workflow.flutter import Question
+from flexsid.workflow.flutter.closed_loop import closed_loop
+from flexsid.workflow.flutter.controllers import add_controller
+from flexsid.workflow.flutter.flutter_analysis import Question
 
 
 def flown(store: Store, ratio: float) -> int:

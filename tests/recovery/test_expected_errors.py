@@ -13,9 +13,9 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.store import Store
-from flexsid.workflow.estimation import compute, keep, prepare
-from flexsid.workflow.excitation import create_design, wish_for
-from flexsid.workflow.foresight import expected_errors
+from flexsid.workflow.excitation.excitation_designs import create_design, wish_for
+from flexsid.workflow.excitation.predicted_accuracy import expected_errors
+from flexsid.workflow.runs.estimation import compute, keep, prepare
 
 BEFORE = 2.0  # degrees of the body flap in the maneuver that is known
 PLANNED = [(506, 4.0, (7, 9)), (506, 1.0, (7, 9)), (503, 2.0, (7,))]  # aid, degrees, modes

@@ -19,9 +19,9 @@ from flexsid.records.flight import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage.store import Store
-from flexsid.workflow.computation import Computed
-from flexsid.workflow.estimation import compute, prepare
-from flexsid.workflow.ingest import import_maneuver
+from flexsid.workflow.importing.flight_import import import_maneuver
+from flexsid.workflow.runs.computation import Computed
+from flexsid.workflow.runs.estimation import compute, prepare
 
 PROJECT = Path(__file__).parents[2]
 RECORDS = PROJECT.parent / "shared" / "data" / "flex28" / "records"

@@ -20,10 +20,16 @@ from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import derivative_names
 from flexsid.sysid.stability.prediction import Prediction
-from flexsid.workflow.estimation import compute, keep, prepare
-from flexsid.workflow.flutter import Others, Question, flutter, flutter_map, flutter_roots
-from flexsid.workflow.flutter_models import Group, models_of
-from flexsid.workflow.next_point import is_safe, margin_of
+from flexsid.workflow.flutter.flutter_analysis import (
+    Others,
+    Question,
+    flutter,
+    flutter_map,
+    flutter_roots,
+)
+from flexsid.workflow.flutter.flutter_models import Group, models_of
+from flexsid.workflow.flutter.test_point_margin import is_safe, margin_of
+from flexsid.workflow.runs.estimation import compute, keep, prepare
 
 ESTIMATED = (7, 9, 11, 12)
 PREDICTED = (15, 17, 18, 22)

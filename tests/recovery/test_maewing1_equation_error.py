@@ -12,7 +12,8 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.equation_error import equation_error
-from flexsid.workflow.computation import (
+from flexsid.workflow.importing.flight_import import import_files
+from flexsid.workflow.runs.computation import (
     Computed,
     Task,
     any_start,
@@ -20,8 +21,7 @@ from flexsid.workflow.computation import (
     parameters_of,
     remarks_on_motion,
 )
-from flexsid.workflow.estimation import compute, prepare
-from flexsid.workflow.ingest import import_files
+from flexsid.workflow.runs.estimation import compute, prepare
 
 PROJECT = Path(__file__).parents[2]
 FLIGHT = PROJECT.parent / "shared" / "data" / "maewing1" / "flight"

@@ -14,8 +14,8 @@ from flexsid.records.flight import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
-from flexsid.workflow.estimation import compute, prepare
-from flexsid.workflow.reconstruction import reconstruct
+from flexsid.workflow.measurements.reconstruction import reconstruct
+from flexsid.workflow.runs.estimation import compute, prepare
 
 CASES = [(0.65, 2.0, 11), (1.05, 1.2, 12)]
 EXCITED = [(*case, fta) for case in CASES for fta in (503, 506)]

@@ -16,10 +16,10 @@ from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.records.search import SearchSettings, StructureSearch
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
-from flexsid.workflow.computation import Computed
-from flexsid.workflow.estimation import compute, prepare
-from flexsid.workflow.ingest import import_files, import_maneuver
-from flexsid.workflow.searching import prepare_search, search
+from flexsid.workflow.importing.flight_import import import_files, import_maneuver
+from flexsid.workflow.runs.computation import Computed
+from flexsid.workflow.runs.estimation import compute, prepare
+from flexsid.workflow.structure_determination.searches import prepare_search, search
 
 PROJECT = Path(__file__).parents[2]
 SHARED = PROJECT.parent / "shared" / "data"

@@ -15,9 +15,9 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
 from flexsid.storage import queue
 from flexsid.storage.store import Store
-from flexsid.workflow.estimation import compute, keep, prepare
-from flexsid.workflow.excitation import create_design, wish_for
-from flexsid.workflow.rehearsal import rehearsal_results, rehearse_design
+from flexsid.workflow.excitation.excitation_designs import create_design, wish_for
+from flexsid.workflow.excitation.preflight_simulation import rehearsal_results, rehearse_design
+from flexsid.workflow.runs.estimation import compute, keep, prepare
 
 
 def flown(store: Store, ratio: float) -> EstimationRun:

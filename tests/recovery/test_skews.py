@@ -13,9 +13,9 @@ from flexsid.demo.flights import fly
 from flexsid.records.flight import Flight
 from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyData
-from flexsid.workflow.ingest import import_maneuver
-from flexsid.workflow.sensing import sense
-from flexsid.workflow.skews import sensor_faults
+from flexsid.workflow.importing.flight_import import import_maneuver
+from flexsid.workflow.measurements.sensor_responses import sense
+from flexsid.workflow.quality.sensor_skews import sensor_faults
 
 PROJECT = Path(__file__).parents[2]
 RECORDS = PROJECT.parent / "shared" / "data" / "flex28" / "records"

@@ -26,8 +26,8 @@ from flexsid.storage.database import Database
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
-from flexsid.workflow import review
-from flexsid.workflow.structures import add_structure
+from flexsid.workflow.model_structures.model_structures import add_structure
+from flexsid.workflow.review import decision_review
 
 only_sqlite = pytest.mark.parametrize("backend", ["sqlite"])
 
@@ -65,7 +65,7 @@ def test_every_acknowledged_write_waits_for_the_disk(
             store, ModelStructure(aircraft_id=aircraft.id, name="SP", structure=Structure(fixed={}))
         )
         assert structure.id is not None
-        decision = review.propose(
+        decision = decision_review.propose(
             store,
             StructureProposal(
                 title="SP",
@@ -76,8 +76,8 @@ def test_every_acknowledged_write_waits_for_the_disk(
             "Ann",
         )
         assert decision.id is not None
-        review.comment(store, decision.id, "a word", "Bob")
-        review.cast_vote(store, decision.id, 1, Vote.APPROVE, "yes", "Bob")
+        decision_review.comment(store, decision.id, "a word", "Bob")
+        decision_review.cast_vote(store, decision.id, 1, Vote.APPROVE, "yes", "Bob")
         store.arrays.put(np.arange(3.0))
         change_maneuvers(store, [maneuver.id], Action.TAG, "kept")
         run = add_run()

@@ -17,7 +17,7 @@ from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyData
-from flexsid.workflow.models import build_model, default_outputs, define_outputs
+from flexsid.workflow.aircraft.aircraft_models import build_model, default_outputs, define_outputs
 
 OMEGA = 2.0 * np.pi * np.linspace(0.25, 13.75, 65)
 

@@ -28,7 +28,7 @@ from flexsid.sysid.model.sensors import (
 from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import finite_fourier_transform
-from flexsid.workflow.models import default_outputs
+from flexsid.workflow.aircraft.aircraft_models import default_outputs
 
 # Numbers of our own for a twin turboprop and a small airliner; SI, derivatives per rad.
 TWIN = (

@@ -15,15 +15,15 @@ from flexsid.sysid.estimation.regression import Disturbance, regress
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.collinearity import near_dependencies
-from flexsid.sysid.structure.candidates import search_candidates
-from flexsid.sysid.structure.equation import equation_evidence, regression_evidence
-from flexsid.sysid.structure.evidence import look
-from flexsid.sysid.structure.likelihood import likelihood_evidence, reduced
-from flexsid.sysid.structure.search import search_equations
-from flexsid.sysid.structure.selection import Thresholds
-from flexsid.sysid.structure.stability import selection_frequency
-from flexsid.sysid.structure.stepwise import stepwise_regression
-from flexsid.sysid.structure.validation import cross_validate
+from flexsid.sysid.structure_determination.candidates import search_candidates
+from flexsid.sysid.structure_determination.equation import equation_evidence, regression_evidence
+from flexsid.sysid.structure_determination.evidence import look
+from flexsid.sysid.structure_determination.likelihood import likelihood_evidence, reduced
+from flexsid.sysid.structure_determination.search import search_equations
+from flexsid.sysid.structure_determination.selection import Thresholds
+from flexsid.sysid.structure_determination.stability import selection_frequency
+from flexsid.sysid.structure_determination.stepwise import stepwise_regression
+from flexsid.sysid.structure_determination.validation import cross_validate
 
 ABSENT = (
     "CZ_eta9", "CZ_etadot9", "CZ_wf2s", "Cm_eta7", "Cm_etadot9", "Cm_bfs", "CQ7_q",

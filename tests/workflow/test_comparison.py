@@ -11,7 +11,7 @@ from flexsid.errors import BadInput, Conflict
 from flexsid.records.comparison import Verdict
 from flexsid.records.prediction import Prediction
 from flexsid.records.run import Method
-from flexsid.workflow.comparison import compare, of_coefficient
+from flexsid.workflow.comparison.derivative_comparison import compare, of_coefficient
 
 
 def row(comparison, name):

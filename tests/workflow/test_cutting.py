@@ -16,9 +16,9 @@ from flexsid.records.flight import Flight
 from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
 from flexsid.workflow import views
-from flexsid.workflow.cutting import cut_maneuver, find_maneuvers, flight_history
-from flexsid.workflow.measured import measure
-from flexsid.workflow.models import define_outputs
+from flexsid.workflow.aircraft.aircraft_models import define_outputs
+from flexsid.workflow.importing.maneuver_cutting import cut_maneuver, find_maneuvers, flight_history
+from flexsid.workflow.measurements.maneuver_spectra import measure
 
 START_S = 1000.0
 

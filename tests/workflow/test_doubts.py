@@ -13,8 +13,8 @@ from flexsid.errors import BadInput
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
-from flexsid.workflow.computation import Task, compute
-from flexsid.workflow.estimation import prepare
+from flexsid.workflow.runs.computation import Task, compute
+from flexsid.workflow.runs.estimation import prepare
 
 Ask = Callable[..., Task]
 

@@ -10,8 +10,8 @@ from flexsid.errors import Conflict
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.bulk import Action, change_maneuvers
 from flexsid.storage.store import Store
-from flexsid.workflow.identified import identified as identified_model
-from flexsid.workflow.identity import identified
+from flexsid.workflow.runs.identified_models import identified as identified_model
+from flexsid.workflow.runs.run_identity import identified
 
 pytestmark = pytest.mark.parametrize("backend", ["sqlite"])
 

@@ -15,9 +15,9 @@ from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
-from flexsid.workflow.guesses import find_guesses
-from flexsid.workflow.ingest import import_files, import_maneuver, read_upload
-from flexsid.workflow.keeping import largest_correlation
+from flexsid.workflow.importing.flight_import import import_files, import_maneuver, read_upload
+from flexsid.workflow.importing.persistence import largest_correlation
+from flexsid.workflow.importing.unconfirmed_values import find_guesses
 
 ROOT = Path(__file__).parents[2]
 RECORDS = ROOT / "../shared/data/flex28/records"

@@ -15,7 +15,7 @@ from flexsid.storage.arrays import DamagedData
 from flexsid.storage.content import changed_since
 from flexsid.storage.store import Store
 from flexsid.storage.tables import arrays, runs
-from flexsid.workflow import estimation
+from flexsid.workflow.runs import estimation
 
 
 @pytest.fixture

@@ -21,14 +21,14 @@ from flexsid.records.maneuver import Role
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
-from flexsid.workflow.estimation import prepare
-from flexsid.workflow.keeping import check_axes
-from flexsid.workflow.longitudinal import AxisNotSupported
-from flexsid.workflow.reconstruction import reconstruct
-from flexsid.workflow.sensing import sense
-from flexsid.workflow.structures import check_structure
-from flexsid.workflow.symmetric_motion import settle_axis
-from flexsid.workflow.trends import trend
+from flexsid.workflow.aircraft.longitudinal import AxisNotSupported
+from flexsid.workflow.comparison.trends import trend
+from flexsid.workflow.importing.persistence import check_axes
+from flexsid.workflow.measurements.reconstruction import reconstruct
+from flexsid.workflow.measurements.sensor_responses import sense
+from flexsid.workflow.measurements.symmetric_motion import settle_axis
+from flexsid.workflow.model_structures.model_structures import check_structure
+from flexsid.workflow.runs.estimation import prepare
 
 _MODE = Structure(modes=(7,), fixed={})
 

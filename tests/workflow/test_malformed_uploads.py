@@ -11,7 +11,7 @@ import pytest
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records.aircraft import Aircraft
 from flexsid.storage.store import Store
-from flexsid.workflow.ingest import import_files
+from flexsid.workflow.importing.flight_import import import_files
 
 MAPPING = """
 [aircraft]

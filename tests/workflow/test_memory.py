@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from flexsid.workflow.memory import remembered
+from flexsid.workflow.cache import remembered
 
 
 def test_an_answer_is_found_once_for_the_same_contents():

@@ -10,8 +10,8 @@ import pytest
 from flexsid.errors import BadInput
 from flexsid.records.modal_table import ModalKind
 from flexsid.storage.store import Store
-from flexsid.workflow.modes import ASSUMED_DAMPING, find_modal_tables, load_modes
-from flexsid.workflow.tracked_modes import damping_at, open_modes
+from flexsid.workflow.modal_data.aligned_modes import ASSUMED_DAMPING, find_modal_tables, load_modes
+from flexsid.workflow.modal_data.tracked_modes import damping_at, open_modes
 from flexsid.workflow.views.model_order import OrderQuestion, model_order
 
 pytestmark = pytest.mark.parametrize("backend", ["sqlite"])

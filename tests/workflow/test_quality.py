@@ -19,10 +19,10 @@ from flexsid.storage.store import Store
 from flexsid.sysid.preparation.resampling import resample
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow import views
-from flexsid.workflow.conditioning import take_steps, undo_step
-from flexsid.workflow.quality import quality
-from flexsid.workflow.recording import maneuver_lines
-from flexsid.workflow.transforms import spectra_of
+from flexsid.workflow.measurements.conditioning import take_steps, undo_step
+from flexsid.workflow.measurements.recording import maneuver_lines
+from flexsid.workflow.measurements.transforms import spectra_of
+from flexsid.workflow.quality.maneuver_quality import quality
 
 Change = Callable[[str, np.ndarray, float], np.ndarray]
 

@@ -19,7 +19,7 @@ from synthetic_aircraft import (
 
 from flexsid.records.quality import ManeuverQuality, Verdict
 from flexsid.storage.store import Store
-from flexsid.workflow.quality import quality
+from flexsid.workflow.quality.maneuver_quality import quality
 
 EXCUSED = (Verdict.GOOD, Verdict.UNCHECKED)
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flexsid.records.decision import Limits, Quantity
-from flexsid.workflow.ranges import covered, lies_in, overlap
+from flexsid.workflow.model_structures.condition_ranges import covered, lies_in, overlap
 
 PRESSURE, FUEL = Quantity.DYNAMIC_PRESSURE, Quantity.FUEL
 

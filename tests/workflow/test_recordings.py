@@ -18,8 +18,14 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
 from flexsid.storage.channels import read_flight_channels
 from flexsid.storage.store import Store
-from flexsid.workflow.ingest import Imported, import_each, import_files, keep_upload, read_upload
-from flexsid.workflow.uploads import KEPT_DAYS, Uploads
+from flexsid.workflow.importing.flight_import import (
+    Imported,
+    import_each,
+    import_files,
+    keep_upload,
+    read_upload,
+)
+from flexsid.workflow.importing.uploads import KEPT_DAYS, Uploads
 
 HEAD = """
 [aircraft]
@@ -197,7 +203,7 @@ def test_a_unit_that_does_not_fit_is_doubted(
 def test_progress_is_told_and_cancelling_keeps_nothing(
     store: Store, aircraft: Aircraft, files: list[Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("flexsid.workflow.keeping.BYTES_AT_ONCE", 1)
+    monkeypatch.setattr("flexsid.workflow.importing.persistence.BYTES_AT_ONCE", 1)
     told: list[float] = []
 
     def report(fraction: float) -> None:
@@ -246,7 +252,7 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 from flexsid.storage.store import Store
-from flexsid.workflow.ingest import keep_upload, read_upload
+from flexsid.workflow.importing.flight_import import keep_upload, read_upload
 
 def report(fraction):
     if fraction > 0.5:

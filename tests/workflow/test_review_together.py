@@ -10,9 +10,13 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.decision import StructureProposal, StructureReference
 from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.storage.store import Store
-from flexsid.workflow import review
-from flexsid.workflow.evidence import chain_is_whole
-from flexsid.workflow.structures import StaleEdit, add_structure, edit_structure
+from flexsid.workflow.model_structures.model_structures import (
+    StaleEdit,
+    add_structure,
+    edit_structure,
+)
+from flexsid.workflow.review import decision_review
+from flexsid.workflow.review.evidence import chain_is_whole
 
 MANY = 6
 
@@ -66,7 +70,7 @@ def test_of_many_edits_at_once_one_is_kept_and_the_others_are_told(
 def test_words_said_at_once_are_all_kept_in_one_chain(store: Store, aircraft: Aircraft) -> None:
     kept = _structure(store, aircraft)
     assert kept.id is not None
-    decision = review.propose(
+    decision = decision_review.propose(
         store,
         StructureProposal(
             title="SP",
@@ -78,7 +82,7 @@ def test_words_said_at_once_are_all_kept_in_one_chain(store: Store, aircraft: Ai
     )
     assert decision.id is not None
     number = decision.id
-    _at_once(lambda place: review.comment(store, number, f"word {place}", str(place)))
+    _at_once(lambda place: decision_review.comment(store, number, f"word {place}", str(place)))
     events = store.decision_events.find(decision_id=number)
     assert {event.text for event in events[1:]} == {f"word {place}" for place in range(MANY)}
     assert chain_is_whole(events)

@@ -18,11 +18,11 @@ from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.records.proposal_basis import ProposalSource
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
 from flexsid.storage.store import Store
-from flexsid.workflow.comparison import compare
-from flexsid.workflow.estimation import prepare
-from flexsid.workflow.identity import identified
-from flexsid.workflow.run_proposal import propose_run, with_basis, with_proposal
-from flexsid.workflow.structures import add_structure
+from flexsid.workflow.comparison.derivative_comparison import compare
+from flexsid.workflow.model_structures.model_structures import add_structure
+from flexsid.workflow.runs.estimation import prepare
+from flexsid.workflow.runs.run_identity import identified
+from flexsid.workflow.runs.run_proposal import propose_run, with_basis, with_proposal
 
 WIDE, NARROW = 1, 2  # FTA 506 to 13.7 Hz, FTA 503 to 5.4 Hz
 

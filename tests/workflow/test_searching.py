@@ -16,7 +16,12 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import Method, RunState
 from flexsid.records.search import SearchSettings, SearchStart, StructureSearch
 from flexsid.storage.store import Store
-from flexsid.workflow.searching import candidate_of, open_as_run, prepare_search, search
+from flexsid.workflow.structure_determination.searches import (
+    candidate_of,
+    open_as_run,
+    prepare_search,
+    search,
+)
 
 ABSENT = (
     "CZ_eta9", "CZ_etadot9", "CZ_wf2s", "Cm_eta7", "Cm_etadot9", "Cm_bfs", "CQ7_q",

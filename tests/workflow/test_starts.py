@@ -11,8 +11,8 @@ from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation import limits
 from flexsid.workflow import views
-from flexsid.workflow.estimation import compute, prepare
-from flexsid.workflow.export import export_run
+from flexsid.workflow.runs.estimation import compute, prepare
+from flexsid.workflow.runs.run_export import export_run
 
 
 def test_a_fit_that_does_not_converge_is_tried_from_elsewhere(flown_url: str):

@@ -19,10 +19,15 @@ from flexsid.records.cutting import Cut
 from flexsid.records.flight import Flight
 from flexsid.storage.store import Store
 from flexsid.units import to_si
-from flexsid.workflow.condition import complete_condition
-from flexsid.workflow.cutting import cut_maneuver
-from flexsid.workflow.flown_condition import flown_condition
-from flexsid.workflow.thrust import keep_thrust, parse_table, table_thrust, total_temperature
+from flexsid.workflow.aircraft.flight_condition import complete_condition
+from flexsid.workflow.aircraft.thrust import (
+    keep_thrust,
+    parse_table,
+    table_thrust,
+    total_temperature,
+)
+from flexsid.workflow.importing.maneuver_cutting import cut_maneuver
+from flexsid.workflow.measurements.condition_spread import flown_condition
 
 TEXT = """speed;0;20
 30000; 10; 9

@@ -12,7 +12,7 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.store import Store
-from flexsid.workflow.estimation import compute, keep, prepare
+from flexsid.workflow.runs.estimation import compute, keep, prepare
 from flexsid.workflow.views import time_check
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from flexsid.errors import BadInput
 from flexsid.records.comparison import Against
-from flexsid.workflow.trends import trend
+from flexsid.workflow.comparison.trends import trend
 
 
 def test_a_line_goes_through_runs_of_several_conditions(

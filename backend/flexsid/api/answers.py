@@ -20,9 +20,9 @@ from flexsid.records.prediction import Prediction
 from flexsid.records.saved_view import SavedView
 from flexsid.storage.maneuver_list import ManeuverItem
 from flexsid.storage.quality_list import QualityItem
-from flexsid.workflow.assessing import Assessing
-from flexsid.workflow.describing import FoundField, FoundFile, Proposal
-from flexsid.workflow.uploads import Upload
+from flexsid.workflow.importing.preview import FoundField, FoundFile, Proposal
+from flexsid.workflow.importing.uploads import Upload
+from flexsid.workflow.quality.campaign_quality import Assessing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

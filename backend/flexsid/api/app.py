@@ -66,11 +66,11 @@ from flexsid.settings import Settings
 from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
-from flexsid.workflow.assessing import Assessments
-from flexsid.workflow.clock import find_clock_error
-from flexsid.workflow.ingest import BringAlong
-from flexsid.workflow.tasks import Tasks
-from flexsid.workflow.uploads import Uploads
+from flexsid.workflow.background_tasks import Tasks
+from flexsid.workflow.importing.flight_import import BringAlong
+from flexsid.workflow.importing.uploads import Uploads
+from flexsid.workflow.quality.campaign_quality import Assessments
+from flexsid.workflow.review.clock import find_clock_error
 
 _log = logging.getLogger(__name__)
 

@@ -12,10 +12,10 @@ from flexsid.jobs.apart import DispatcherApart
 from flexsid.jobs.health import QueueHealth
 from flexsid.jobs.searches import Searches
 from flexsid.storage.store import Store
-from flexsid.workflow.assessing import Assessments
-from flexsid.workflow.ingest import BringAlong
-from flexsid.workflow.tasks import Tasks
-from flexsid.workflow.uploads import Uploads
+from flexsid.workflow.background_tasks import Tasks
+from flexsid.workflow.importing.flight_import import BringAlong
+from flexsid.workflow.importing.uploads import Uploads
+from flexsid.workflow.quality.campaign_quality import Assessments
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

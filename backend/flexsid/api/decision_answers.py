@@ -13,7 +13,7 @@ from flexsid.records.decision import (
     StructureProposal,
 )
 from flexsid.records.model_structure import StructureVersion
-from flexsid.workflow.baselines import Baseline
+from flexsid.workflow.model_structures.baselines import Baseline
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,8 +13,8 @@ from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.allotment import Band
 from flexsid.sysid.excitation.designer import InputWish, Wish
-from flexsid.workflow import excitation
-from flexsid.workflow.target_modes import reach_of
+from flexsid.workflow.excitation import excitation_designs
+from flexsid.workflow.excitation.target_modes import reach_of
 
 _STRICT: Any = ConfigDict(extra="forbid")
 
@@ -86,7 +86,7 @@ class DesignRequest:
                 " frequencies"
             )
         if self.fta is not None:
-            return excitation.wish_for(
+            return excitation_designs.wish_for(
                 self.fta,
                 self.duration_s,
                 self.rate_hz,
@@ -97,9 +97,9 @@ class DesignRequest:
                 None if self.aircraft_id is None else reach_of(store, self.fta, self.aircraft_id),
             )
         if self.bands:
-            return excitation.wish_for_bands(
+            return excitation_designs.wish_for_bands(
                 tuple(
-                    excitation.BandWish(
+                    excitation_designs.BandWish(
                         name=own.name,
                         band=Band(
                             low_hz=own.low_hz,

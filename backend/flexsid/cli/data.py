@@ -19,10 +19,10 @@ from flexsid.records.run import EstimationRun
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
 from flexsid.text import spreadsheet_cell
-from flexsid.workflow.export import export_run
-from flexsid.workflow.identified_export import export_model, matlab_model
-from flexsid.workflow.ingest import Imported, import_each, keep_upload, read_upload
-from flexsid.workflow.results import refuse_altered
+from flexsid.workflow.importing.flight_import import Imported, import_each, keep_upload, read_upload
+from flexsid.workflow.model_structures.run_results import refuse_altered
+from flexsid.workflow.runs.model_export import export_model, matlab_model
+from flexsid.workflow.runs.run_export import export_run
 
 
 def bring_in(

@@ -17,11 +17,17 @@ from flexsid.importers import confined
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.settings import Settings
 from flexsid.sysid.excitation import designer
-from flexsid.workflow.excitation import MEDIA, check_amplitudes, export_design, row_of, wish_for
-from flexsid.workflow.flown import flown_inputs
-from flexsid.workflow.flown import keep_flown as keep_flown_inputs
-from flexsid.workflow.flutter import Others, Question, flutter
-from flexsid.workflow.target_modes import band_of
+from flexsid.workflow.excitation.excitation_designs import (
+    MEDIA,
+    check_amplitudes,
+    export_design,
+    row_of,
+    wish_for,
+)
+from flexsid.workflow.excitation.imported_multisines import flown_inputs
+from flexsid.workflow.excitation.imported_multisines import keep_flown as keep_flown_inputs
+from flexsid.workflow.excitation.target_modes import band_of
+from flexsid.workflow.flutter.flutter_analysis import Others, Question, flutter
 
 _T_S = 24.0  # period of the rows of one T
 _LEVELS = (0.5, 1.0, 2.0)  # of the medium amplitude

@@ -9,7 +9,7 @@ from flexsid.cli.saying import say
 from flexsid.settings import Settings
 from flexsid.storage import backup as copies
 from flexsid.storage.migrate import upgrade
-from flexsid.workflow.checking import check_database
+from flexsid.workflow.review.database_check import check_database
 
 
 def migrate(settings: Settings, *, as_json: bool) -> int:

@@ -19,9 +19,9 @@ from flexsid.settings import Settings
 from flexsid.storage import batches
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import count_iterations
-from flexsid.workflow.identity import identified
-from flexsid.workflow.run_proposal import with_basis, with_proposal
-from flexsid.workflow.structures import get_version
+from flexsid.workflow.model_structures.model_structures import get_version
+from flexsid.workflow.runs.run_identity import identified
+from flexsid.workflow.runs.run_proposal import with_basis, with_proposal
 
 T = TypeVar("T")
 

@@ -16,7 +16,7 @@ from flexsid.records.search import (
     StructureSearch,
 )
 from flexsid.settings import Settings
-from flexsid.workflow import searching
+from flexsid.workflow.structure_determination import searches
 
 
 def search(settings: Settings, chosen: argparse.Namespace) -> int:
@@ -46,9 +46,9 @@ def search(settings: Settings, chosen: argparse.Namespace) -> int:
                 band_hz=read_band(chosen.band),
             ),
         )
-        kept = searching.add_search(store, wanted)
+        kept = searches.add_search(store, wanted)
         assert kept.id is not None
-        kept = searching.carry_out_search(store, kept.id, lambda task: searching.search(task, show))
+        kept = searches.carry_out_search(store, kept.id, lambda task: searches.search(task, show))
     say(_lines(kept) if kept.error is None else (), kept, as_json=chosen.json)
     if kept.error is not None:
         message = f"search {kept.id} failed: {kept.error['message']}"

@@ -22,8 +22,8 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight
 from flexsid.records.maneuver import Channel, Maneuver
 from flexsid.storage.store import Store
-from flexsid.workflow.controllers import add_controller
-from flexsid.workflow.structures import add_structure
+from flexsid.workflow.flutter.controllers import add_controller
+from flexsid.workflow.model_structures.model_structures import add_structure
 
 Report = Callable[[float, str], None]
 """Takes the fraction that is done, and what was done last."""

@@ -17,8 +17,8 @@ from flexsid.sysid.excitation.catalogue import design_flight_test_aid
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.units import factor, to_si
-from flexsid.workflow.condition import complete_condition
-from flexsid.workflow.keeping import largest_correlation
+from flexsid.workflow.aircraft.flight_condition import complete_condition
+from flexsid.workflow.importing.persistence import largest_correlation
 
 TRIM_S = 2.0
 SETTLE_S = 4.0

@@ -20,8 +20,8 @@ from flexsid.records.aircraft import SensorKind
 from flexsid.records.maneuver import GROUND, Condition, Excitation
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.modes import StructuralModes
-from flexsid.workflow.keeping import largest_correlation
-from flexsid.workflow.models import build_model, define_outputs
+from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
+from flexsid.workflow.importing.persistence import largest_correlation
 
 FTA = 506
 PEAK_DEG = 4.0

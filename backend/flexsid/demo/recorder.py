@@ -15,7 +15,7 @@ from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.instruments import Butterworth, Instrument
 from flexsid.sysid.simulation.recording import pass_instruments
 from flexsid.units import factor
-from flexsid.workflow.thrust import TOTAL_TEMPERATURE, total_temperature
+from flexsid.workflow.aircraft.thrust import TOTAL_TEMPERATURE, total_temperature
 
 HIGH, MEDIUM, LOW = RATE_HZ, 200.0, 20.0
 """The three rates of the paper: f_s, 0.20 f_s, 0.02 f_s. [Hz]"""

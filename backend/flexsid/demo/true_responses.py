@@ -14,9 +14,9 @@ from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyResponse
 from flexsid.sysid.simulation.airframe import assemble_airframe
-from flexsid.workflow.measured import measure
-from flexsid.workflow.measurement import MeasuredLines
-from flexsid.workflow.models import default_outputs, define_outputs
+from flexsid.workflow.aircraft.aircraft_models import default_outputs, define_outputs
+from flexsid.workflow.measurements.maneuver_data import MeasuredLines
+from flexsid.workflow.measurements.maneuver_spectra import measure
 
 _FLIGHT = 99  # of maneuvers that are only flown to be compared with the truth
 

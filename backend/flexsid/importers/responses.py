@@ -9,11 +9,11 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
+from flexsid.importers.modal_data.axes import axes_of
+from flexsid.importers.modal_data.nodes import frames_of
+from flexsid.importers.modal_data.units import length_of
+from flexsid.importers.modal_data.unused import unused
 from flexsid.importers.source import Source, Sources
-from flexsid.importers.structure.axes import axes_of
-from flexsid.importers.structure.nodes import frames_of
-from flexsid.importers.structure.units import length_of
-from flexsid.importers.structure.unused import unused
 
 QUANTITIES = {"length": "displacement", "speed": "velocity", "acceleration": "acceleration"}
 _QUANTITY_CODES = {"length": (8,), "speed": (11,), "acceleration": (12,)}

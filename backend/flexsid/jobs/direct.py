@@ -12,7 +12,7 @@ from flexsid.jobs.steps import Steps
 from flexsid.records.run import EstimationRun, Progress
 from flexsid.storage import queue
 from flexsid.storage.store import Store
-from flexsid.workflow.identity import identified
+from flexsid.workflow.runs.run_identity import identified
 
 _log = logging.getLogger(__name__)
 

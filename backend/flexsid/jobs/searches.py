@@ -48,10 +48,10 @@ class Searches:
         self._thread.shutdown(wait=True, cancel_futures=True)
 
     def _carry_out(self, search_id: int) -> None:
-        from flexsid.workflow import searching
+        from flexsid.workflow.structure_determination import searches
 
         try:
-            searching.carry_out_search(
+            searches.carry_out_search(
                 self._store, search_id, lambda task: self._in_worker(search_id, task)
             )
         except _Stopped:
@@ -60,16 +60,16 @@ class Searches:
             _log.info("search %d was cancelled", search_id)
         except FlexsidError as error:
             _log.warning("search %d: %s", search_id, error.message)
-            searching.fail_search(self._store, search_id, error.code, error.message)
+            searches.fail_search(self._store, search_id, error.code, error.message)
         except Exception as error:
             _log.exception("search %d", search_id)
             failed = unexpected(error)
-            searching.fail_search(self._store, search_id, failed.code, failed.message)
+            searches.fail_search(self._store, search_id, failed.code, failed.message)
 
     def _in_worker(self, search_id: int, task: object) -> SearchResult:
-        from flexsid.workflow import searching
+        from flexsid.workflow.structure_determination import searches
 
-        workers = LocalWorkers(searching.search, 1)
+        workers = LocalWorkers(searches.search, 1)
         try:
             workers.submit((search_id, 1), task, None)
             told, waiting = None, True
@@ -93,7 +93,7 @@ class Searches:
                 if time.monotonic() - looked >= _LOOK_S:
                     looked = time.monotonic()
                     if told is not None:
-                        waiting = searching.note_progress(self._store, search_id, told)
+                        waiting = searches.note_progress(self._store, search_id, told)
                         told = None
                     else:
                         waiting = self._store.searches.get(search_id).state is RunState.RUNNING

@@ -26,6 +26,6 @@ class Steps:
 
 def estimation_steps() -> Steps:
     """Return the steps of an estimation; the mathematics is loaded only when this is called."""
-    from flexsid.workflow import estimation
+    from flexsid.workflow.runs import estimation
 
     return Steps(estimation.prepare, estimation.compute, estimation.keep)

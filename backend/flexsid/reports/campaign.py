@@ -14,8 +14,8 @@ from flexsid.storage.maneuver_list import LatestRun, ManeuverFilters, ManeuverIt
 from flexsid.storage.quality_list import SORT_FIELDS, select_qualities
 from flexsid.storage.store import Store
 from flexsid.workflow import views
-from flexsid.workflow.evidence import software
-from flexsid.workflow.ground_tests import ground_tests
+from flexsid.workflow.quality.ground_records import ground_tests
+from flexsid.workflow.review.evidence import software
 
 _ALL = 1_000_000
 

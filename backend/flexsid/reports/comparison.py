@@ -21,9 +21,9 @@ from flexsid.reports.content import (
 from flexsid.reports.flown import source_facts
 from flexsid.reports.run import METHOD_NAMES
 from flexsid.storage.store import Store
-from flexsid.workflow.agreement import CONSISTENT_SIGMA
-from flexsid.workflow.comparison import coefficients, compare, of_coefficient
-from flexsid.workflow.results import note_changes
+from flexsid.workflow.comparison.agreement import CONSISTENT_SIGMA
+from flexsid.workflow.comparison.derivative_comparison import coefficients, compare, of_coefficient
+from flexsid.workflow.model_structures.run_results import note_changes
 
 _ABREAST = 6  # sources in one table, as many as fit on paper
 

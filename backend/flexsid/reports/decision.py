@@ -22,10 +22,10 @@ from flexsid.reports.content import (
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import derivative_names
 from flexsid.workflow import views
-from flexsid.workflow.audit import AuditedDecision, audit_decision
-from flexsid.workflow.audit_text import limits_text
-from flexsid.workflow.comparison import coefficients, of_coefficient
-from flexsid.workflow.structure_difference import state_of
+from flexsid.workflow.comparison.derivative_comparison import coefficients, of_coefficient
+from flexsid.workflow.model_structures.structure_difference import state_of
+from flexsid.workflow.review.audit import AuditedDecision, audit_decision
+from flexsid.workflow.review.audit_report import limits_text
 
 
 def decision_report(store: Store, decision_id: int) -> Report:

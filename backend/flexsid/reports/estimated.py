@@ -11,8 +11,8 @@ from flexsid.records.run import Method, RunState
 from flexsid.reports.content import Drawing, Part, Section, Table, Words, drawn
 from flexsid.storage.maneuver_list import LatestRun, ManeuverItem
 from flexsid.storage.store import Store
-from flexsid.workflow.flutter import Question, flutter, flutter_roots
-from flexsid.workflow.trends import trend
+from flexsid.workflow.comparison.trends import trend
+from flexsid.workflow.flutter.flutter_analysis import Question, flutter, flutter_roots
 
 _RIGID = ("CZ_alpha", "Cm_alpha", "Cm_q")
 _MOST_FOR_FLUTTER = 12  # of the fastest maneuvers: they say most of where stability is lost

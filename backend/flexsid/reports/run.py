@@ -25,8 +25,8 @@ from flexsid.storage.content import changed_since
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import count_iterations
 from flexsid.workflow import views
-from flexsid.workflow.comparison import coefficients, compare, of_coefficient
-from flexsid.workflow.results import note_changes
+from flexsid.workflow.comparison.derivative_comparison import coefficients, compare, of_coefficient
+from flexsid.workflow.model_structures.run_results import note_changes
 from flexsid.workflow.views.run import finished
 
 METHOD_NAMES = {

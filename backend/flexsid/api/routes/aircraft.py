@@ -13,7 +13,7 @@ from flexsid.api.context import TheStore
 from flexsid.api.requests import LONGEST_TEXT, Line, Name
 from flexsid.api.wire import Identity, Json
 from flexsid.records.aircraft import Aircraft
-from flexsid.workflow.thrust import keep_thrust, parse_table
+from flexsid.workflow.aircraft.thrust import keep_thrust, parse_table
 
 router = APIRouter(prefix="/aircraft", tags=["aircraft"])
 

@@ -14,8 +14,8 @@ from flexsid.records.batch import Batch
 from flexsid.records.model_structure import Structure
 from flexsid.storage import batches
 from flexsid.storage.batches import BatchProgress
-from flexsid.workflow import structures
-from flexsid.workflow.batch import queue_batch
+from flexsid.workflow.model_structures import model_structures
+from flexsid.workflow.runs.batch import queue_batch
 
 router = APIRouter(prefix="/batches", tags=["jobs"])
 
@@ -47,7 +47,7 @@ def request_batch(context: TheContext, wanted: BatchRequest, analyst: TheAnalyst
     templates = []
     for asked in wanted.structures:
         given = None if asked.structure is None else asked.structure.record()
-        structure, version = structures.structure_of_run(
+        structure, version = model_structures.structure_of_run(
             store, given, asked.structure_id, asked.structure_version
         )
         templates.append(wanted.template(structure, asked.structure_id, version, analyst))

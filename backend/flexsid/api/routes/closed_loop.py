@@ -11,8 +11,8 @@ from flexsid.api.context import TheContext, TheStore
 from flexsid.api.routes.flutter import TheQuestion
 from flexsid.api.wire import Json
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow import closed_loop as workflow
-from flexsid.workflow.tasks import Report, Task
+from flexsid.workflow.background_tasks import Report, Task
+from flexsid.workflow.flutter import closed_loop as workflow
 
 router = APIRouter(prefix="/closed-loop", tags=["closed-loop"])
 

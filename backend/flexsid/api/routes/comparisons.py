@@ -9,8 +9,8 @@ from fastapi import APIRouter, Depends, Query
 from flexsid.api.context import TheStore
 from flexsid.api.wire import Json, split_ids
 from flexsid.records.comparison import Against, Comparison, DerivativeTrend
-from flexsid.workflow.comparison import compare
-from flexsid.workflow.trends import trend
+from flexsid.workflow.comparison.derivative_comparison import compare
+from flexsid.workflow.comparison.trends import trend
 
 router = APIRouter(prefix="/comparisons", tags=["comparisons"])
 

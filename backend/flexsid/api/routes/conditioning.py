@@ -11,7 +11,8 @@ from flexsid.api.requests import ConditioningRequest
 from flexsid.api.wire import Identity, Json
 from flexsid.records.conditioning import ConditioningStep
 from flexsid.records.quality import ManeuverQuality
-from flexsid.workflow import conditioning, quality
+from flexsid.workflow.measurements import conditioning
+from flexsid.workflow.quality import maneuver_quality
 
 router = APIRouter(prefix="/maneuvers", tags=["quality"])
 
@@ -19,7 +20,7 @@ router = APIRouter(prefix="/maneuvers", tags=["quality"])
 @router.get("/{maneuver_id}/quality", response_model=ManeuverQuality)
 def get_quality(store: TheStore, maneuver_id: Identity) -> Json:
     """Return what was found about a maneuver; looked at now if it never was."""
-    return Json(quality.quality(store, maneuver_id))
+    return Json(maneuver_quality.quality(store, maneuver_id))
 
 
 @router.get("/{maneuver_id}/conditioning", response_model=ConditioningList)

@@ -18,7 +18,7 @@ from flexsid.errors import BadInput, Conflict
 from flexsid.importers import confined
 from flexsid.records.controller import Controller
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow import controllers
+from flexsid.workflow.flutter import controllers
 
 router = APIRouter(prefix="/controllers", tags=["controllers"])
 

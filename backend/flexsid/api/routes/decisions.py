@@ -26,10 +26,10 @@ from flexsid.api.errors import Problem
 from flexsid.api.wire import Identity, Json, Reference
 from flexsid.records.decision import Decision, DecisionState
 from flexsid.storage.store import Store
-from flexsid.workflow import review
-from flexsid.workflow.audit import AuditTrail, audit_campaign, audit_decision
-from flexsid.workflow.audit_text import audit_markdown
-from flexsid.workflow.structures import get_version
+from flexsid.workflow.model_structures.model_structures import get_version
+from flexsid.workflow.review import decision_review
+from flexsid.workflow.review.audit import AuditTrail, audit_campaign, audit_decision
+from flexsid.workflow.review.audit_report import audit_markdown
 
 router = APIRouter(prefix="/decisions", tags=["decisions"])
 
@@ -59,7 +59,7 @@ def list_decisions(
 @router.post("", response_model=DecisionDetail, status_code=status.HTTP_201_CREATED)
 def propose_decision(store: TheStore, wanted: ProposalRequest, analyst: NamedAnalyst) -> Json:
     """Propose a model structure, or a change to one, for a range of conditions."""
-    kept = review.propose(store, wanted.record(), analyst)
+    kept = decision_review.propose(store, wanted.record(), analyst)
     location = {"Location": f"/api/v1/decisions/{kept.id}"}
     return Json(_detail(store, kept), status.HTTP_201_CREATED, location)
 
@@ -90,7 +90,9 @@ def revise_decision(
     store: TheStore, decision_id: Identity, wanted: RevisionRequest, analyst: NamedAnalyst
 ) -> Json:
     """Put another proposal in the place of one that is open; votes begin anew."""
-    kept = review.revise(store, decision_id, wanted.revision, wanted.proposal.record(), analyst)
+    kept = decision_review.revise(
+        store, decision_id, wanted.revision, wanted.proposal.record(), analyst
+    )
     return Json(_detail(store, kept), status.HTTP_201_CREATED)
 
 
@@ -101,7 +103,7 @@ def comment_decision(
     store: TheStore, decision_id: Identity, wanted: CommentRequest, analyst: NamedAnalyst
 ) -> Json:
     """Say something of a decision as a whole, or of one derivative."""
-    kept = review.comment(store, decision_id, wanted.text, analyst, wanted.derivative)
+    kept = decision_review.comment(store, decision_id, wanted.text, analyst, wanted.derivative)
     return Json(_detail(store, kept), status.HTTP_201_CREATED)
 
 
@@ -115,7 +117,9 @@ def vote_on_decision(
     store: TheStore, decision_id: Identity, wanted: VoteRequest, analyst: NamedAnalyst
 ) -> Json:
     """Approve, reject or ask for changes; the quorum decides."""
-    kept = review.cast_vote(store, decision_id, wanted.revision, wanted.vote, wanted.text, analyst)
+    kept = decision_review.cast_vote(
+        store, decision_id, wanted.revision, wanted.vote, wanted.text, analyst
+    )
     return Json(_detail(store, kept), status.HTTP_201_CREATED)
 
 
@@ -129,7 +133,7 @@ def withdraw_decision(
     store: TheStore, decision_id: Identity, wanted: WithdrawalRequest, analyst: NamedAnalyst
 ) -> Json:
     """Take a proposal of one's own back."""
-    kept = review.withdraw(store, decision_id, wanted.revision, wanted.text, analyst)
+    kept = decision_review.withdraw(store, decision_id, wanted.revision, wanted.text, analyst)
     return Json(_detail(store, kept), status.HTTP_201_CREATED)
 
 
@@ -145,7 +149,7 @@ def _detail(store: Store, decision: Decision) -> DecisionDetail:
     return extend(
         DecisionDetail,
         decision,
-        rules=review.rules_of(store, decision.aircraft_id),
+        rules=decision_review.rules_of(store, decision.aircraft_id),
         events=store.decision_events.find(decision_id=decision.id),
         structure=_structure(store, decision),
         newest_version=store.model_structures.get(proposal.structure.id).version,

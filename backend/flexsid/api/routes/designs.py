@@ -26,9 +26,16 @@ from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.views import ExpectedMode, TargetModes
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks
-from flexsid.workflow import allocation, classic, excitation, flown, foresight, rehearsal
-from flexsid.workflow.target_modes import target_modes
-from flexsid.workflow.tasks import Report, Task
+from flexsid.workflow.background_tasks import Report, Task
+from flexsid.workflow.excitation import (
+    amplitude_optimisation,
+    classic_inputs,
+    excitation_designs,
+    imported_multisines,
+    predicted_accuracy,
+    preflight_simulation,
+)
+from flexsid.workflow.excitation.target_modes import target_modes
 
 router = APIRouter(prefix="/designs", tags=["designs"])
 
@@ -62,7 +69,7 @@ class ExpectedSummary:
 class RehearsalList:
     """Rehearsals of one design."""
 
-    items: list[rehearsal.RehearsalResult]
+    items: list[preflight_simulation.RehearsalResult]
     next: str | None = None
 
 
@@ -108,8 +115,10 @@ def list_designs(store: TheStore) -> Json:
 def create_design(store: TheStore, wanted: DesignRequest) -> Json:
     """Search the phases of a design and keep it; a few seconds."""
     wish = wanted.wish(store)
-    excitation.check_search(wish, _DIRECT_S, ", or begin it as a task (POST /designs/searches)")
-    kept = excitation.create_design(store, wanted.name, wish, wanted.fta, wanted.note)
+    excitation_designs.check_search(
+        wish, _DIRECT_S, ", or begin it as a task (POST /designs/searches)"
+    )
+    kept = excitation_designs.create_design(store, wanted.name, wish, wanted.fta, wanted.note)
     return Json(kept, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{kept.id}"})
 
 
@@ -117,10 +126,10 @@ def create_design(store: TheStore, wanted: DesignRequest) -> Json:
 def search_design(context: TheContext, wanted: DesignRequest) -> Json:
     """Begin to search the phases of a design, as a task that can be followed and cancelled."""
     wish = wanted.wish(context.store)
-    excitation.check_search(wish)
+    excitation_designs.check_search(wish)
 
     def work(report: Report) -> int | None:
-        return excitation.create_design(
+        return excitation_designs.create_design(
             context.store, wanted.name, wish, wanted.fta, wanted.note, _teller(report)
         ).id
 
@@ -140,15 +149,15 @@ def import_flown(
     """Recognise multisines that were flown and keep them as they were."""
     with TemporaryDirectory(prefix="flexsid-") as folder:
         sources = confined.read_all(*receive(Path(folder), files))
-    found = flown.flown_inputs(sources, unit)
-    kept = flown.keep_flown(store, found, name, rate_hz, apart=apart)
+    found = imported_multisines.flown_inputs(sources, unit)
+    kept = imported_multisines.keep_flown(store, found, name, rate_hz, apart=apart)
     return Json(DesignList(items=list(kept)), status.HTTP_201_CREATED)
 
 
 @router.get("/catalogue", response_model=CatalogueList)
 def list_catalogue() -> Json:
     """List the 24 designs of Table 1."""
-    return Json({"items": excitation.catalogue(), "next": None})
+    return Json({"items": excitation_designs.catalogue(), "next": None})
 
 
 @router.get("/{design_id}", response_model=ExcitationDesign)
@@ -188,7 +197,7 @@ def check_design(
         rate=rate,
         acceleration=acceleration,
     )
-    return Json(excitation.checks_of(store.designs.get(design_id), actuator, level))
+    return Json(excitation_designs.checks_of(store.designs.get(design_id), actuator, level))
 
 
 @router.get("/{design_id}/target-modes", response_model=TargetModes)
@@ -201,7 +210,7 @@ def get_target_modes(
     return Json(target_modes(store, store.designs.get(design_id), aircraft_id))
 
 
-@router.get("/{design_id}/expected-errors", response_model=foresight.ExpectedErrors)
+@router.get("/{design_id}/expected-errors", response_model=predicted_accuracy.ExpectedErrors)
 def expect_errors(
     store: TheStore,
     design_id: Identity,
@@ -209,7 +218,9 @@ def expect_errors(
     level: Level = 0,
 ) -> Json:
     """Predict the standard errors of a run's derivatives, had this design been flown."""
-    return Json(foresight.expected_errors(store, store.designs.get(design_id), run_id, level))
+    return Json(
+        predicted_accuracy.expected_errors(store, store.designs.get(design_id), run_id, level)
+    )
 
 
 @router.get("/{design_id}/expected-response", response_model=ExpectedSummary)
@@ -220,7 +231,7 @@ def expect_response(
     level: Level = 0,
 ) -> Json:
     """Tell how far modes stand out of the noise, and how surfaces would be correlated."""
-    found = foresight.expected_response(store, store.designs.get(design_id), run_id, level)
+    found = predicted_accuracy.expected_response(store, store.designs.get(design_id), run_id, level)
     return Json(
         ExpectedSummary(
             modes=list(found.modes),
@@ -231,7 +242,7 @@ def expect_response(
     )
 
 
-@router.get("/{design_id}/classic-inputs", response_model=classic.InputComparison)
+@router.get("/{design_id}/classic-inputs", response_model=classic_inputs.InputComparison)
 def compare_classic_inputs(
     store: TheStore,
     design_id: Identity,
@@ -239,10 +250,10 @@ def compare_classic_inputs(
     level: Level = 0,
 ) -> Json:
     """Compare a design with doublets, 3-2-1-1s and sweeps that keep its limits; seconds."""
-    return Json(classic.compare_inputs(store, store.designs.get(design_id), run_id, level))
+    return Json(classic_inputs.compare_inputs(store, store.designs.get(design_id), run_id, level))
 
 
-@router.get("/{design_id}/allocation", response_model=allocation.Allocation)
+@router.get("/{design_id}/allocation", response_model=amplitude_optimisation.Allocation)
 def allocate_amplitudes(
     store: TheStore,
     design_id: Identity,
@@ -257,7 +268,9 @@ def allocate_amplitudes(
     included; the design's own where left out.
     """
     design = store.designs.get(design_id)
-    return Json(allocation.allocate(store, design, run_id, level, deflection, load_factor))
+    return Json(
+        amplitude_optimisation.allocate(store, design, run_id, level, deflection, load_factor)
+    )
 
 
 @router.post(
@@ -268,7 +281,9 @@ def allocate_amplitudes(
 def rescale_design(store: TheStore, design_id: Identity, wanted: RescaleRequest) -> Json:
     """Keep a design with the same lines and phases and other amplitudes."""
     design = store.designs.get(design_id)
-    kept = allocation.rescale_design(store, design, wanted.name, wanted.gains, wanted.note)
+    kept = amplitude_optimisation.rescale_design(
+        store, design, wanted.name, wanted.gains, wanted.note
+    )
     return Json(kept, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{kept.id}"})
 
 
@@ -276,10 +291,12 @@ def rescale_design(store: TheStore, design_id: Identity, wanted: RescaleRequest)
 def redesign(context: TheContext, design_id: Identity, wanted: RedesignRequest) -> Json:
     """Begin to search phases anew for the lines of a design, as one that was flown."""
     design = context.store.designs.get(design_id)
-    excitation.check_search(replace(design.wish, effort=wanted.effort))
+    excitation_designs.check_search(replace(design.wish, effort=wanted.effort))
 
     def work(report: Report) -> int | None:
-        return flown.redesign(context.store, design, wanted.name, wanted.effort, _teller(report)).id
+        return imported_multisines.redesign(
+            context.store, design, wanted.name, wanted.effort, _teller(report)
+        ).id
 
     begun = context.tasks.begin("design", wanted.name, work)
     return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
@@ -289,7 +306,7 @@ def redesign(context: TheContext, design_id: Identity, wanted: RedesignRequest) 
 def list_rehearsals(store: TheStore, design_id: Identity) -> Json:
     """List the rehearsals of a design, newest first, with what their runs estimated."""
     design = store.designs.get(design_id)
-    return Json(RehearsalList(items=list(rehearsal.rehearsal_results(store, design))))
+    return Json(RehearsalList(items=list(preflight_simulation.rehearsal_results(store, design))))
 
 
 @router.post("/{design_id}/rehearsals", response_model=Task, status_code=status.HTTP_202_ACCEPTED)
@@ -300,7 +317,7 @@ def rehearse(context: TheContext, design_id: Identity, wanted: RehearsalRequest)
         context.store.controllers.get(wanted.controller_id)
 
     def work(report: Report) -> int | None:
-        kept = rehearsal.rehearse_design(
+        kept = preflight_simulation.rehearse_design(
             context.store, design, wanted.run_id, wanted.level, wanted.controller_id, report
         )
         context.dispatcher.wake()
@@ -319,7 +336,7 @@ def _teller(report: Report) -> Callable[[str, float, float], None]:
 
 _FILE = {
     media: {"schema": {"type": "object" if media == "application/json" else "string"}}
-    for media in excitation.MEDIA.values()
+    for media in excitation_designs.MEDIA.values()
 }
 
 
@@ -331,10 +348,10 @@ def export_design(
     level: Level = 0,
 ) -> Response:
     """Return one period at the flight computer's rate, or the recipe."""
-    content = excitation.export_design(store.designs.get(design_id), form, level)
+    content = excitation_designs.export_design(store.designs.get(design_id), form, level)
     name = f"design-{design_id}.{form}"
     return Response(
         content,
-        media_type=excitation.MEDIA[form],
+        media_type=excitation_designs.MEDIA[form],
         headers={"Content-Disposition": f'attachment; filename="{name}"'},
     )

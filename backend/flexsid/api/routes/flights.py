@@ -10,7 +10,7 @@ from flexsid.api.requests import CutRequest
 from flexsid.api.routes.maneuvers import detail_of
 from flexsid.api.wire import Identity, Json, Reference
 from flexsid.records.flight import Flight
-from flexsid.workflow import cutting
+from flexsid.workflow.importing import maneuver_cutting
 
 router = APIRouter(prefix="/flights", tags=["flights"])
 
@@ -38,7 +38,7 @@ def list_flight_channels(store: TheStore, flight_id: Identity) -> Json:
 @router.get("/{flight_id}/found-maneuvers", response_model=FoundManeuverList)
 def find_maneuvers(store: TheStore, flight_id: Identity) -> Json:
     """Look for maneuvers in the recording of a flight; nothing is cut yet."""
-    return Json(FoundManeuverList(items=list(cutting.find_maneuvers(store, flight_id))))
+    return Json(FoundManeuverList(items=list(maneuver_cutting.find_maneuvers(store, flight_id))))
 
 
 @router.post(
@@ -46,6 +46,6 @@ def find_maneuvers(store: TheStore, flight_id: Identity) -> Json:
 )
 def cut_maneuver(store: TheStore, flight_id: Identity, wanted: CutRequest) -> Json:
     """Cut a maneuver out of a window of the recording, which stays as it is."""
-    kept = cutting.cut_maneuver(store, flight_id, wanted.record())
+    kept = maneuver_cutting.cut_maneuver(store, flight_id, wanted.record())
     location = {"Location": f"/api/v1/maneuvers/{kept.id}"}
     return Json(detail_of(store, kept), status.HTTP_201_CREATED, location)

@@ -9,8 +9,8 @@ from fastapi import APIRouter, Depends, Query, status
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.wire import Json, split_ids
 from flexsid.records.flutter import Flutter
-from flexsid.workflow import flutter as workflow
-from flexsid.workflow.tasks import Report, Task
+from flexsid.workflow.background_tasks import Report, Task
+from flexsid.workflow.flutter import flutter_analysis as workflow
 
 router = APIRouter(prefix="/flutter", tags=["flutter"])
 

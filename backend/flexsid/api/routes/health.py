@@ -9,7 +9,7 @@ from flexsid.api.answers import Health
 from flexsid.api.context import TheContext
 from flexsid.api.wire import Json
 from flexsid.jobs.health import PartHealth, PartState
-from flexsid.workflow.clock import find_clock_error
+from flexsid.workflow.review.clock import find_clock_error
 
 router = APIRouter(tags=["health"])
 

@@ -22,8 +22,8 @@ from flexsid.storage.facets import Facets
 from flexsid.storage.maneuver_list import SORT_FIELDS, ManeuverFilters
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
-from flexsid.workflow.ingest import keep_upload, read_upload
-from flexsid.workflow.run_proposal import propose_run
+from flexsid.workflow.importing.flight_import import keep_upload, read_upload
+from flexsid.workflow.runs.run_proposal import propose_run
 
 router = APIRouter(prefix="/maneuvers", tags=["maneuvers"])
 

@@ -20,8 +20,8 @@ from flexsid.importers.modal_files import write_csv, write_universal
 from flexsid.records.modal_table import ModalKind, ModeCorrection
 from flexsid.records.modal_views import Correlation, ModelOrder, Observability
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow.modal_export import modes_to_write
-from flexsid.workflow.modes import corrected
+from flexsid.workflow.modal_data.aligned_modes import corrected
+from flexsid.workflow.modal_data.modal_export import modes_to_write
 from flexsid.workflow.views import model_order
 from flexsid.workflow.views.correlation import correlate
 from flexsid.workflow.views.fuel import modes_at

@@ -15,7 +15,7 @@ from flexsid.api.run_requests import ModelStructureRequest, StructureEditRequest
 from flexsid.api.wire import Identity, Json, Reference
 from flexsid.errors import BadInput
 from flexsid.records.model_structure import ModelStructure, StructureVersion
-from flexsid.workflow import structures
+from flexsid.workflow.model_structures import model_structures
 
 router = APIRouter(prefix="/model-structures", tags=["model-structures"])
 
@@ -47,7 +47,7 @@ def list_structure_versions(store: TheStore, structure_id: Identity) -> Json:
 @router.get("/{structure_id}/versions/{version}", response_model=StructureVersion)
 def get_structure_version(store: TheStore, structure_id: Identity, version: Version) -> Json:
     """Return one version of one model structure."""
-    return Json(structures.get_version(store, structure_id, version))
+    return Json(model_structures.get_version(store, structure_id, version))
 
 
 @router.post("", response_model=ModelStructure, status_code=status.HTTP_201_CREATED)
@@ -55,7 +55,7 @@ def add_model_structure(
     store: TheStore, wanted: ModelStructureRequest, analyst: TheAnalyst
 ) -> Json:
     """Keep a model structure under a name."""
-    kept = structures.add_structure(
+    kept = model_structures.add_structure(
         store,
         ModelStructure(
             aircraft_id=wanted.aircraft_id,
@@ -81,7 +81,7 @@ def edit_model_structure(
     if_match: IfMatch = None,
 ) -> Json:
     """Keep a new version; refused with both versions where another came first."""
-    edited = structures.edit_structure(
+    edited = model_structures.edit_structure(
         store,
         structure_id,
         edited_version(wanted.version, if_match),

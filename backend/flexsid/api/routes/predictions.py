@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query
 from flexsid.api.answers import DerivativeValue, PredictionDetail, PredictionList, extend
 from flexsid.api.context import TheStore
 from flexsid.api.wire import Identity, Json, Reference
-from flexsid.workflow.predictions import prediction_at
+from flexsid.workflow.aircraft.derivative_predictions import prediction_at
 
 router = APIRouter(prefix="/predictions", tags=["predictions"])
 

@@ -17,7 +17,7 @@ from flexsid.storage.quality_list import (
     select_qualities,
 )
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow.assessing import Assessing
+from flexsid.workflow.quality.campaign_quality import Assessing
 
 router = APIRouter(prefix="/quality", tags=["quality"])
 

@@ -25,8 +25,8 @@ from flexsid.errors import BadInput
 from flexsid.records.decision import FrozenFigure, ReviewRules
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
-from flexsid.workflow import notifications, review
-from flexsid.workflow.baselines import baseline_of, list_baselines
+from flexsid.workflow.model_structures.baselines import baseline_of, list_baselines
+from flexsid.workflow.review import decision_review, notifications
 
 router = APIRouter(tags=["review"])
 
@@ -37,7 +37,7 @@ _UNIT = "application/json"
 @router.get("/review-rules/{aircraft_id}", response_model=RulesHistory)
 def get_review_rules(store: TheStore, aircraft_id: Identity) -> Json:
     """Return the rules of review of a campaign, and what they were."""
-    current = review.rules_of(store, aircraft_id)
+    current = decision_review.rules_of(store, aircraft_id)
     return Json(
         RulesHistory(current=current, items=store.review_rules.find(aircraft_id=aircraft_id))
     )
@@ -48,7 +48,7 @@ def change_review_rules(
     store: TheStore, aircraft_id: Identity, wanted: RulesRequest, analyst: NamedAnalyst
 ) -> Json:
     """Change the rules of review of a campaign; the ones before stay readable."""
-    return Json(review.change_rules(store, wanted.record(aircraft_id, analyst)))
+    return Json(decision_review.change_rules(store, wanted.record(aircraft_id, analyst)))
 
 
 @router.get("/baselines", response_model=BaselineList)

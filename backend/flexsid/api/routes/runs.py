@@ -18,11 +18,12 @@ from flexsid.records.run import Method, RunState
 from flexsid.storage import batches, bulk
 from flexsid.storage.facets import Facets
 from flexsid.storage.run_list import RUN_SORT_FIELDS, RunFilters
-from flexsid.workflow import estimation, structures
-from flexsid.workflow.export import RunExport, export_run
-from flexsid.workflow.identified_export import ModelExport, export_model, matlab_model
-from flexsid.workflow.identity import identified
-from flexsid.workflow.run_proposal import with_basis, with_proposal
+from flexsid.workflow.model_structures import model_structures
+from flexsid.workflow.runs import estimation
+from flexsid.workflow.runs.model_export import ModelExport, export_model, matlab_model
+from flexsid.workflow.runs.run_export import RunExport, export_run
+from flexsid.workflow.runs.run_identity import identified
+from flexsid.workflow.runs.run_proposal import with_basis, with_proposal
 
 router = APIRouter(prefix="/runs", tags=["runs"])
 
@@ -53,7 +54,7 @@ def request_run(context: TheContext, wanted: RunRequest, analyst: TheAnalyst) ->
     if given is None and reference == (None, None):
         run = with_proposal(store, wanted.record(Structure(fixed={}), None, analyst))
     else:
-        structure, version = structures.structure_of_run(store, given, *reference)
+        structure, version = model_structures.structure_of_run(store, given, *reference)
         run = with_basis(store, wanted.record(structure, version, analyst))
     task = estimation.prepare(store, run)
     kept, is_new = batches.add_once(store, identified(store, run))

@@ -22,7 +22,7 @@ from flexsid.records.search import (
     SearchStart,
     StructureSearch,
 )
-from flexsid.workflow import searching
+from flexsid.workflow.structure_determination import searches
 
 router = APIRouter(prefix="/searches", tags=["searches"])
 
@@ -106,7 +106,7 @@ def request_search(context: TheContext, wanted: SearchRequest, analyst: TheAnaly
     """Queue a search for the terms of a model; follow it at the answer's ``Location``."""
     store = context.store
     first = store.maneuvers.get(wanted.maneuver_ids[0])
-    kept = searching.add_search(
+    kept = searches.add_search(
         store,
         StructureSearch(
             aircraft_id=first.aircraft_id,
@@ -142,7 +142,7 @@ def get_search(store: TheStore, search_id: Identity) -> Json:
 @router.post("/{search_id}/cancel", response_model=StructureSearch)
 def cancel_search(store: TheStore, search_id: Identity) -> Json:
     """Stop a search that has not ended."""
-    return Json(searching.cancel_search(store, search_id))
+    return Json(searches.cancel_search(store, search_id))
 
 
 @router.post("/{search_id}/candidates/{place}/run", response_model=Run)
@@ -150,7 +150,7 @@ def open_candidate(
     context: TheContext, search_id: Identity, place: Place, analyst: TheAnalyst
 ) -> Json:
     """Open a candidate as a run; it is queued when first opened, and the same ever after."""
-    run = searching.open_as_run(context.store, search_id, place, analyst)
+    run = searches.open_as_run(context.store, search_id, place, analyst)
     context.dispatcher.wake()
     return Json(run_answer(context.store, run), headers={"Location": f"/api/v1/runs/{run.id}"})
 

@@ -13,7 +13,7 @@ from flexsid.api.answers import FlutterSummaryList
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import Line, Title
 from flexsid.api.wire import Identity, Json, Reference
-from flexsid.importers.structure import (
+from flexsid.importers.modal_data import (
     StructureAnswers,
     StructureFound,
     extract_structure,
@@ -21,8 +21,8 @@ from flexsid.importers.structure import (
 )
 from flexsid.records.modal_table import FlutterSummary, ModalKind, ModalTable
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow.flutter_summary import keep_flutter_summary, with_warning
-from flexsid.workflow.modal_import import keep_structure
+from flexsid.workflow.flutter.flutter_summary import keep_flutter_summary, with_warning
+from flexsid.workflow.modal_data.modal_import import keep_structure
 
 router = APIRouter(tags=["structures"])
 

@@ -10,7 +10,7 @@ from fastapi import Path as InPath
 
 from flexsid.api.context import TheContext
 from flexsid.api.wire import Json
-from flexsid.workflow.tasks import Task
+from flexsid.workflow.background_tasks import Task
 
 router = APIRouter(prefix="/tasks", tags=["tasks"])
 

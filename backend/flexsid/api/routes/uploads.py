@@ -17,8 +17,9 @@ from flexsid.api.received import receive
 from flexsid.api.requests import PreviewRequest, UploadMappingRequest
 from flexsid.api.routes.figures.answer import Figure
 from flexsid.api.wire import Json
-from flexsid.workflow import describing, views
-from flexsid.workflow.uploads import Upload
+from flexsid.workflow import views
+from flexsid.workflow.importing import preview
+from flexsid.workflow.importing.uploads import Upload
 
 router = APIRouter(prefix="/uploads", tags=["uploads"])
 
@@ -63,11 +64,11 @@ def get_upload_state(context: TheContext, upload_id: _Id) -> Json:
     return Json(context.uploads.get(upload_id))
 
 
-@router.post("/{upload_id}/check", response_model=describing.Checked)
+@router.post("/{upload_id}/check", response_model=preview.Checked)
 def check_upload(context: TheContext, upload_id: _Id, wanted: UploadMappingRequest) -> Json:
     """Say what a mapping makes of the files; nothing is stored."""
     return Json(
-        describing.check_mapping(context.store, context.uploads.sources(upload_id), wanted.mapping)
+        preview.check_mapping(context.store, context.uploads.sources(upload_id), wanted.mapping)
     )
 
 
@@ -75,7 +76,7 @@ def check_upload(context: TheContext, upload_id: _Id, wanted: UploadMappingReque
 def preview_upload(context: TheContext, upload_id: _Id, wanted: PreviewRequest) -> Json:
     """Draw channels as a mapping makes them."""
     sources = context.uploads.sources(upload_id)
-    value = describing.preview_channels(sources, wanted.mapping, wanted.channels, views.POINTS)
+    value = preview.preview_channels(sources, wanted.mapping, wanted.channels, views.POINTS)
     return Json(figures.time_history(value))
 
 
@@ -99,7 +100,7 @@ def _detail(context: TheContext, upload: Upload) -> UploadDetail:
     sources = context.uploads.sources(upload.id)
     return UploadDetail(
         upload=upload,
-        files=describing.describe_files(sources),
-        fields=describing.describe_fields(sources),
-        proposal=describing.propose_mapping(context.store, sources),
+        files=preview.describe_files(sources),
+        fields=preview.describe_fields(sources),
+        proposal=preview.propose_mapping(context.store, sources),
     )

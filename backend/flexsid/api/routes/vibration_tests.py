@@ -17,7 +17,7 @@ from flexsid.records.modal_table import MeasuredResponses, ModalTable
 from flexsid.records.modal_views import FoundModes, Orthogonality
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.text import LONGEST_FIELD
-from flexsid.workflow import vibration_test
+from flexsid.workflow.modal_data import ground_vibration_test
 
 router = APIRouter(tags=["vibration-tests"])
 
@@ -89,11 +89,11 @@ def _mode_search(
     low_hz: Annotated[float | None, Query(gt=0.0, le=100_000.0)] = None,
     high_hz: Annotated[float | None, Query(gt=0.0, le=100_000.0)] = None,
     order: Annotated[int, Query(ge=4, le=80, description="Highest order of the models.")] = 30,
-) -> vibration_test.ModeSearch:
-    return vibration_test.ModeSearch(low_hz=low_hz, high_hz=high_hz, order=order)
+) -> ground_vibration_test.ModeSearch:
+    return ground_vibration_test.ModeSearch(low_hz=low_hz, high_hz=high_hz, order=order)
 
 
-TheModeSearch = Annotated[vibration_test.ModeSearch, Depends(_mode_search)]
+TheModeSearch = Annotated[ground_vibration_test.ModeSearch, Depends(_mode_search)]
 
 
 @router.post(
@@ -114,7 +114,7 @@ def import_responses(context: TheContext, upload_id: _UploadId, wanted: Response
         origin=wanted.origin,
     )
     raw = extract_responses(context.uploads.sources(upload_id), answers)
-    kept = vibration_test.keep_responses(context.store, aircraft, raw)
+    kept = ground_vibration_test.keep_responses(context.store, aircraft, raw)
     return Json(kept, status.HTTP_201_CREATED)
 
 
@@ -134,7 +134,7 @@ def get_measured_responses(store: TheStore, responses_id: Identity) -> Json:
 @router.get("/measured-responses/{responses_id}/modes", response_model=FoundModes)
 def find_modes(store: TheStore, responses_id: Identity, search: TheModeSearch) -> Json:
     """Find the modes in measured responses that are stable over the orders of models."""
-    return Json(vibration_test.find_modes(store, responses_id, search))
+    return Json(ground_vibration_test.find_modes(store, responses_id, search))
 
 
 @router.post(
@@ -144,10 +144,10 @@ def find_modes(store: TheStore, responses_id: Identity, search: TheModeSearch) -
 )
 def keep_found_modes(store: TheStore, responses_id: Identity, wanted: FoundModesRequest) -> Json:
     """Keep the modes found as a table of a GVT, named like those of another table."""
-    search = vibration_test.ModeSearch(
+    search = ground_vibration_test.ModeSearch(
         low_hz=wanted.low_hz, high_hz=wanted.high_hz, order=wanted.order
     )
-    table = vibration_test.keep_found_modes(
+    table = ground_vibration_test.keep_found_modes(
         store, responses_id, search, wanted.name, wanted.keep, wanted.like_id
     )
     return Json(table, status.HTTP_201_CREATED)
@@ -159,7 +159,7 @@ def check_orthogonality(
 ) -> Json:
     """Check the shapes of a table over a mass matrix in an uploaded file."""
     sources = context.uploads.sources(upload_id)
-    told = vibration_test.orthogonality(
+    told = ground_vibration_test.orthogonality(
         context.store, wanted.modal_table_id, wanted.fuel, sources, wanted.field
     )
     return Json(told)

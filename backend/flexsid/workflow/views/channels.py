@@ -13,9 +13,9 @@ from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.records.views import ChannelTrace
 from flexsid.storage.store import Store
 from flexsid.units import si_unit, to_si
-from flexsid.workflow.conditioning import conditioning_of
-from flexsid.workflow.interval import samples_between
-from flexsid.workflow.recording import Conditioning
+from flexsid.workflow.measurements.conditioning import conditioning_of
+from flexsid.workflow.measurements.excitation_interval import samples_between
+from flexsid.workflow.measurements.recording import Conditioning
 
 Interval = tuple[float, float]
 _Parts = list[tuple[Channel, float]]

@@ -15,7 +15,13 @@ from flexsid.storage.store import Store
 from flexsid.sysid.modes.assurance import coordinate_assurance, modal_assurance, scale_factors
 from flexsid.sysid.modes.table import fuel_weights, weighted
 from flexsid.sysid.modes.tracking import DOUBTFUL
-from flexsid.workflow.tracked_modes import damping_at, mode_names, open_modes, shape_at, title
+from flexsid.workflow.modal_data.tracked_modes import (
+    damping_at,
+    mode_names,
+    open_modes,
+    shape_at,
+    title,
+)
 
 _SAME_PLACE = 0.02  # of the extent of a structure
 

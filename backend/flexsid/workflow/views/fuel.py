@@ -9,7 +9,7 @@ from flexsid.records.modal_views import CrossingMark, ModeAtFuel, ModesAgainstFu
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.table import fuel_weights, interpolate, weighted
 from flexsid.sysid.modes.tracking import crossings
-from flexsid.workflow.tracked_modes import damping_at, mode_names, open_modes, title
+from flexsid.workflow.modal_data.tracked_modes import damping_at, mode_names, open_modes, title
 
 _FINE = 101
 

@@ -8,8 +8,8 @@ from flexsid.errors import BadInput
 from flexsid.records.views import LoopCurve, LoopPlot
 from flexsid.storage.store import Store
 from flexsid.sysid.stability.flown_loops import flown_loops
-from flexsid.workflow.measured import measure
-from flexsid.workflow.models import servo_of
+from flexsid.workflow.aircraft.aircraft_models import servo_of
+from flexsid.workflow.measurements.maneuver_spectra import measure
 
 
 def loops(store: Store, maneuver_id: int) -> LoopPlot:

@@ -12,9 +12,9 @@ from flexsid.records.quality import SignalToNoise
 from flexsid.records.views import ChannelHistories, Spectra
 from flexsid.storage.store import Store
 from flexsid.sysid.spectra.scatter import noise_about_responses
-from flexsid.workflow.interval import excitation_interval
-from flexsid.workflow.recording import Lines, maneuver_lines
-from flexsid.workflow.transforms import spectra_of
+from flexsid.workflow.measurements.excitation_interval import excitation_interval
+from flexsid.workflow.measurements.recording import Lines, maneuver_lines
+from flexsid.workflow.measurements.transforms import spectra_of
 from flexsid.workflow.views.channels import input_names, read_channels, sampling
 
 POINTS = 1000  # about as many as a screen has columns

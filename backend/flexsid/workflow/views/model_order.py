@@ -24,10 +24,14 @@ from flexsid.sysid.stability.order import (
     reduced_response,
     study_order,
 )
-from flexsid.workflow.condition import complete_condition, standard_density
-from flexsid.workflow.models import build_model, default_outputs, define_outputs
-from flexsid.workflow.modes import AircraftModes, find_modal_tables, load_modes
-from flexsid.workflow.predictions import best_prediction, predicted_modes, prediction_at
+from flexsid.workflow.aircraft.aircraft_models import build_model, default_outputs, define_outputs
+from flexsid.workflow.aircraft.derivative_predictions import (
+    best_prediction,
+    predicted_modes,
+    prediction_at,
+)
+from flexsid.workflow.aircraft.flight_condition import complete_condition, standard_density
+from flexsid.workflow.modal_data.aligned_modes import AircraftModes, find_modal_tables, load_modes
 
 BAND_HZ = (0.25, 15.0)
 _LINES = 240

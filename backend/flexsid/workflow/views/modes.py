@@ -10,7 +10,7 @@ from flexsid.records.run import EstimationRun, Pole
 from flexsid.records.views import ModeMarker
 from flexsid.storage.store import Store
 from flexsid.sysid.modes import StructuralModes
-from flexsid.workflow.modes import AircraftModes, find_modal_tables, load_modes
+from flexsid.workflow.modal_data.aligned_modes import AircraftModes, find_modal_tables, load_modes
 
 
 def mode_markers(

@@ -15,7 +15,7 @@ from flexsid.sysid.modes.observability import (
 )
 from flexsid.sysid.modes.table import fuel_weights, weighted
 from flexsid.sysid.modes.thinning import spread_nodes
-from flexsid.workflow.tracked_modes import Modes, open_modes, shape_at
+from flexsid.workflow.modal_data.tracked_modes import Modes, open_modes, shape_at
 
 _CANDIDATES = 250
 _TOLD = 12

@@ -16,11 +16,11 @@ from flexsid.storage.store import Store
 from flexsid.sysid.estimation.equation_error import regressors
 from flexsid.sysid.model.derivatives import variables
 from flexsid.sysid.spectra.collinearity import collinearity
-from flexsid.workflow.computation import motion_of
-from flexsid.workflow.estimation import prepare
-from flexsid.workflow.interval import excitation_interval
-from flexsid.workflow.recording import maneuver_lines
-from flexsid.workflow.transforms import spectra_of
+from flexsid.workflow.measurements.excitation_interval import excitation_interval
+from flexsid.workflow.measurements.recording import maneuver_lines
+from flexsid.workflow.measurements.transforms import spectra_of
+from flexsid.workflow.runs.computation import motion_of
+from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.views.channels import input_names, on_one_clock, read_channels, sampling
 
 Domain = Literal["time", "frequency"]

@@ -15,8 +15,12 @@ from flexsid.sysid.signals import FrequencyResponse
 from flexsid.sysid.spectra.fourier import finite_fourier_transform
 from flexsid.sysid.spectra.repeated import coherence
 from flexsid.sysid.spectra.windowed import windowed_responses
-from flexsid.workflow.models import OutputDefinition, input_correction, output_instrument
-from flexsid.workflow.recording import Lines
+from flexsid.workflow.aircraft.aircraft_models import (
+    OutputDefinition,
+    input_correction,
+    output_instrument,
+)
+from flexsid.workflow.measurements.recording import Lines
 from flexsid.workflow.views.channels import input_names, on_one_clock, read_channels
 
 _STILL = 1e-3  # of the busiest surface: one that moves less was not flown

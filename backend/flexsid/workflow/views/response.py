@@ -14,10 +14,10 @@ from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyResponse
 from flexsid.sysid.spectra.reliability import relative_std, unreliable
 from flexsid.sysid.spectra.repeated import combine
-from flexsid.workflow.identified import Identified, identified
-from flexsid.workflow.measured import measure
-from flexsid.workflow.models import define_outputs
-from flexsid.workflow.recording import maneuver_lines
+from flexsid.workflow.aircraft.aircraft_models import define_outputs
+from flexsid.workflow.measurements.maneuver_spectra import measure
+from flexsid.workflow.measurements.recording import maneuver_lines
+from flexsid.workflow.runs.identified_models import Identified, identified
 from flexsid.workflow.views.channels import input_names, sampling
 from flexsid.workflow.views.modes import identified_markers, mode_markers
 from flexsid.workflow.views.repetition import measure_windows, period_coherence

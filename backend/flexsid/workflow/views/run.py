@@ -20,8 +20,8 @@ from flexsid.records.views import (
     Residuals,
 )
 from flexsid.storage.store import Store
-from flexsid.workflow.comparison import compare, of_coefficient
-from flexsid.workflow.results import result_of
+from flexsid.workflow.comparison.derivative_comparison import compare, of_coefficient
+from flexsid.workflow.model_structures.run_results import result_of
 from flexsid.workflow.views.modes import modal_poles
 
 _SHOWN_FIRST = 2  # outputs drawn when none was chosen; a page shows that many at once

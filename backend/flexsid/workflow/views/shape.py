@@ -11,7 +11,7 @@ from flexsid.records.modal_views import DrawnShape, SensorSight
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.table import fuel_weights, weighted
 from flexsid.sysid.modes.thinning import neighbour_lines, spread_nodes
-from flexsid.workflow.tracked_modes import Modes, mode_names, open_modes, shape_at
+from flexsid.workflow.modal_data.tracked_modes import Modes, mode_names, open_modes, shape_at
 
 _TO_STRUCTURE = np.array([-1.0, 1.0, -1.0])
 _SHOWN = 700

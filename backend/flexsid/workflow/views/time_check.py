@@ -13,11 +13,15 @@ from flexsid.records.views import CheckedTrace, TimeCheck
 from flexsid.storage.store import Store
 from flexsid.sysid.model.time_response import time_response
 from flexsid.units import si_unit
-from flexsid.workflow.identified import Identified, identified
-from flexsid.workflow.instruments import with_instruments
-from flexsid.workflow.models import define_outputs, input_correction, output_instrument
-from flexsid.workflow.recording import trim_removed
-from flexsid.workflow.transforms import load_channels
+from flexsid.workflow.aircraft.aircraft_models import (
+    define_outputs,
+    input_correction,
+    output_instrument,
+)
+from flexsid.workflow.aircraft.instruments import with_instruments
+from flexsid.workflow.measurements.recording import trim_removed
+from flexsid.workflow.measurements.transforms import load_channels
+from flexsid.workflow.runs.identified_models import Identified, identified
 
 _SHOWN_FIRST = 4
 

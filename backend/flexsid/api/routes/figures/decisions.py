@@ -8,7 +8,7 @@ from fastapi.responses import Response
 from flexsid.api.context import TheStore
 from flexsid.api.export import Form, sent
 from flexsid.api.routes.figures.answer import Figure, Id
-from flexsid.workflow.audit import figure_spec
+from flexsid.workflow.review.audit import figure_spec
 
 router = APIRouter()
 

@@ -10,8 +10,8 @@ from flexsid.api.context import TheStore
 from flexsid.api.export import Form, sent
 from flexsid.api.routes.designs import Level
 from flexsid.api.routes.figures.answer import Figure, Id
-from flexsid.workflow import excitation
-from flexsid.workflow.foresight import expected_response
+from flexsid.workflow.excitation import excitation_designs
+from flexsid.workflow.excitation.predicted_accuracy import expected_response
 
 router = APIRouter()
 
@@ -21,7 +21,7 @@ def draw_design_history(
     store: TheStore, design_id: Id, level: Level = 0, form: Form = "json"
 ) -> Response:
     """Draw one period of a designed excitation."""
-    value = excitation.designed(store.designs.get(design_id), level)
+    value = excitation_designs.designed(store.designs.get(design_id), level)
     return sent(figures.design_history(value), form)
 
 
@@ -30,7 +30,7 @@ def draw_design_spectrum(
     store: TheStore, design_id: Id, level: Level = 0, form: Form = "json"
 ) -> Response:
     """Draw the lines of a designed excitation by the input that owns them."""
-    value = excitation.designed(store.designs.get(design_id), level)
+    value = excitation_designs.designed(store.designs.get(design_id), level)
     return sent(figures.design_spectrum(value), form)
 
 

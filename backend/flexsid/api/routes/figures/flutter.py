@@ -13,7 +13,7 @@ from flexsid.api.export import Form, sent
 from flexsid.api.routes.figures.answer import Figure, Id
 from flexsid.api.routes.flutter import TheQuestion
 from flexsid.records.flutter import Along
-from flexsid.workflow import closed_loop, flutter
+from flexsid.workflow.flutter import closed_loop, flutter_analysis
 
 router = APIRouter()
 TheAxis = Annotated[Along, Query(description="What roots are followed along.")]
@@ -24,7 +24,7 @@ def draw_v_omega_zeta(
     store: TheStore, question: TheQuestion, along: TheAxis = Along.AIRSPEED, form: Form = "json"
 ) -> Response:
     """Draw frequency and damping of the identified roots with ±2 standard errors."""
-    return sent(figures.v_omega_zeta(flutter.flutter_roots(store, question, along)), form)
+    return sent(figures.v_omega_zeta(flutter_analysis.flutter_roots(store, question, along)), form)
 
 
 @router.get("/root-locus", response_model=Figure)
@@ -32,25 +32,25 @@ def draw_root_locus(
     store: TheStore, question: TheQuestion, along: TheAxis = Along.AIRSPEED, form: Form = "json"
 ) -> Response:
     """Draw the identified roots in the s-plane."""
-    return sent(figures.root_locus(flutter.flutter_roots(store, question, along)), form)
+    return sent(figures.root_locus(flutter_analysis.flutter_roots(store, question, along)), form)
 
 
 @router.get("/equivalent-modes", response_model=Figure)
 def draw_equivalent_modes(store: TheStore, question: TheQuestion, form: Form = "json") -> Response:
     """Draw equivalent frequency and damping of every run over dynamic pressure (Eq. 25)."""
-    return sent(figures.equivalent_modes(flutter.flutter(store, question)), form)
+    return sent(figures.equivalent_modes(flutter_analysis.flutter(store, question)), form)
 
 
 @router.get("/flutter-forecast", response_model=Figure)
 def draw_flutter_forecast(store: TheStore, question: TheQuestion, form: Form = "json") -> Response:
     """Draw the flutter speed each run predicts, classical trackers beside it."""
-    return sent(figures.flutter_forecast(flutter.flutter(store, question)), form)
+    return sent(figures.flutter_forecast(flutter_analysis.flutter(store, question)), form)
 
 
 @router.get("/flutter-map", response_model=Figure)
 def draw_flutter_map(store: TheStore, question: TheQuestion, form: Form = "json") -> Response:
     """Draw the flutter speed over fuel and altitude."""
-    return sent(figures.flutter_map(flutter.flutter_map(store, question)), form)
+    return sent(figures.flutter_map(flutter_analysis.flutter_map(store, question)), form)
 
 
 @router.get("/closed-loop-margins", response_model=Figure)

@@ -14,7 +14,10 @@ from flexsid.api.export import Form, sent
 from flexsid.api.routes.figures.answer import Figure, Id, Ids, Names
 from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.wire import split_ids, split_names
-from flexsid.workflow import cutting, ground_tests, reconstruction, views
+from flexsid.workflow import views
+from flexsid.workflow.importing import maneuver_cutting
+from flexsid.workflow.measurements import reconstruction
+from flexsid.workflow.quality import ground_records
 
 router = APIRouter()
 _Seconds = Annotated[float | None, Query(allow_inf_nan=False)]
@@ -60,7 +63,7 @@ def draw_flight_history(
 ) -> Response:
     """Draw channels of a whole flight against time; the commands by default."""
     chosen = split_names(channels) or ()
-    value = cutting.flight_history(store, flight_id, chosen, start_s, stop_s, points)
+    value = maneuver_cutting.flight_history(store, flight_id, chosen, start_s, stop_s, points)
     return sent(figures.time_history(value), form)
 
 
@@ -169,4 +172,4 @@ def draw_loops(store: TheStore, maneuver_id: Id, form: Form = "json") -> Respons
 @router.get("/ground-test", response_model=Figure)
 def draw_ground_test(store: TheStore, flight_id: Id, form: Form = "json") -> Response:
     """Draw spectra on the runway before and after a flight."""
-    return sent(figures.ground_test(ground_tests.ground_spectra(store, flight_id)), form)
+    return sent(figures.ground_test(ground_records.ground_spectra(store, flight_id)), form)

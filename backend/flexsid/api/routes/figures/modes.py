@@ -14,7 +14,7 @@ from flexsid.api.routes.figures.answer import Figure, Id
 from flexsid.api.routes.modal_tables import Fuel, TheOrderQuestion
 from flexsid.api.routes.vibration_tests import TheModeSearch
 from flexsid.api.wire import Reference, split_names
-from flexsid.workflow import vibration_test
+from flexsid.workflow.modal_data import ground_vibration_test
 from flexsid.workflow.views import correlation, model_order
 from flexsid.workflow.views.fuel import modes_against_fuel
 
@@ -76,5 +76,5 @@ def draw_stabilisation(
     store: TheStore, responses_id: Id, search: TheModeSearch, form: Form = "json"
 ) -> Response:
     """Draw the poles of models of every order over the mean measured response."""
-    value = vibration_test.draw_stabilisation(store, responses_id, search)
+    value = ground_vibration_test.draw_stabilisation(store, responses_id, search)
     return sent(figures.stabilisation(value), form)

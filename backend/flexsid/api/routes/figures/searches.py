@@ -11,7 +11,7 @@ from flexsid import figures
 from flexsid.api.context import TheStore
 from flexsid.api.export import Form, sent
 from flexsid.api.routes.figures.answer import Figure, Id
-from flexsid.workflow import searching
+from flexsid.workflow.structure_determination import searches
 
 router = APIRouter()
 _Group = Annotated[str | None, Query(description="Coefficient (EE) or method; the first.")]
@@ -22,7 +22,7 @@ def draw_search_path(
     store: TheStore, search_id: Id, group: _Group = None, form: Form = "json"
 ) -> Response:
     """Draw the criteria after every step of a search for structure."""
-    return sent(figures.search_path(searching.group_of(store, search_id, group)), form)
+    return sent(figures.search_path(searches.group_of(store, search_id, group)), form)
 
 
 @router.get("/search-stability", response_model=Figure)
@@ -30,4 +30,4 @@ def draw_search_stability(
     store: TheStore, search_id: Id, group: _Group = None, form: Form = "json"
 ) -> Response:
     """Draw how often each term is chosen when the lines are drawn anew."""
-    return sent(figures.search_stability(searching.group_of(store, search_id, group)), form)
+    return sent(figures.search_stability(searches.group_of(store, search_id, group)), form)

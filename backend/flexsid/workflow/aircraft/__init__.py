@@ -1,0 +1,1 @@
+"""Aircraft records ready for analysis: axes, instruments, thrust, condition, predictions."""

@@ -1,0 +1,159 @@
+"""Flight condition: complete what was measured with the aircraft's own tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.records.aircraft import Aircraft, DragPolar
+from flexsid.records.maneuver import Condition
+from flexsid.sysid.model.condition import GRAVITY
+from flexsid.workflow.aircraft.thrust import TOTAL_TEMPERATURE, table_thrust, total_temperature
+
+_GAS_CONSTANT = 287.05287  # dry air [J/(kg K)]
+_TROPOPAUSE_M = 11_000.0
+
+
+def standard_density(altitude_m: float) -> float:
+    """Density of the standard atmosphere up to the tropopause.
+
+    Parameters
+    ----------
+    altitude_m
+        Geopotential altitude. [m]
+
+    Returns
+    -------
+    float
+        Density. [kg/m3]
+
+    Raises
+    ------
+    BadInput
+        Above the tropopause, or far below sea level.
+
+    Notes
+    -----
+    Source: ISO 2533.
+    """
+    if not -1000.0 <= altitude_m <= _TROPOPAUSE_M:
+        raise BadInput(
+            f"Altitude {altitude_m:g} m is outside the troposphere; give the density instead.",
+            code="bad-condition",
+        )
+    temperature = 288.15 - 0.0065 * altitude_m
+    pressure = 101325.0 * (temperature / 288.15) ** (GRAVITY / (0.0065 * _GAS_CONSTANT))
+    return pressure / (_GAS_CONSTANT * temperature)
+
+
+def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Condition:
+    """Fill in mass properties, trim and flutter speed that were not measured.
+
+    Parameters
+    ----------
+    aircraft
+        Gives mass properties and flutter speed against fuel, and the polar.
+    measured
+        SI values by name: ``airspeed``, ``density`` or ``altitude``, and any of
+        ``fuel_fraction``, ``alpha``, ``gamma``, ``thrust``, ``mass``,
+        ``pitch_inertia``, ``x_cg``, ``z_cg``. Thrust that is not among them follows from
+        the thrust table where all its engines are, entered with ``total_temperature`` or
+        that of standard air, and else balances the drag.
+
+    Raises
+    ------
+    BadInput
+        If the fuel fraction is needed and missing, or a value is impossible.
+    """
+    airspeed = measured["airspeed"]
+    density = (
+        measured["density"] if "density" in measured else standard_density(measured["altitude"])
+    )
+    table = aircraft.mass
+    fuel = measured.get("fuel_fraction")
+    if fuel is None:
+        if len(table.fuel) != 1:
+            raise BadInput(
+                "The fuel fraction is missing; the mass of this aircraft depends on it.",
+                code="bad-condition",
+            )
+        (fuel,) = table.fuel
+    if airspeed <= 0 or density <= 0 or not 0.0 <= fuel <= 1.0:
+        raise BadInput(
+            f"Impossible condition: airspeed {airspeed:g} m/s, density {density:g} kg/m3, fuel "
+            f"fraction {fuel:g}; positive numbers and a fraction from 0 to 1 are expected.",
+            code="bad-condition",
+        )
+    mass = measured.get("mass", _at(table.fuel, table.mass_kg, fuel))
+    gamma = measured.get("gamma", 0.0)
+    pressure_area = 0.5 * density * airspeed**2 * aircraft.geometry.area_m2
+    lift = mass * GRAVITY * math.cos(gamma) / pressure_area
+    alpha, thrust = _trim(aircraft.polar, lift, pressure_area)
+    engines = aircraft.thrust
+    if "thrust" in measured:
+        thrust = measured["thrust"]
+    elif engines is not None and all(name in measured for name in engines.engines):
+        air = measured.get(TOTAL_TEMPERATURE, total_temperature(density, airspeed))
+        speeds = {name: np.array([measured[name]]) for name in engines.engines}
+        thrust = float(table_thrust(engines, speeds, air)[0])
+    flutter = aircraft.flutter
+    return Condition(
+        airspeed_m_s=airspeed,
+        density_kg_m3=density,
+        fuel_fraction=fuel,
+        mass_kg=mass,
+        pitch_inertia_kg_m2=measured.get(
+            "pitch_inertia", _at(table.fuel, table.pitch_inertia_kg_m2, fuel)
+        ),
+        x_cg_m=measured.get("x_cg", _at(table.fuel, table.x_cg_m, fuel)),
+        z_cg_m=measured.get("z_cg", _at(table.fuel, table.z_cg_m, fuel)),
+        alpha_rad=measured.get("alpha", alpha),
+        gamma_rad=gamma,
+        thrust_n=thrust,
+        flutter_speed_m_s=None if flutter is None else _at(flutter.fuel, flutter.speed_m_s, fuel),
+    )
+
+
+def parked_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Condition:
+    """Fill in the mass properties of an aircraft that stands on the ground.
+
+    Parameters
+    ----------
+    aircraft, measured
+        As for ``complete_condition``; the airspeed is zero.
+
+    Raises
+    ------
+    BadInput
+        If it moves, or a value is impossible.
+    """
+    if measured["airspeed"] != 0.0:
+        raise BadInput(
+            f"A record on the ground has airspeed 0, not {measured['airspeed']:g} m/s.",
+            code="bad-condition",
+        )
+    still = {"alpha": 0.0, "thrust": 0.0}  # at any airspeed: no trim is asked for
+    standing = complete_condition(aircraft, {**measured, **still, "airspeed": 1.0})
+    return replace(standing, airspeed_m_s=0.0)
+
+
+def airspeed_ratio(condition: Condition) -> float | None:
+    """Airspeed over predicted flutter speed, None where no flutter speed is known."""
+    if condition.flutter_speed_m_s is None:
+        return None
+    return condition.airspeed_m_s / condition.flutter_speed_m_s
+
+
+def _trim(polar: DragPolar | None, lift: float, pressure_area: float) -> tuple[float, float]:
+    if polar is None:
+        return 0.0, 0.0
+    drag = polar.cd_min + lift**2 / (math.pi * polar.oswald * polar.aspect_ratio)
+    return lift / polar.lift_slope, pressure_area * drag
+
+
+def _at(fuel: tuple[float, ...], values: tuple[float, ...], fraction: float) -> float:
+    return float(np.interp(fraction, fuel, values))

@@ -1,0 +1,1 @@
+"""Comparison of derivatives between runs and with predictions."""

@@ -1,0 +1,1 @@
+"""Excitation designs: multisines, predicted accuracy, amplitudes, pre-flight simulation."""

@@ -1,0 +1,1 @@
+"""Flutter predictions from identified models, flutter summaries, and closed-loop stability."""

@@ -1,0 +1,241 @@
+"""Uploads: files read once, looked at, described, and then imported.
+
+An upload is a folder with the samples of its files and a state, so that the page can be
+loaded again and a server that was stopped says what became of it.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import re
+import secrets
+import shutil
+import threading
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass, replace
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+from flexsid.errors import Cancelled, Conflict, FlexsidError, UnknownRecord
+from flexsid.importers import confined
+from flexsid.importers.mapping import parse_mapping
+from flexsid.importers.source import Sources
+from flexsid.storage.files import close_folder, sync
+from flexsid.storage.store import Store
+from flexsid.workflow.importing.flight_import import BringAlong, Imported, keep_upload
+from flexsid.workflow.importing.parsed_files import explain
+from flexsid.workflow.importing.unconfirmed_values import refuse_guesses
+
+_log = logging.getLogger(__name__)
+
+KEPT_DAYS = 7
+_STATE = "state.json"
+_NAME = re.compile(r"u[0-9a-f]{16}")
+
+
+class UploadState(StrEnum):
+    """How far an upload has come."""
+
+    READ = "read"
+    IMPORTING = "importing"
+    IMPORTED = "imported"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Upload:
+    """An upload and what became of it; ``progress`` is the fraction that is written."""
+
+    id: str
+    state: UploadState = UploadState.READ
+    progress: float | None = None
+    code: str | None = None
+    message: str | None = None
+    maneuver_id: int | None = None
+    flight_id: int | None = None
+    n_channels: int | None = None
+
+
+class Uploads:
+    """The uploads of one server, and the thread that imports them one after the other."""
+
+    def __init__(self, store: Store, folder: Path, bring_along: BringAlong | None = None) -> None:
+        self._store = store
+        self._folder = folder
+        self._bring_along = bring_along
+        self._lock = threading.Lock()
+        self._progress: dict[str, float] = {}
+        self._cancelled: set[str] = set()
+        self._worker = ThreadPoolExecutor(1, thread_name_prefix="import")
+
+    def start(self) -> None:
+        """Say of imports that a stopped server left that they were interrupted; forget old ones."""
+        for path in self._folder.glob(f"*/{_STATE}"):
+            upload = _load(path)
+            if upload.state is UploadState.IMPORTING:
+                message = (
+                    "The server was stopped during this import; what was not finished was not "
+                    "stored. Import again: what is there already is refused, never doubled."
+                )
+                failed = replace(
+                    upload, state=UploadState.FAILED, code="interrupted", message=message
+                )
+                self._save(failed)
+        self._forget_old()
+
+    def stop(self) -> None:
+        """Cancel what is imported; its transaction is undone."""
+        with self._lock:
+            self._cancelled.update(self._progress)
+        self._worker.shutdown(wait=True, cancel_futures=True)
+
+    def read(self, files: Sequence[Path], names: Sequence[str]) -> Upload:
+        """Read files into a new upload; those of long ago are forgotten meanwhile."""
+        self._forget_old()
+        upload = Upload(id=f"u{secrets.token_hex(8)}")
+        folder = self._folder / upload.id
+        close_folder(self._folder)
+        folder.mkdir(mode=0o700)
+        try:
+            confined.decode(files, names, folder)
+        except BaseException:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+        self._save(upload)
+        return upload
+
+    def get(self, identity: str) -> Upload:
+        """Return an upload with its present progress."""
+        upload = _load(self._at(identity) / _STATE)
+        if upload.state is UploadState.IMPORTING:
+            return replace(upload, progress=self._progress.get(identity, 0.0))
+        return upload
+
+    def under_way(self) -> list[Upload]:
+        """What is being imported, or waits for it."""
+        with self._lock:
+            waiting = list(self._progress)
+        return [upload for upload in map(self.get, waiting) if upload.progress is not None]
+
+    def sources(self, identity: str) -> Sources:
+        """Return what the files hold."""
+        return confined.load(self._at(identity))
+
+    def import_later(
+        self,
+        identity: str,
+        text: str,
+        aircraft_id: int | None = None,
+        *,
+        confirmed: bool = False,
+    ) -> Upload:
+        """Begin to import an upload through a mapping.
+
+        Raises
+        ------
+        BadInput
+            If the mapping is not what it must be, or something in it is guessed that nobody
+            ``confirmed``.
+        Conflict
+            If the upload is being imported.
+        """
+        mapping = parse_mapping(text)
+        if mapping.guessed and not confirmed:
+            refuse_guesses(self._store, explain(self.sources(identity), mapping))
+        with self._lock:
+            upload = self.get(identity)
+            if upload.state is UploadState.IMPORTING:
+                raise Conflict("These files are being imported already.", code="importing")
+            begun = Upload(id=identity, state=UploadState.IMPORTING)
+            self._save(begun)
+            self._progress[identity] = 0.0
+            self._cancelled.discard(identity)
+        self._worker.submit(self._import, identity, text, aircraft_id, confirmed)
+        return replace(begun, progress=0.0)
+
+    def forget(self, identity: str) -> None:
+        """Cancel the import of an upload, or forget its files."""
+        folder = self._at(identity)
+        with self._lock:
+            if identity in self._progress:
+                self._cancelled.add(identity)
+                return
+        shutil.rmtree(folder, ignore_errors=True)
+
+    def _forget_old(self) -> None:
+        for path in self._folder.glob(f"*/{_STATE}"):
+            busy = path.parent.name in self._progress
+            if not busy and time.time() - path.stat().st_mtime > KEPT_DAYS * 86400:
+                shutil.rmtree(path.parent, ignore_errors=True)
+
+    def _import(self, identity: str, text: str, aircraft_id: int | None, confirmed: bool) -> None:
+        def report(fraction: float) -> None:
+            self._progress[identity] = fraction
+            if identity in self._cancelled:
+                raise Cancelled("The import was cancelled; nothing of it was stored.")
+
+        try:
+            report(0.0)
+            upload = explain(self.sources(identity), parse_mapping(text))
+            imported = keep_upload(
+                self._store,
+                upload,
+                aircraft_id,
+                report,
+                self._bring_along,
+                confirmed=confirmed,
+            )
+            ended = _ended(identity, imported)
+        except FlexsidError as error:
+            ended = Upload(
+                id=identity, state=UploadState.FAILED, code=error.code, message=error.message
+            )
+        except Exception as error:  # what nobody foresaw must still end the import in words
+            _log.exception("the import of %s failed", identity)
+            ended = Upload(
+                id=identity,
+                state=UploadState.FAILED,
+                code="internal-error",
+                message=f"The import failed ({type(error).__name__}); nothing was stored.",
+            )
+        with self._lock:
+            self._save(ended)
+            self._progress.pop(identity, None)
+            self._cancelled.discard(identity)
+
+    def _at(self, identity: str) -> Path:
+        folder = self._folder / identity
+        if _NAME.fullmatch(identity) is None or not (folder / _STATE).is_file():
+            raise UnknownRecord(
+                f"There is no upload '{identity[:40]}'; uploads are kept {KEPT_DAYS} days."
+            )
+        return folder
+
+    def _save(self, upload: Upload) -> None:
+        path = self._folder / upload.id / _STATE
+        new = path.with_suffix(".new")
+        new.write_text(json.dumps(asdict(upload)), encoding="utf-8")
+        sync(new)
+        new.replace(path)
+
+
+def _load(path: Path) -> Upload:
+    values: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    values["state"] = UploadState(values["state"])
+    return Upload(**values)
+
+
+def _ended(identity: str, imported: Imported) -> Upload:
+    maneuver, flight = imported.maneuver, imported.flight
+    return Upload(
+        id=identity,
+        state=UploadState.IMPORTED,
+        progress=1.0,
+        maneuver_id=None if maneuver is None else maneuver.id,
+        flight_id=None if flight is None else flight.id,
+        n_channels=len(imported.flight_channels) or None,
+    )

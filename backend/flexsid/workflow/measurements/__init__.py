@@ -1,0 +1,1 @@
+"""Recorded samples of a maneuver to conditioned time histories and spectra in SI."""

@@ -1,0 +1,1 @@
+"""Modal data: tables of modes over fuel, their corrections, ground vibration tests."""

@@ -1,0 +1,141 @@
+"""Keep structures that were read from files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.importers.modal_data import RawStructure
+from flexsid.records.aircraft import Aircraft, SensorKind
+from flexsid.records.modal_table import ModalTable
+from flexsid.storage.store import Store
+from flexsid.sysid.modes.naming import ModeName, name_modes
+from flexsid.sysid.modes.thinning import neighbour_lines, spread_nodes
+from flexsid.sysid.modes.tracking import track
+
+SHOWN = 700
+"""Nodes that are drawn, and that modes are followed by."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Points:
+    """Sensor points and the rows of the nodes that stand for them."""
+
+    names: tuple[str, ...]
+    rows: list[int]
+    notes: list[str]
+
+
+def keep_structure(
+    store: Store,
+    aircraft: Aircraft,
+    raw: RawStructure,
+    named: tuple[ModeName, ...] | None = None,
+) -> ModalTable:
+    """Follow, name and store the modes of a structure, as a further version of its name.
+
+    Parameters
+    ----------
+    store, aircraft, raw
+        What to keep, and where.
+    named
+        Names that are known from elsewhere; by default the rule finds them.
+
+    Raises
+    ------
+    BadInput
+        If a sensor point is given a node that has no shape.
+    """
+    assert aircraft.id is not None
+    shown = spread_nodes(raw.nodes, SHOWN)
+    n_fuel, n_modes, n_nodes, _ = raw.shape.shape
+    seen = np.asarray(raw.shape[:, :, shown, :3], dtype=float).reshape(n_fuel, n_modes, -1)
+    tracking = track(seen, raw.omega)
+    first = np.asarray(raw.shape[0], dtype=float)
+    if named is None:
+        named = name_modes(raw.nodes, first[..., :3], first[..., 3:])
+    points = _points(aircraft, raw)
+    lines = raw.lines
+    if lines.size and shown.size < n_nodes:
+        lines = np.empty((0, 2), dtype=np.int32)  # most would end at nodes that are not shown
+    shown_lines = lines if lines.size else neighbour_lines(raw.nodes[shown]).astype(np.int32)
+    arrays: dict[str, np.ndarray] = {
+        "omega": raw.omega,
+        "nodes": raw.nodes,
+        "node_ids": raw.node_ids,
+        "lines": raw.lines,
+        "shown": shown.astype(np.int32),
+        "shown_lines": shown_lines,
+        "order": tracking.order.astype(np.int32),
+        "sign": tracking.sign,
+        "assurance": tracking.assurance,
+        "mixed": tracking.mixed,
+    }
+    if points.names:
+        arrays["shape"] = np.asarray(raw.shape[:, :, points.rows], dtype=float)
+    if raw.zeta is not None:
+        arrays["zeta"] = raw.zeta
+    if raw.mass is not None:
+        arrays["mass"] = raw.mass
+    with store.transaction():
+        versions = store.modal_tables.find(aircraft_id=aircraft.id, name=raw.name)
+        table = store.modal_tables.add(
+            ModalTable(
+                aircraft_id=aircraft.id,
+                name=raw.name,
+                kind=raw.kind,
+                fuel=tuple(map(float, raw.fuel)),
+                numbers=raw.numbers,
+                names=tuple(mode.name for mode in named),
+                symmetric=tuple(mode.symmetric is not False for mode in named),
+                points=points.names,
+                arrays={name: store.arrays.put(array) for name, array in arrays.items()},
+                origin=raw.origin,
+                version=1 + max((table.version for table in versions), default=0),
+                reasons=tuple(mode.reason for mode in named),
+                notes=(*raw.notes, *points.notes),
+            )
+        )
+        assert table.id is not None
+        store.modal_shapes.put(table.id, raw.shape)
+    return table
+
+
+def _points(aircraft: Aircraft, raw: RawStructure) -> _Points:
+    """Find the node of each sensor point: the one named, else the nearest."""
+    row_of = {int(node): row for row, node in enumerate(raw.node_ids)}
+    names: list[str] = []
+    rows: list[int] = []
+    notes: list[str] = []
+    span = float(np.linalg.norm(np.ptp(raw.nodes, axis=0)))
+    for sensor in aircraft.sensors:
+        if sensor.kind is SensorKind.STRAIN or sensor.point in names:
+            continue
+        place = np.asarray(sensor.location_m, dtype=float)
+        if sensor.point in raw.points:
+            node = raw.points[sensor.point]
+            if node not in row_of:
+                raise BadInput(
+                    f"sensor point '{sensor.point}' is given node {node}, which has no shape",
+                    code="missing-node",
+                    node=node,
+                )
+            row = row_of[node]
+        else:
+            distance = np.linalg.norm(raw.nodes - place, axis=1)
+            row = int(np.argmin(distance))
+            if distance[row] > 0.02 * span:
+                notes.append(
+                    f"Sensor point {sensor.point} is {distance[row]:.3g} m from node "
+                    f"{int(raw.node_ids[row])}, the nearest; name another where that is wrong."
+                )
+        names.append(sensor.point)
+        rows.append(row)
+    unknown = set(raw.points) - {sensor.point for sensor in aircraft.sensors}
+    if unknown:
+        raise BadInput(
+            f"the aircraft has no sensor point '{sorted(unknown)[0]}'", code="unknown-point"
+        )
+    return _Points(tuple(names), rows, notes)

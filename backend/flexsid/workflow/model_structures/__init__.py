@@ -1,0 +1,1 @@
+"""Saved model structures by version, approved baselines, and stored run results."""

@@ -1,0 +1,1 @@
+"""Data quality of maneuvers and campaigns, and ground records."""

@@ -1,0 +1,1 @@
+"""Review of model structures: proposals, votes, evidence, audit trail."""

@@ -1,0 +1,217 @@
+"""Check a database: whether all that it holds is what was stored, and hangs together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import sqlalchemy as sa
+
+from flexsid.errors import FlexsidError
+from flexsid.records.decision import Decision, DecisionState
+from flexsid.records.run import RunState
+from flexsid.storage import tables
+from flexsid.storage.array_owners import owners_of
+from flexsid.storage.arrays import content_hash
+from flexsid.storage.database import Database
+from flexsid.storage.run_results import SEALED, is_altered
+from flexsid.storage.store import Store
+from flexsid.workflow.review.audit import replay
+from flexsid.workflow.review.clock import find_clock_error
+from flexsid.workflow.review.evidence import GONE, chain_is_whole, data_of
+
+_AT_ONCE = 20  # arrays read at once; one of a flight may weigh tens of megabytes
+_REPAIR = "restore a backup from before"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """Something that is not as it should be: a stable code, and what to do about it.
+
+    ``is_damage`` is False for what is noted only.
+    """
+
+    code: str
+    record: str
+    text: str
+    is_damage: bool = True
+
+
+def check_database(store: Store) -> list[Finding]:
+    """Look for damage: pages, references, samples, results, decisions, and the clock."""
+    return [
+        *_pages(store.database),
+        *_references(store.database),
+        *_arrays(store.database),
+        *_results(store.database),
+        *_decisions(store),
+        *_clock(store),
+    ]
+
+
+def _pages(database: Database) -> Iterator[Finding]:
+    with database.reading() as connection:
+        if connection.dialect.name == "sqlite":
+            found = connection.exec_driver_sql("PRAGMA integrity_check(20)").scalars().all()
+            for text in (one for one in found if one != "ok"):
+                yield Finding(
+                    code="damaged-page",
+                    record="database",
+                    text=f"The database file is damaged: {text}. Stop the server and {_REPAIR}.",
+                )
+            return
+        checksums = connection.exec_driver_sql("SHOW data_checksums").scalar()
+        loose = connection.exec_driver_sql(
+            "SELECT conname FROM pg_constraint WHERE contype = 'f' AND NOT convalidated"
+        )
+        for name in loose.scalars():
+            yield Finding(
+                code="unchecked-reference",
+                record=name,
+                text=f"The foreign key {name} is not enforced for rows that were there before it;"
+                f" ALTER TABLE ... VALIDATE CONSTRAINT {name} checks them.",
+            )
+        if checksums != "on":
+            yield Finding(
+                code="no-checksums",
+                record="database",
+                text="This PostgreSQL keeps no checksums of its pages, so it notices no damaged"
+                " disk; pg_checksums --enable adds them while it is stopped.",
+                is_damage=False,
+            )
+
+
+def _references(database: Database) -> Iterator[Finding]:
+    """Compare every foreign key with what it refers to, whatever the database enforces."""
+    with database.reading() as connection:
+        for table in tables.metadata.sorted_tables:
+            for key in table.foreign_keys:
+                far = key.column.table.alias("far")
+                lost = ~sa.exists().where(far.c[key.column.name] == key.parent)
+                query = sa.select(sa.func.count(), sa.func.min(key.parent)).where(
+                    key.parent.is_not(None), lost
+                )
+                count, example = connection.execute(query).one()
+                if count:
+                    yield Finding(
+                        code="broken-reference",
+                        record=table.name,
+                        text=f"{count} rows of {table.name} refer by {key.parent.name} to rows of"
+                        f" {key.column.table.name} that are not there (the first: {example});"
+                        f" {_REPAIR}.",
+                    )
+
+
+def _arrays(database: Database) -> Iterator[Finding]:
+    arrays = tables.arrays.c
+    columns = (arrays.hash, arrays.dtype, arrays.shape, arrays.unit, arrays.data)
+    with database.reading() as connection:
+        owners = owners_of(connection)
+        names = list(connection.scalars(sa.select(arrays.hash).order_by(arrays.hash)))
+        for first in range(0, len(names), _AT_ONCE):
+            some = names[first : first + _AT_ONCE]
+            for row in connection.execute(sa.select(*columns).where(arrays.hash.in_(some))):
+                if content_hash(row.dtype, row.shape, row.unit, row.data) != row.hash:
+                    owner = owners.get(row.hash, "an array that no record names")
+                    yield Finding(
+                        code="damaged-data",
+                        record=owner,
+                        text=f"The samples of {owner} are not those that were stored (their hash"
+                        f" differs); nothing is computed with them. Import the file again, or"
+                        f" {_REPAIR}.",
+                    )
+        for name in sorted(owners.keys() - set(names)):
+            yield Finding(
+                code="missing-data",
+                record=owners[name],
+                text=f"The samples of {owners[name]} are gone; import the file again, or"
+                f" {_REPAIR}.",
+            )
+        orphans = set(names) - owners.keys()
+        if orphans:
+            yield Finding(
+                code="orphaned-data",
+                record="arrays",
+                text=f"{len(orphans)} arrays belong to no record; they take space and do no harm.",
+                is_damage=False,
+            )
+
+
+def _results(database: Database) -> Iterator[Finding]:
+    runs = tables.runs
+    columns = (runs.c[name] for name in ("id", "state", "result_hash", *SEALED))
+    with database.reading() as connection:
+        for row in connection.execute(sa.select(*columns).order_by(runs.c.id)).mappings():
+            number = row["id"]
+            if is_altered({name: row[name] for name in ("result_hash", *SEALED)}):
+                yield Finding(
+                    code="result-altered",
+                    record=f"run {number}",
+                    text=f"The result of run {number}, or what was asked for, was altered after it"
+                    f" finished; estimate again, or {_REPAIR}.",
+                )
+            elif row["state"] == RunState.SUCCEEDED.value and row["result_hash"] is None:
+                yield Finding(
+                    code="result-not-sealed",
+                    record=f"run {number}",
+                    text=f"Run {number} has succeeded, but no hash of a result is kept;"
+                    " estimate again.",
+                )
+
+
+def _decisions(store: Store) -> Iterator[Finding]:
+    for decision in store.decisions.find():
+        name = f"decision {decision.id}"
+        events = store.decision_events.find(decision_id=decision.id)
+        if not events or not chain_is_whole(events) or replay(decision, events) != decision:
+            yield Finding(
+                code="broken-chain",
+                record=name,
+                text=f"The record of {name} was changed: its events and their hashes do not fit"
+                f" together, or do not lead to where it stands; {_REPAIR}.",
+            )
+            continue
+        if decision.superseded_by == decision.id:
+            yield Finding(
+                code="superseded-by-itself",
+                record=name,
+                text=f"{name.capitalize()} was superseded by itself, when the clock had been set"
+                " back: it is in force no more, though it was approved last. Propose and approve"
+                " it again.",
+            )
+        yield from _evidence(store, decision, events[-1].data)
+
+
+def _evidence(store: Store, decision: Decision, then: dict[str, str]) -> Iterator[Finding]:
+    """Compare what a decision rests on with what it was at the last event."""
+    name = f"decision {decision.id}"
+    try:
+        now = data_of(store, decision.proposal)
+    except FlexsidError as error:
+        yield Finding(
+            code="evidence-gone",
+            record=name,
+            text=f"What {name} rests on cannot be read: {error.message}; {_REPAIR}.",
+        )
+        return
+    for what, content in then.items():
+        if now.get(what) == content:
+            continue
+        gone = now.get(what, GONE) == GONE
+        yield Finding(
+            code="evidence-gone" if gone else "evidence-changed",
+            record=name,
+            text=f"{what.capitalize()}, on which {name} rests, "
+            + (
+                "was deleted since; restore it."
+                if gone
+                else "was changed since; look whether the decision still holds."
+            ),
+            is_damage=gone and decision.state is DecisionState.APPROVED,
+        )
+
+
+def _clock(store: Store) -> Iterator[Finding]:
+    text = find_clock_error(store)
+    if text is not None:
+        yield Finding(code="clock-behind", record="clock", text=text, is_damage=False)

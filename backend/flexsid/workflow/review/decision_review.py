@@ -1,0 +1,343 @@
+"""Review: what may happen to a decision, and where it stands after each event.
+
+A decision is the sum of its events. Every change goes through ``append``, which
+writes the event and the state that follows from it in one transaction.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+from datetime import UTC, datetime
+
+from flexsid.errors import BadInput, Conflict
+from flexsid.records.decision import (
+    Decision,
+    DecisionEvent,
+    DecisionState,
+    EventKind,
+    ReviewRules,
+    StructureProposal,
+    Vote,
+)
+from flexsid.storage.store import Store
+from flexsid.sysid.model.derivatives import derivative_names
+from flexsid.workflow.model_structures.baselines import list_approved
+from flexsid.workflow.model_structures.condition_ranges import covered, overlap
+from flexsid.workflow.model_structures.model_structures import StaleEdit, get_version
+from flexsid.workflow.review.clock import find_clock_error
+from flexsid.workflow.review.evidence import data_of, hash_of, seal, software
+from flexsid.workflow.review.proposals import check_proposal
+
+_log = logging.getLogger(__name__)
+
+OPEN = (DecisionState.OPEN, DecisionState.CHANGES_REQUESTED)
+
+
+class OwnProposal(Conflict):
+    """The rules of the campaign let nobody judge what they proposed."""
+
+    code = "own-proposal"
+
+
+def rules_of(store: Store, aircraft_id: int) -> ReviewRules:
+    """Return the rules of a campaign: one approval, and not by who proposed, unless changed."""
+    store.aircraft.get(aircraft_id)
+    found = store.review_rules.find(aircraft_id=aircraft_id)
+    return found[-1] if found else ReviewRules(aircraft_id=aircraft_id)
+
+
+def change_rules(store: Store, wanted: ReviewRules) -> ReviewRules:
+    """Keep other rules in front of those of ``wanted.version``; all of them stay readable.
+
+    Raises
+    ------
+    StaleEdit
+        If somebody has changed them since.
+    """
+    with store.transaction():
+        store.aircraft.get(wanted.aircraft_id)
+        current = rules_of(store, wanted.aircraft_id)
+        if current.version != wanted.version:
+            raise StaleEdit(
+                f"{current.author} has changed the rules to version {current.version} since; look "
+                "at them and save again on top",
+                current=current,
+                sent=wanted,
+            )
+        return store.review_rules.add(replace(wanted, version=wanted.version + 1))
+
+
+def propose(store: Store, proposal: StructureProposal, author: str) -> Decision:
+    """Open a decision.
+
+    Raises
+    ------
+    BadInput
+        If the proposal does not hold together; see ``check_proposal``.
+    """
+    with store.transaction():
+        aircraft_id, axis = check_proposal(store, proposal)
+        decision = store.decisions.add(
+            Decision(
+                aircraft_id=aircraft_id,
+                axis=axis,
+                proposal=proposal,
+                state=DecisionState.OPEN,
+                revision=1,
+                authors=(author,),
+                version=0,
+            )
+        )
+        return append(
+            store, decision, EventKind.PROPOSED, author, proposal.reasoning, proposal=proposal
+        )
+
+
+def revise(
+    store: Store, decision_id: int, revision: int, proposal: StructureProposal, author: str
+) -> Decision:
+    """Put another proposal in the place of one; votes begin anew.
+
+    Raises
+    ------
+    StaleEdit
+        If ``revision`` is not the newest any more.
+    """
+    with store.transaction():
+        decision = _open(store, decision_id, revision, proposal)
+        aircraft_id, axis = check_proposal(store, proposal)
+        if (aircraft_id, axis) != (decision.aircraft_id, decision.axis):
+            raise BadInput(
+                "a decision stays with its aircraft and axis; propose another one for these",
+                code="wrong-aircraft",
+            )
+        return append(
+            store, decision, EventKind.REVISED, author, proposal.reasoning, proposal=proposal
+        )
+
+
+def comment(
+    store: Store, decision_id: int, text: str, author: str, derivative: str | None = None
+) -> Decision:
+    """Say something of a decision as a whole, or of one derivative, whatever its state."""
+    with store.transaction():
+        decision = store.decisions.get(decision_id)
+        if derivative is not None:
+            _check_derivative(store, decision, derivative)
+        return append(store, decision, EventKind.COMMENTED, author, text, derivative=derivative)
+
+
+def cast_vote(
+    store: Store, decision_id: int, revision: int, vote: Vote, text: str, author: str
+) -> Decision:
+    """Approve, reject or ask for changes; where the quorum is reached, the decision is made.
+
+    Raises
+    ------
+    OwnProposal
+        If the rules forbid to judge what one has proposed.
+    StaleEdit
+        If the proposal was revised since it was read.
+    """
+    with store.transaction():
+        decision = _open(store, decision_id, revision)
+        rules = rules_of(store, decision.aircraft_id)
+        if not rules.own_allowed and author.casefold() in _folded(decision.authors):
+            raise OwnProposal(
+                f"{author} has proposed this, and the rules of the campaign let nobody judge their "
+                "own proposal; ask a colleague, or revise or withdraw it"
+            )
+        decision = append(store, decision, EventKind.VOTED, author, text, vote=vote, rules=rules)
+        verdict = verdict_of(decision, rules)
+        if verdict is None:
+            return decision
+        names = ", ".join(decision.votes)
+        said = f"by {names}; quorum {rules.quorum}"
+        decided = append(store, decision, verdict, author, said, rules=rules)
+        if verdict is EventKind.ADOPTED:
+            _take_over(store, decided, author)
+        return decided
+
+
+def withdraw(store: Store, decision_id: int, revision: int, text: str, author: str) -> Decision:
+    """Take a proposal back, which only those can who made it."""
+    with store.transaction():
+        decision = _open(store, decision_id, revision)
+        if author.casefold() not in _folded(decision.authors):
+            raise Conflict(
+                f"only {', '.join(decision.authors)} can withdraw this; reject it instead",
+                code="not-your-proposal",
+            )
+        return append(store, decision, EventKind.WITHDRAWN, author, text)
+
+
+def verdict_of(decision: Decision, rules: ReviewRules) -> EventKind | None:
+    """Tell whether the standing votes decide.
+
+    As many as the quorum must approve, and nobody may stand against it; as many as
+    the quorum can reject.
+    """
+    votes = list(decision.votes.values())
+    if votes.count(Vote.REJECT) >= rules.quorum:
+        return EventKind.DECLINED
+    if votes.count(Vote.APPROVE) == len(votes) >= rules.quorum:
+        return EventKind.ADOPTED
+    return None
+
+
+def append(
+    store: Store,
+    decision: Decision,
+    kind: EventKind,
+    author: str,
+    text: str,
+    *,
+    derivative: str | None = None,
+    vote: Vote | None = None,
+    proposal: StructureProposal | None = None,
+    rules: ReviewRules | None = None,
+    by_decision_id: int | None = None,
+) -> Decision:
+    """Write an event and where the decision stands after it."""
+    assert decision.id is not None
+    before = store.decision_events.find(decision_id=decision.id)
+    data = data_of(store, proposal or decision.proposal)
+    event = seal(
+        DecisionEvent(
+            decision_id=decision.id,
+            number=len(before) + 1,
+            kind=kind,
+            author=author,
+            text=text,
+            revision=decision.revision + (kind is EventKind.REVISED),
+            derivative=derivative,
+            vote=vote,
+            proposal=proposal,
+            rules=rules,
+            by_decision_id=by_decision_id,
+            data=data,
+            data_hash=hash_of(data),
+            software=software(),
+            previous_hash=before[-1].hash if before else "",
+            created_at=datetime.now(UTC),
+        )
+    )
+    late = find_clock_error(store)
+    if late is not None:
+        _log.warning(late)
+    store.decision_events.add(event)
+    after = after_event(decision, event)
+    if not store.decisions.advance(after):
+        raise StaleEdit(f"decision {decision.id} has changed meanwhile; look again")
+    return after
+
+
+def after_event(decision: Decision, event: DecisionEvent) -> Decision:
+    """Tell where a decision stands after one more event."""
+    moved = replace(decision, version=event.number, changed_at=event.created_at)
+    match event.kind:
+        case EventKind.PROPOSED | EventKind.REVISED:
+            assert event.proposal is not None
+            known = event.author.casefold() in _folded(decision.authors)
+            return replace(
+                moved,
+                proposal=event.proposal,
+                revision=event.revision,
+                state=DecisionState.OPEN,
+                votes={},
+                authors=decision.authors if known else (*decision.authors, event.author),
+            )
+        case EventKind.VOTED:
+            assert event.vote is not None
+            votes = {
+                name: vote
+                for name, vote in decision.votes.items()
+                if name.casefold() != event.author.casefold()
+            } | {event.author: event.vote}
+            asked = Vote.REQUEST_CHANGES in votes.values()
+            state = DecisionState.CHANGES_REQUESTED if asked else DecisionState.OPEN
+            return replace(moved, votes=votes, state=state)
+        case EventKind.ADOPTED:
+            return replace(moved, state=DecisionState.APPROVED, adopted_at=event.created_at)
+        case EventKind.DECLINED:
+            return replace(moved, state=DecisionState.REJECTED)
+        case EventKind.WITHDRAWN:
+            return replace(moved, state=DecisionState.WITHDRAWN)
+        case EventKind.SUPERSEDED:
+            return replace(
+                moved, state=DecisionState.SUPERSEDED, superseded_by=event.by_decision_id
+            )
+        case EventKind.COMMENTED | EventKind.NARROWED:
+            return moved
+
+
+def _take_over(store: Store, decided: Decision, author: str) -> None:
+    """Note on earlier baselines of the same axis which of them give way, wholly or in part."""
+    baselines = [
+        one for one in list_approved(store, decided.aircraft_id) if one.axis == decided.axis
+    ]
+    # The rules were read with the aircraft held, so this one was adopted after all others.
+    assert baselines[0].id == decided.id
+    for place, earlier in enumerate(baselines[1:], start=1):
+        if not overlap(earlier.proposal.limits, decided.proposal.limits):
+            continue
+        later = [one.proposal.limits for one in baselines[:place]]
+        whole = covered(earlier.proposal.limits, later)
+        append(
+            store,
+            store.decisions.get(_id(earlier)),
+            EventKind.SUPERSEDED if whole else EventKind.NARROWED,
+            author,
+            f"by decision {decided.id}, '{decided.proposal.title}'",
+            by_decision_id=decided.id,
+        )
+
+
+def _id(decision: Decision) -> int:
+    assert decision.id is not None
+    return decision.id
+
+
+def _open(
+    store: Store, decision_id: int, revision: int, sent: StructureProposal | None = None
+) -> Decision:
+    decision = store.decisions.get(decision_id)
+    if decision.state not in OPEN:
+        raise Conflict(
+            f"decision {decision_id} is {decision.state.value}; it can be commented on, and "
+            "another one proposed",
+            code="decision-closed",
+            state=decision.state.value,
+        )
+    if revision == decision.revision:
+        return decision
+    events = store.decision_events.find(decision_id=decision_id)
+    proposals = {e.revision: e.proposal for e in events if e.proposal is not None}
+    if revision not in proposals:
+        raise Conflict(f"decision {decision_id} has no revision {revision}", code="unknown-version")
+    raise StaleEdit(
+        f"you read revision {revision} of '{decision.proposal.title}', but "
+        f"{decision.authors[-1]} has made revision {decision.revision}; look at both first",
+        base=proposals[revision],
+        current=decision.proposal,
+        sent=sent,
+        revision=decision.revision,
+    )
+
+
+def _check_derivative(store: Store, decision: Decision, name: str) -> None:
+    reference = decision.proposal.structure
+    structure = get_version(store, reference.id, reference.version).structure
+    surfaces = tuple(s.name for s in store.aircraft.get(decision.aircraft_id).surfaces)
+    known = derivative_names(structure.modes, structure.inputs or surfaces)
+    if name not in known:
+        raise BadInput(
+            f"'{name}' is not a derivative of the structure that is proposed",
+            code="unknown-derivative",
+            name=name,
+        )
+
+
+def _folded(names: tuple[str, ...]) -> set[str]:
+    return {name.casefold() for name in names}

@@ -1,0 +1,181 @@
+"""Notifications: what waits for an analyst, and what changed since they looked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+from flexsid.records.decision import Decision, DecisionState, EventKind, Look
+from flexsid.records.model_structure import StructureVersion
+from flexsid.storage.store import Store
+from flexsid.workflow.review.decision_review import OPEN, rules_of
+
+_MOST = 100
+_LONG_AGO = datetime.min.replace(tzinfo=UTC)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Waiting:
+    """A decision that cannot go on without this analyst; ``what`` is review or revise."""
+
+    decision_id: int
+    title: str
+    what: str
+    revision: int
+    since: datetime | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """Something that somebody else did; ``subject`` is a decision or a model structure."""
+
+    subject: str
+    id: int
+    title: str
+    what: str
+    author: str
+    text: str
+    number: int
+    at: datetime | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Notifications:
+    """What waits, and the newest changes (at most 100), newest first."""
+
+    waiting: list[Waiting]
+    changes: list[Change]
+
+
+def notifications(store: Store, analyst: str) -> Notifications:
+    """Gather what an analyst has to know."""
+    seen = {look.subject: look.seen for look in store.looks.find(analyst=analyst.casefold())}
+    decisions = store.decisions.find()
+    waiting = [found for one in decisions if (found := _waits(store, one, analyst)) is not None]
+    changes = _newest_first(
+        _decision_changes(store, decisions, analyst, seen), _structure_changes(store, analyst, seen)
+    )
+    return Notifications(waiting=waiting, changes=changes[:_MOST])
+
+
+def _newest_first(*kinds: list[tuple[int, Change]]) -> list[Change]:
+    """Merge changes of several kinds, each in the order in which it was written.
+
+    Times only tell which kind comes first: a clock may have been set back, so each change
+    counts as no earlier than those written before it.
+    """
+    placed: list[tuple[datetime, int, Change]] = []
+    for changes in kinds:
+        latest = _LONG_AGO
+        for number, change in sorted(changes, key=lambda one: one[0]):
+            latest = max(latest, change.at or latest)
+            placed.append((latest, number, change))
+    placed.sort(key=lambda one: one[:2], reverse=True)
+    return [change for _, _, change in placed]
+
+
+def mark_seen(store: Store, analyst: str, subject: str, number: int) -> None:
+    """Note up to which event of a subject an analyst has looked; never goes back."""
+    key = analyst.casefold()
+    with store.transaction():
+        found = store.looks.find(analyst=key, subject=subject)
+        if not found:
+            store.looks.add(Look(analyst=key, subject=subject, seen=number))
+            return
+        look = found[0]
+        if number > look.seen:
+            assert look.id is not None
+            store.looks.replace(Look(analyst=key, subject=subject, seen=number, id=look.id))
+
+
+def mark_all_seen(store: Store, analyst: str) -> None:
+    """Note that an analyst has seen everything there is now."""
+    with store.transaction():
+        for decision in store.decisions.find():
+            mark_seen(store, analyst, f"decision {decision.id}", decision.version)
+        for structure in store.model_structures.find():
+            mark_seen(store, analyst, f"structure {structure.id}", structure.version)
+
+
+def _waits(store: Store, decision: Decision, analyst: str) -> Waiting | None:
+    if decision.state not in OPEN:
+        return None
+    me = analyst.casefold()
+    own = me in {name.casefold() for name in decision.authors}
+    voted = me in {name.casefold() for name in decision.votes}
+    if own and decision.state is DecisionState.CHANGES_REQUESTED:
+        what = "revise"
+    elif voted or (own and not rules_of(store, decision.aircraft_id).own_allowed):
+        return None
+    else:
+        what = "review"
+    assert decision.id is not None
+    return Waiting(
+        decision_id=decision.id,
+        title=decision.proposal.title,
+        what=what,
+        revision=decision.revision,
+        since=decision.changed_at,
+    )
+
+
+def _decision_changes(
+    store: Store, decisions: list[Decision], analyst: str, seen: dict[str, int]
+) -> list[tuple[int, Change]]:
+    changes: list[tuple[int, Change]] = []
+    for decision in decisions:
+        assert decision.id is not None
+        last = seen.get(f"decision {decision.id}", 0)
+        if decision.version <= last:
+            continue
+        changes += [
+            (
+                event.id or 0,
+                Change(
+                    subject="decision",
+                    id=decision.id,
+                    title=decision.proposal.title,
+                    what=event.vote.value if event.vote is not None else event.kind.value,
+                    author=event.author,
+                    text=event.text if event.kind is not EventKind.PROPOSED else "",
+                    number=event.number,
+                    at=event.created_at,
+                ),
+            )
+            for event in store.decision_events.find(decision_id=decision.id)
+            if event.number > last and event.author.casefold() != analyst.casefold()
+        ]
+    return changes
+
+
+def _structure_changes(
+    store: Store, analyst: str, seen: dict[str, int]
+) -> list[tuple[int, Change]]:
+    """Versions of others on top of what this analyst has saved or looked at."""
+    me = analyst.casefold()
+    changes: list[tuple[int, Change]] = []
+    for structure in store.model_structures.find():
+        assert structure.id is not None
+        if structure.version == 1:
+            continue
+        versions: list[StructureVersion] = store.structure_versions.find(structure_id=structure.id)
+        own = max((one.version for one in versions if one.author.casefold() == me), default=0)
+        last = max(own, seen.get(f"structure {structure.id}", 0))
+        changes += [
+            (
+                one.id or 0,
+                Change(
+                    subject="structure",
+                    id=structure.id,
+                    title=one.name,
+                    what=f"version {one.version}",
+                    author=one.author,
+                    text=one.note,
+                    number=one.version,
+                    at=one.created_at,
+                ),
+            )
+            for one in versions
+            if one.version > last > 0
+        ]
+    return changes

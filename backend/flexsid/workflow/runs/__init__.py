@@ -1,0 +1,1 @@
+"""An estimation from request to result: proposal, start values, computation, warnings, export."""

@@ -1,0 +1,140 @@
+"""Starts: the tables that an iteration starts from, and the priors that hold it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.records.aircraft import Aircraft
+from flexsid.records.maneuver import Maneuver
+from flexsid.records.prediction import Prediction
+from flexsid.records.run import EstimationRun, RunSettings, Start
+from flexsid.storage.store import Store
+from flexsid.sysid.model.derivatives import DerivativeTable, derivative_names
+from flexsid.sysid.model.reduction import residualize
+from flexsid.workflow.aircraft.aircraft_models import flight_condition
+from flexsid.workflow.aircraft.derivative_predictions import predicted_modes, prediction_at
+from flexsid.workflow.modal_data.aligned_modes import AircraftModes
+from flexsid.workflow.model_structures.run_results import refuse_altered
+
+RESIDUALIZED = "residualized"  # of a starting table that other modes were folded into
+_SPREADS = (1e-100, 1e100)  # of priors: their squares are numbers, too
+
+
+def is_residualized(name: str) -> bool:
+    """Whether a starting table had other modes folded into it."""
+    return name.endswith(RESIDUALIZED)
+
+
+def starting_tables(
+    store: Store,
+    run: EstimationRun,
+    predicted: dict[str, DerivativeTable],
+    inputs: tuple[str, ...],
+) -> dict[str, DerivativeTable]:
+    """Starting tables of the kind asked for; held derivatives take their values from them too."""
+    start = run.settings.start
+    if start is Start.RUN:
+        name = f"run {run.settings.start_run_id}"
+        return {name: _of_run(store, run, run.structure.modes, inputs)}
+    residualized = {n: t for n, t in predicted.items() if is_residualized(n)}
+    if start is Start.RESIDUALIZED_PREDICTION:
+        return residualized
+    if start is Start.PREDICTION:
+        return {n: t for n, t in predicted.items() if not is_residualized(n)}
+    first = dict(list(predicted.items())[:1])  # the residualised one, where there is one
+    if start is Start.EQUATION_ERROR:
+        return first if run.structure.free is not None else {}
+    return first
+
+
+def _of_run(
+    store: Store, run: EstimationRun, wanted: tuple[int, ...], inputs: tuple[str, ...]
+) -> DerivativeTable:
+    number = run.settings.start_run_id
+    if number is None:
+        raise BadInput("to start from a run, name it in start_run_id", code="no-start")
+    other = store.runs.get(number)
+    refuse_altered(other)
+    if other.result is None:
+        raise BadInput(
+            f"run {number} is {other.state.value} and has no values to start from",
+            code="no-start",
+            run_id=number,
+        )
+    values = other.structure.fixed | other.result.held
+    values |= {p.name: p.value for p in other.result.parameters}
+    return DerivativeTable.from_names(wanted, inputs, values)
+
+
+def predicted_tables(
+    store: Store,
+    prediction: Prediction | None,
+    run: EstimationRun,
+    maneuver: Maneuver,
+    aircraft: Aircraft,
+    modes: AircraftModes,
+    inputs: tuple[str, ...],
+) -> dict[str, DerivativeTable]:
+    """The prediction residualised, where it covers the model, and as it is."""
+    wanted = run.structure.modes
+    if prediction is None:
+        return {}
+    fuel = maneuver.condition.fuel_fraction
+    values = {name: value for name, (value, _) in prediction_at(store, prediction, fuel).items()}
+    covered = predicted_modes(prediction, modes.table.numbers)
+    plain = DerivativeTable.from_names(wanted, inputs, values)
+    if not set(derivative_names(wanted, inputs)) <= set(values):
+        return {prediction.source: plain} if set(wanted) <= set(covered) else {}
+    full = DerivativeTable.from_names(covered, inputs, values)
+    condition = flight_condition(aircraft, maneuver.condition)
+    reduced = residualize(full, modes.table.at(fuel), condition, wanted)
+    return {f"{prediction.source}, {RESIDUALIZED}": reduced, prediction.source: plain}
+
+
+def priors_of(
+    predicted: dict[str, DerivativeTable], free: tuple[str, ...], settings: RunSettings
+) -> dict[str, tuple[float, float]]:
+    """Priors given by name, and by the prediction where a spread was asked for.
+
+    Raises
+    ------
+    BadInput
+        If one has no usable standard deviation.
+    """
+    priors = _priors_of(predicted, free, settings)
+    for name, (_, spread) in priors.items():
+        if not _SPREADS[0] < spread < _SPREADS[1]:
+            raise BadInput(
+                f"the prior of '{name}' has a standard deviation of {spread:g}; give one that "
+                "says how far the parameter may be off",
+                code="bad-prior",
+                name=name,
+            )
+    return priors
+
+
+def _priors_of(
+    predicted: dict[str, DerivativeTable], free: tuple[str, ...], settings: RunSettings
+) -> dict[str, tuple[float, float]]:
+    spread = settings.prior_spread
+    if spread is None:
+        return dict(settings.priors)
+    if not spread > 0.0:
+        raise BadInput(
+            f"a prior spread of {spread:g} is no share of a derivative; give one above zero",
+            code="bad-prior",
+        )
+    if not predicted:
+        raise BadInput(
+            "a prior spread needs a prediction that covers these modes and inputs; import one or "
+            "give priors by name",
+            code="no-prediction",
+        )
+    table = next(iter(predicted.values()))
+    typical = np.median(np.abs(table.values), axis=1, keepdims=True)  # of each coefficient
+    sizes = spread * np.maximum(np.abs(table.values), typical)
+    spreads = DerivativeTable(table.modes, table.inputs, sizes).named()
+    values = table.named()
+    of_prediction = {name: (values[name], spreads[name]) for name in free if name in values}
+    return of_prediction | dict(settings.priors)

@@ -1,0 +1,1 @@
+"""Model structure determination: a search from request to ranked candidates."""
