@@ -9,7 +9,7 @@ import pytest
 from fastapi.testclient import TestClient
 from tests.api.team import Act, propose, vote
 
-from flexsid.workflow.review import clock, notifications
+from flexsid.workflow.review import clock, decision_review, notifications
 
 HOUR = timedelta(hours=1)
 

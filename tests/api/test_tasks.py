@@ -10,7 +10,7 @@ from fastapi.testclient import TestClient
 from waiting import wait_until
 
 from flexsid.errors import BadInput, Conflict
-from flexsid.workflow.background_tasks import Report, Task, Tasks, TaskState
+from flexsid.workflow.background_tasks import Report, TaskProgress, Tasks, TaskState
 
 WISH = {
     "name": "interleaved",
@@ -25,7 +25,7 @@ WISH = {
 }
 
 
-def ended(tasks: Tasks, begun: Task) -> Task:
+def ended(tasks: Tasks, begun: TaskProgress) -> TaskProgress:
     under_way = (TaskState.WAITING, TaskState.RUNNING)
     wait_until(lambda: tasks.get(begun.id).state not in under_way, begun.id)
     return tasks.get(begun.id)

@@ -44,7 +44,7 @@ from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.stability.bands import Uncertain, bands_by_draws, root_bands
 from flexsid.sysid.stability.flutter import follow_roots
 from flexsid.sysid.stability.prediction import (
-    Identified,
+    IdentifiedModes,
     fuse_identified,
     predict_flutter,
     structure_spread,
@@ -57,7 +57,7 @@ from flexsid.sysid.stability.trackers import (
     flutter_margin,
 )
 from flexsid.workflow.aircraft.aircraft_models import build_model, default_outputs, define_outputs
-from flexsid.workflow.flutter.flutter_analysis import Others, Question
+from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, Others
 from flexsid.workflow.flutter.flutter_analysis import flutter as ask
 
 FUEL = 0.5
@@ -127,7 +127,7 @@ class Range:
         start: DerivativeTable,
         free: list[str] | None,
         noise: str = "diagonal",
-    ) -> tuple[Identified, Parameters, Estimate]:
+    ) -> tuple[IdentifiedModes, Parameters, Estimate]:
         """Output error with ``count`` modes."""
         modes = self.truth.modes_at(FUEL, count)
         model = build_model(self.aircraft, flight.condition, modes, INPUTS, self.outputs)
@@ -138,21 +138,21 @@ class Range:
         table = parameters.table(found.values)
         uncertain = Uncertain(parameters.rows, parameters.columns, found.corrected_covariance)
         return (
-            Identified(Aeroelastic(model.condition, modes, table), uncertain), parameters, found,
+            IdentifiedModes(Aeroelastic(model.condition, modes, table), uncertain), parameters, found,
         )  # fmt: skip
 
-    def with_predicted(self, flight: Flight, predicted: DerivativeTable) -> Identified:
+    def with_predicted(self, flight: Flight, predicted: DerivativeTable) -> IdentifiedModes:
         """Four modes estimated, the other four as predicted."""
         kept = derivative_names(predicted.modes[:KEPT], INPUTS)
         return self.fit(flight, ALL, predicted, list(kept))[0]
 
-    def alone(self, flight: Flight, predicted: DerivativeTable) -> Identified:
+    def alone(self, flight: Flight, predicted: DerivativeTable) -> IdentifiedModes:
         """Four modes, nothing else; a full noise density bears with those left out."""
         return self.bare(flight, predicted, "full")
 
     def bare(
         self, flight: Flight, predicted: DerivativeTable, noise: str = "diagonal"
-    ) -> Identified:
+    ) -> IdentifiedModes:
         """Four modes, nothing else."""
         condition = self.truth.condition_at(flight.condition.airspeed_m_s, FUEL)
         modes = self.truth.modes_at(FUEL, ALL)
@@ -165,7 +165,7 @@ class Range:
         wrong = values * (1.0 + PREDICTION_ERROR * rng.normal(size=values.shape))
         return DerivativeTable(self.derivatives.modes, INPUTS, wrong)
 
-    def speed(self, found: Identified, spread: float = 0.0) -> tuple[float, float, float]:
+    def speed(self, found: IdentifiedModes, spread: float = 0.0) -> tuple[float, float, float]:
         """Flutter speed and its 95 % interval, over the true one."""
         prediction = predict_flutter(found, (25.0, 110.0), spread=spread)
         if prediction.crossing is None or prediction.interval is None:
@@ -190,7 +190,7 @@ def main() -> None:
 
 def print_single_maneuvers(flex: Range, seeds: int) -> None:
     for ratio in (0.65, 0.80, 0.95):
-        kinds: dict[str, Callable[[Flight, DerivativeTable], Identified]] = {
+        kinds: dict[str, Callable[[Flight, DerivativeTable], IdentifiedModes]] = {
             "four_modes": flex.alone,
             "four_modes_diagonal_noise": flex.bare,
             "four_modes_others_predicted": flex.with_predicted,
@@ -226,7 +226,7 @@ def print_flown(flex: Range, seeds: int) -> None:
                 )
                 run = carry_out(store, wanted, estimation_steps(), lambda progress: None)
                 for others in Others:
-                    answer = ask(store, Question(run_ids=(run.id or 0,), others=others))
+                    answer = ask(store, FlutterQuery(run_ids=(run.id or 0,), others=others))
                     errors[others].append(abs((answer.airspeed_m_s or np.inf) / flex.flutter - 1.0))
             for others, values in errors.items():
                 middle = float(np.median(values))
@@ -269,7 +269,7 @@ def print_campaigns(flex: Range, campaigns: int) -> None:
         say(f"tracker_{name}", median_error=middle if np.isfinite(middle) else None)
 
 
-def test_point(found: Identified) -> TestPoint:
+def test_point(found: IdentifiedModes) -> TestPoint:
     """Short period and SW1B where the maneuver was flown."""
     condition = found.aircraft.condition
     at = np.linspace(0.98, 1.0, 3) * condition.airspeed

@@ -21,7 +21,7 @@ from estimation import as_experiment, fit, free_all, make_problem, say, timed
 from flexsid.demo.flex28 import load_truth
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.structure_determination.candidates import search_candidates
-from flexsid.sysid.structure_determination.evidence import Look, look
+from flexsid.sysid.structure_determination.evidence import EvidenceAtStep, look
 from flexsid.sysid.structure_determination.likelihood import likelihood_evidence, reduced
 
 
@@ -39,7 +39,7 @@ def print_single_changes() -> None:
     estimate, fit_s = timed(lambda: fit(problem, parameters), repeat=21)
     everything = np.ones(parameters.start.size, dtype=bool)
 
-    def judge() -> Look:
+    def judge() -> EvidenceAtStep:
         evidence = likelihood_evidence(
             experiment, parameters, estimate.values, parameters.start.size
         )

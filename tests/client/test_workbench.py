@@ -15,7 +15,7 @@ from plotly.graph_objects import Figure
 from scipy.io import loadmat
 from waiting import PATIENCE_S
 
-from flexsid.client import Refused, RunFailed, Unreachable, Workbench
+from flexsid.client import RequestRefused, RunFailed, Unreachable, Workbench
 from flexsid.client import workbench as client
 from flexsid.client.progress import ProgressLine
 from flexsid.errors import BadInput, FlexsidError
@@ -71,7 +71,7 @@ def test_lists_come_page_by_page(workbench: Workbench, monkeypatch) -> None:
 
 
 def test_a_run_that_is_not_there_is_not_waited_for(workbench: Workbench) -> None:
-    with pytest.raises(Refused, match="99"):
+    with pytest.raises(RequestRefused, match="99"):
         workbench.wait(1, 99, timeout_s=PATIENCE_S)
 
 
@@ -137,12 +137,12 @@ def test_figures_are_plotly_figures_and_their_numbers_tables(workbench: Workbenc
 
 
 def test_what_is_refused_says_why(workbench: Workbench) -> None:
-    with pytest.raises(Refused, match="no run 999") as refused:
+    with pytest.raises(RequestRefused, match="no run 999") as refused:
         workbench.run(999)
     assert (refused.value.status, refused.value.code) == (404, "unknown-record")
-    with pytest.raises(Refused, match="mode 99"):
+    with pytest.raises(RequestRefused, match="mode 99"):
         workbench.submit(1, "EE", modes=[99])
-    with pytest.raises(Refused, match="no_such_choice"):
+    with pytest.raises(RequestRefused, match="no_such_choice"):
         workbench.submit(1, "EE", modes=[7], no_such_choice=1)
 
 
@@ -217,7 +217,7 @@ def test_files_are_brought_in(workbench: Workbench, tmp_path: Path) -> None:
     kept = workbench.get(f"maneuvers/{maneuver}")
     assert [channel["name"] for channel in kept["channels"]] == ["wf4s", "q"]
     mapping.write_text(MAPPING.replace('"q"', '"r"'))
-    with pytest.raises(Refused, match=r"récord\.csv"):
+    with pytest.raises(RequestRefused, match=r"récord\.csv"):
         workbench.bring_in(record, mapping=mapping)
 
 
@@ -228,7 +228,7 @@ def test_a_record_on_the_runway_is_brought_in(workbench: Workbench, tmp_path: Pa
     np.savetxt(record, table, delimiter=",", header="t,wf4,q", comments="")
     parked = MAPPING.replace('label = "sent"', 'label = "before"\naxis = "ground"')
     mapping.write_text(parked)
-    with pytest.raises(Refused, match="airspeed 0, not 40"):
+    with pytest.raises(RequestRefused, match="airspeed 0, not 40"):
         workbench.bring_in(record, mapping=mapping)
     mapping.write_text(parked.replace("value = 40", "value = 0"))
     maneuver = workbench.bring_in(record, mapping=mapping)

@@ -15,7 +15,7 @@ from flexsid.demo.flex28 import INPUTS
 from flexsid.demo.flights import fly
 from flexsid.errors import FlexsidError
 from flexsid.records.flight import Flight
-from flexsid.records.ground_test import Verdict
+from flexsid.records.ground_test import GroundTestVerdict
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.storage import bulk
 from flexsid.storage.store import Store
@@ -53,8 +53,8 @@ def test_the_campaign_is_complete_and_one_flight_was_damaged(whole: Store):
     damaged = [sortie.number for sortie in PLAN if sortie.stiffness_lost]
     found = {test.flight_number: test for test in ground_tests(whole)}
     assert len(found) == len(PLAN)
-    assert [n for n, t in found.items() if t.verdict is Verdict.ALARM] == damaged
-    assert {t.verdict for n, t in found.items() if n not in damaged} == {Verdict.HEALTHY}
+    assert [n for n, t in found.items() if t.verdict is GroundTestVerdict.ALARM] == damaged
+    assert {t.verdict for n, t in found.items() if n not in damaged} == {GroundTestVerdict.HEALTHY}
     assert "Inspect the structure" in found[damaged[0]].message
     assert fill(whole) == 0
 

@@ -20,7 +20,7 @@ from flexsid.demo.campaign import PLAN, SEED, add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.records.flight import Flight
 from flexsid.storage.store import Store
-from flexsid.workflow.flutter.flutter_analysis import Question, flutter
+from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, flutter
 
 ROOT = Path(__file__).parents[2]
 TUTORIALS = ROOT / "docs" / "tutorials"
@@ -101,7 +101,7 @@ def estimates(store: Store, run_id: int) -> Found:
     run = store.runs.get(run_id)
     assert run.result is not None
     found: Found = {p.name: (p.value, p.std_error) for p in run.result.parameters}
-    ahead = flutter(store, Question(run_ids=(run_id,)))
+    ahead = flutter(store, FlutterQuery(run_ids=(run_id,)))
     found["flutter [m/s]"] = (ahead.airspeed_m_s, ahead.airspeed_std_m_s)
     return found
 

@@ -15,10 +15,10 @@ from flexsid.figures.residual import residual
 from flexsid.figures.trend import trend
 from flexsid.records.comparison import (
     Against,
+    ComparedSource,
     Comparison,
     DerivativeTrend,
     Row,
-    Source,
     SourceValue,
     TrendLine,
     TrendPoint,
@@ -145,10 +145,10 @@ def test_iterations_draw_the_cost(drawable):
 
 
 SOURCES = (
-    Source(key="run-1", label="OE 1", kind="OE", run_id=1),
-    Source(key="run-2", label="EE 2", kind="EE", run_id=2),
-    Source(key="run-3", label="OE 3", kind="OE", run_id=3),
-    Source(key="prediction-1", label="panel code", kind="prediction", prediction_id=1),
+    ComparedSource(key="run-1", label="OE 1", kind="OE", run_id=1),
+    ComparedSource(key="run-2", label="EE 2", kind="EE", run_id=2),
+    ComparedSource(key="run-3", label="OE 3", kind="OE", run_id=3),
+    ComparedSource(key="prediction-1", label="panel code", kind="prediction", prediction_id=1),
 )
 
 
@@ -186,7 +186,7 @@ def test_derivatives_stand_side_by_side_with_two_sigma(drawable):
 
 def test_a_forest_stands_over_the_weighted_mean(drawable):
     sources = tuple(
-        Source(key=f"run-{number}", label=f"{kind} {number}", kind=kind, run_id=number)
+        ComparedSource(key=f"run-{number}", label=f"{kind} {number}", kind=kind, run_id=number)
         for number, kind in ((1, "OE"), (2, "EE"))
     )
     row = Row(

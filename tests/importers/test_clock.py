@@ -7,13 +7,13 @@ import pytest
 
 from flexsid.errors import FlexsidError
 from flexsid.importers.clock import Clock, TimeRule, Timing, find_resolution
-from flexsid.importers.source import Source, Sources
+from flexsid.importers.source import SourceFile, Sources
 
 
 def clock(stamps: np.ndarray, unit: str = "s", **more: np.ndarray) -> Clock:
     rng = np.random.default_rng(1)
     arrays = {"t": stamps, "q": rng.standard_normal(stamps.size), **more}
-    source = Source(name="f.csv", sha256="", arrays=arrays, first_row=2)
+    source = SourceFile(name="f.csv", sha256="", arrays=arrays, first_row=2)
     timing = Timing(TimeRule(column="t", unit=unit), {}, Sources((source,)))
     return timing.clock(source, "q", "q", stamps.size, None)
 

@@ -11,7 +11,7 @@ from scipy.io import savemat
 
 from flexsid.errors import UnreadableFile
 from flexsid.importers.confined import read_all
-from flexsid.importers.source import Source
+from flexsid.importers.source import SourceFile
 
 RNG = np.random.default_rng(3)
 TIME = np.arange(40) / 200.0
@@ -20,11 +20,11 @@ Q = RNG.normal(size=40).astype(np.float32)
 COUNTS = RNG.integers(-2000, 2000, 40).astype(np.int16)
 
 
-def read(path: Path) -> Source:
+def read(path: Path) -> SourceFile:
     return read_all([path]).items[0]
 
 
-def write(path: Path, text: str, encoding: str = "utf-8") -> Source:
+def write(path: Path, text: str, encoding: str = "utf-8") -> SourceFile:
     path.write_bytes(text.encode(encoding))
     return read(path)
 

@@ -16,14 +16,14 @@ from scipy.io import savemat
 from flexsid.errors import BadInput, UnreadableFile
 from flexsid.importers.confined import read_all
 from flexsid.importers.readers import open_file
-from flexsid.importers.source import Source
+from flexsid.importers.source import SourceFile
 
 
-def read(path: Path, name: str | None = None) -> Source:
+def read(path: Path, name: str | None = None) -> SourceFile:
     """Read in this process, where limits can be made small."""
     opened = open_file(path, name)
     fields = list(opened.fields)
-    return Source(
+    return SourceFile(
         name=opened.name,
         sha256=opened.sha256.result(),
         first_row=opened.first_row,

@@ -19,7 +19,7 @@ from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.flutter.closed_loop import closed_loop
 from flexsid.workflow.flutter.controllers import add_controller
-from flexsid.workflow.flutter.flutter_analysis import Question
+from flexsid.workflow.flutter.flutter_analysis import FlutterQuery
 
 
 def flown(store: Store, ratio: float) -> int:
@@ -37,7 +37,7 @@ def flown(store: Store, ratio: float) -> int:
 
 def test_the_controller_of_flex28_loses_it_where_the_truth_does(store: Store):
     """The true closed loop is stable up to 1.262 of the open-loop flutter speed at half fuel."""
-    question = Question(run_ids=(flown(store, 0.95),))
+    question = FlutterQuery(run_ids=(flown(store, 0.95),))
     (controller,) = store.controllers.find()
     answer = closed_loop(store, question, controller.id or 0)
     true = load_truth().flutter_speed_at(0.5)

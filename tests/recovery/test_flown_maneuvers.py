@@ -20,7 +20,7 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage.store import Store
 from flexsid.workflow.importing.flight_import import import_maneuver
-from flexsid.workflow.runs.computation import Computed
+from flexsid.workflow.runs.computation import ComputedRun
 from flexsid.workflow.runs.estimation import compute, prepare
 
 PROJECT = Path(__file__).parents[2]
@@ -31,7 +31,7 @@ Estimates = dict[Method, tuple[np.ndarray, np.ndarray]]
 """Values and standard errors by method, in one order of the derivatives."""
 
 
-def run(store: Store, maneuver_id: int, method: Method, modes: tuple[int, ...]) -> Computed:
+def run(store: Store, maneuver_id: int, method: Method, modes: tuple[int, ...]) -> ComputedRun:
     request = EstimationRun(
         maneuver_id=maneuver_id,
         method=method,

@@ -19,10 +19,10 @@ from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import derivative_names
-from flexsid.sysid.stability.prediction import Prediction
+from flexsid.sysid.stability.prediction import FlutterPrediction
 from flexsid.workflow.flutter.flutter_analysis import (
+    FlutterQuery,
     Others,
-    Question,
     flutter,
     flutter_map,
     flutter_roots,
@@ -70,7 +70,7 @@ def runs(store: Store) -> dict[str, tuple[int, ...]]:
 
 def test_the_next_point_is_answered_with_its_margin(store: Store, runs):
     every = (*runs["with"], *runs["without"])
-    answer = flutter(store, Question(run_ids=every))
+    answer = flutter(store, FlutterQuery(run_ids=every))
     truth = load_truth().flutter_speed_at(FUEL)
     assert answer.fuel_fraction == pytest.approx(FUEL, abs=1e-4)
     assert answer.airspeed_m_s == pytest.approx(truth, rel=0.01)
@@ -87,7 +87,7 @@ def test_the_next_point_is_answered_with_its_margin(store: Store, runs):
     assert [one.preferred for one in answer.structures] == [True, False]
     assert len(answer.runs) == 2
     assert answer.next_point.startswith("Next point at 48.9 m/s: margin +2")
-    beyond = flutter(store, Question(run_ids=every, next_m_s=62.0))
+    beyond = flutter(store, FlutterQuery(run_ids=every, next_m_s=62.0))
     assert "lies beyond flutter" in beyond.next_point
     assert [tracker.airspeed_m_s for tracker in answer.trackers] == [None] * 3
     assert "three" in answer.trackers[0].sentence
@@ -120,7 +120,7 @@ def test_a_maneuver_counts_once_however_many_runs_estimate_from_it(store: Store,
     computed = compute(prepare(store, again), lambda progress: None)
     keep(store, again.id or 0, claimed.attempt, computed)
     alone, twice = (
-        flutter(store, Question(run_ids=ids, others=Others.RESIDUALIZED))
+        flutter(store, FlutterQuery(run_ids=ids, others=Others.RESIDUALIZED))
         for ids in ((first.id or 0,), (first.id or 0, again.id or 0))
     )
     assert twice.airspeed_m_s == pytest.approx(alone.airspeed_m_s, rel=1e-4)
@@ -129,7 +129,7 @@ def test_a_maneuver_counts_once_however_many_runs_estimate_from_it(store: Store,
 
 def test_modes_that_runs_left_out_are_carried_as_predicted(store: Store, runs):
     truth = load_truth().flutter_speed_at(FUEL)
-    carried = flutter(store, Question(run_ids=runs["without"]))
+    carried = flutter(store, FlutterQuery(run_ids=runs["without"]))
     assert carried.airspeed_m_s == pytest.approx(truth, rel=0.005)
     assert "15, 17, 18, 22 as predicted by Panel code, in a second fit" in carried.sentence
     best, bare = carried.structures
@@ -139,7 +139,7 @@ def test_modes_that_runs_left_out_are_carried_as_predicted(store: Store, runs):
     assert best.airspeed_m_s is not None
     assert bare.airspeed_m_s is not None
     assert carried.spread_m_s == pytest.approx(abs(bare.airspeed_m_s - best.airspeed_m_s))
-    alone = flutter(store, Question(run_ids=runs["without"], others=Others.RESIDUALIZED))
+    alone = flutter(store, FlutterQuery(run_ids=runs["without"], others=Others.RESIDUALIZED))
     assert alone.airspeed_m_s == bare.airspeed_m_s
     assert "15, 17, 18, 22 left out" in alone.sentence
     assert abs(best.airspeed_m_s - truth) < abs(bare.airspeed_m_s - truth)
@@ -157,7 +157,7 @@ def test_modes_are_not_carried_where_the_data_speak_against_them(store: Store):
     flown = fly(airspeed_ratio=0.80, fuel=FUEL, seed=1, modes_in_truth=4)
     maneuver = add_maneuver(store, flown, flight.id or 0)
     told = {
-        method: flutter(store, Question(run_ids=(_estimated(store, maneuver.id or 0, method),)))
+        method: flutter(store, FlutterQuery(run_ids=(_estimated(store, maneuver.id or 0, method),)))
         for method in (Method.OE, Method.EE)
     }
     truth = load_truth().flutter_speed_at(FUEL)
@@ -201,7 +201,7 @@ def test_a_model_whose_unstable_root_no_data_excited_predicts_nothing(store: Sto
     run = _estimated(
         store, maneuver.id or 0, Method.EE, (7, 9), fixed={"CQ9_etadot9": 0.2, "CQ9_eta9": 0.0}
     )
-    question = Question(run_ids=(run,), others=Others.RESIDUALIZED)
+    question = FlutterQuery(run_ids=(run,), others=Others.RESIDUALIZED)
     answer = flutter(store, question)
     assert answer.airspeed_m_s is None
     assert answer.low_m_s is None
@@ -215,7 +215,7 @@ def test_a_model_whose_unstable_root_no_data_excited_predicts_nothing(store: Sto
     assert np.isnan(flutter_map(store, question).airspeed_m_s).all()
     assert flutter_roots(store, question).flutter is None
     one = _estimated(store, maneuver.id or 0, Method.OE, (7,))
-    both = flutter(store, Question(run_ids=(run, one), others=Others.RESIDUALIZED))
+    both = flutter(store, FlutterQuery(run_ids=(run, one), others=Others.RESIDUALIZED))
     assert both.structures[0].modes == (7,), "a model that flight allows is preferred"
     assert both.airspeed_m_s is not None
 
@@ -227,7 +227,7 @@ def test_a_maneuver_beyond_flutter_in_closed_loop_keeps_its_flutter_speed(store:
     flown = fly(airspeed_ratio=1.09, fuel=FUEL, peak_deg=1.2, seed=1)
     maneuver = add_maneuver(store, flown, flight.id or 0)
     run = _estimated(store, maneuver.id or 0, Method.OE)
-    answer = flutter(store, Question(run_ids=(run,)))
+    answer = flutter(store, FlutterQuery(run_ids=(run,)))
     truth = load_truth().flutter_speed_at(FUEL)
     assert not answer.refusal
     assert (answer.low_m_s or np.nan) < truth < (answer.high_m_s or np.nan) < answer.tested_m_s
@@ -246,7 +246,7 @@ def test_frequencies_of_the_modal_table_that_are_wrong_are_within_the_interval(s
     arrays = {**table.arrays, "omega": store.arrays.put(0.97 * omega)}
     off = store.modal_tables.add(replace(table, id=None, name="not updated", arrays=arrays))
     run = _estimated(store, maneuver.id or 0, Method.OE, modal_table_id=off.id)
-    answer = flutter(store, Question(run_ids=(run,)))
+    answer = flutter(store, FlutterQuery(run_ids=(run,)))
     truth = load_truth().flutter_speed_at(maneuver.condition.fuel_fraction)
     assert answer.airspeed_m_s is not None
     without = 1.96 * np.hypot(answer.airspeed_std_m_s or np.nan, answer.spread_m_s)
@@ -255,7 +255,7 @@ def test_frequencies_of_the_modal_table_that_are_wrong_are_within_the_interval(s
 
 
 def test_everything_is_drawn(store: Store, runs):
-    question = Question(run_ids=runs["with"], fuel=0.3, altitude_m=1000.0)
+    question = FlutterQuery(run_ids=runs["with"], fuel=0.3, altitude_m=1000.0)
     roots = flutter_roots(store, question)
     assert {branch.name for branch in roots.branches} >= {"SP", "SW1B", "SW1T"}
     assert figures.v_omega_zeta(roots)["layout"]["yaxis2"]["title"]["text"] == "Damping ratio [%]"
@@ -302,26 +302,26 @@ def test_a_drift_with_dynamic_pressure_helps_a_model_of_few_modes(store: Store):
         keep(store, run.id or 0, claimed.attempt, computed)
         ids += (run.id or 0,)
     truth = load_truth().flutter_speed_at(FUEL)
-    constant = flutter(store, Question(run_ids=ids))
-    drifting = flutter(store, Question(run_ids=ids, trend=True))
+    constant = flutter(store, FlutterQuery(run_ids=ids))
+    drifting = flutter(store, FlutterQuery(run_ids=ids, trend=True))
     assert constant.airspeed_m_s is not None
     assert drifting.airspeed_m_s is not None
     assert abs(drifting.airspeed_m_s - truth) < abs(constant.airspeed_m_s - truth)
     assert "drift with dynamic pressure" in drifting.sentence
     assert (drifting.low_m_s or np.nan) < truth < (drifting.high_m_s or np.nan)
-    two = flutter(store, Question(run_ids=ids[:2], trend=True))
+    two = flutter(store, FlutterQuery(run_ids=ids[:2], trend=True))
     assert "a drift needs more points" in two.sentence
 
 
 def test_what_stands_against_the_next_point_is_said(store: Store, runs):
-    answer = models_of(store, Question(run_ids=runs["without"]))
+    answer = models_of(store, FlutterQuery(run_ids=runs["without"]))
     assert is_safe(answer, 48.0)
     best = answer.best
     locus = best.prediction.locus
     calm = replace(locus, roots=np.where(np.real(locus.roots) > 0.0, -1.0, locus.roots))
     wild = replace(locus, roots=locus.roots + 50.0)
 
-    def told(prediction: Prediction, *others: Group) -> tuple[str, bool]:
+    def told(prediction: FlutterPrediction, *others: Group) -> tuple[str, bool]:
         changed = replace(best, prediction=prediction)
         changed_answer = replace(answer, best=changed, groups=[changed, *others])
         return margin_of(changed_answer, 48.0), is_safe(changed_answer, 48.0)
@@ -348,4 +348,4 @@ def test_what_stands_against_the_next_point_is_said(store: Store, runs):
 
 def test_no_run_and_a_run_without_result_are_refused(store: Store, runs):
     with pytest.raises(BadInput, match="at least one run"):
-        flutter(store, Question(run_ids=()))
+        flutter(store, FlutterQuery(run_ids=()))

@@ -14,8 +14,8 @@ from flexsid.storage.store import Store
 from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.workflow.importing.flight_import import import_files
 from flexsid.workflow.runs.computation import (
-    Computed,
-    Task,
+    ComputedRun,
+    EstimationTask,
     any_start,
     motion_of,
     parameters_of,
@@ -46,9 +46,9 @@ pytestmark = pytest.mark.skipif(
 class Fits:
     """The record estimated by output error and by equation error."""
 
-    task: Task
-    oe: Computed
-    ee: Computed
+    task: EstimationTask
+    oe: ComputedRun
+    ee: ComputedRun
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from flexsid.records.search import SearchSettings, StructureSearch
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.workflow.importing.flight_import import import_files, import_maneuver
-from flexsid.workflow.runs.computation import Computed
+from flexsid.workflow.runs.computation import ComputedRun
 from flexsid.workflow.runs.estimation import compute, prepare
 from flexsid.workflow.structure_determination.searches import prepare_search, search
 
@@ -52,7 +52,7 @@ def estimate(
     method: Method,
     structure: Structure,
     settings: RunSettings | None = None,
-) -> Computed:
+) -> ComputedRun:
     assert maneuver_id is not None
     request = EstimationRun(
         maneuver_id=maneuver_id,

@@ -27,7 +27,7 @@ from flexsid.reports import (
     to_html,
     to_pdf,
 )
-from flexsid.reports.content import Drawing, Section, Table, Words, drawn, estimate, number
+from flexsid.reports.content import Drawing, ReportTable, Section, Words, drawn, estimate, number
 from flexsid.storage.store import Store
 
 NOW = datetime(2026, 3, 1, 12, 30, tzinfo=UTC)
@@ -40,7 +40,7 @@ SMALL = Report(
             "One section",
             (
                 Words("5 < 6 & $7", warns=True),
-                Table(("name", "value"), (("a", "1"),), "a table"),
+                ReportTable(("name", "value"), (("a", "1"),), "a table"),
                 Drawing({"data": [{"name": "</script><b>"}], "layout": {}}, "a figure"),
             ),
         ),
@@ -84,7 +84,7 @@ def test_a_run_is_reported_with_all_its_figures(flown: Store) -> None:
         *("Summary", "Flight condition", "Derivatives", "Fit", "Uncertainty", "Poles"),
     ]
     assert not [part for part in parts["Fit"] if isinstance(part, Words)]
-    table = next(part for part in parts["Derivatives"] if isinstance(part, Table))
+    table = next(part for part in parts["Derivatives"] if isinstance(part, ReportTable))
     parameters = flown.runs.get(1).result
     assert parameters is not None
     assert [row[1] for row in table.rows] == [each.name for each in parameters.parameters]
@@ -103,7 +103,7 @@ def test_a_comparison_is_reported_coefficient_by_coefficient(flown: Store) -> No
     assert dict(report.provenance)["Run 1"].startswith("finished ")
     (figure, table) = report.sections[2].parts
     assert isinstance(figure, Drawing)
-    assert isinstance(table, Table)
+    assert isinstance(table, ReportTable)
     assert table.rows[0][0] == "Cm_alpha"
     assert " ± " in table.rows[0][1]
     with pytest.raises(BadInput, match="at least one run"):
@@ -116,7 +116,7 @@ def test_a_campaign_is_reported_as_narrowed(flown: Store) -> None:
     parts = {section.title: section.parts for section in report.sections}
     assert list(parts) == ["Summary", "Flights", "Maneuvers", "Flutter", "Ground tests"]
     (table,) = parts["Maneuvers"]
-    assert isinstance(table, Table)
+    assert isinstance(table, ReportTable)
     assert (table.rows[0][0], table.rows[0][-1]) == ("flown", "EE")
     assert dict(report.provenance)["Runs"] == "1"
     with pytest.raises(Conflict, match="no maneuver"):
@@ -139,7 +139,7 @@ def test_a_campaign_says_what_its_runs_say_together(flown: Store) -> None:
     assert any(
         "Flutter of SW1B" in part.text for part in parts["Flutter"] if isinstance(part, Words)
     )
-    (table,) = [part for part in parts["Flutter"] if isinstance(part, Table)]
+    (table,) = [part for part in parts["Flutter"] if isinstance(part, ReportTable)]
     assert {row[1] for row in table.rows} == {"flown", "faster"}
 
 

@@ -18,7 +18,7 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.modal_table import ModalKind, ModalTable
-from flexsid.records.prediction import Prediction
+from flexsid.records.prediction import DerivativePrediction
 from flexsid.records.run import EstimationRun, Progress, RunState
 from flexsid.storage.channels import read_channels
 from flexsid.storage.database import Database
@@ -32,7 +32,7 @@ def test_every_field_has_its_column(store: Store) -> None:
         (store.flights, Flight),
         (store.maneuvers, Maneuver),
         (store.modal_tables, ModalTable),
-        (store.predictions, Prediction),
+        (store.predictions, DerivativePrediction),
         (store.runs, EstimationRun),
     )
     for repository, record in pairs:
@@ -73,7 +73,7 @@ def test_tables_and_predictions_name_arrays(store: Store, aircraft: Aircraft) ->
         )
     )
     prediction = store.predictions.add(
-        Prediction(
+        DerivativePrediction(
             aircraft_id=aircraft.id,
             source="panel",
             kind="panel code",

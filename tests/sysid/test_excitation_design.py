@@ -31,7 +31,7 @@ from flexsid.sysid.excitation.export import (
     to_recipe,
 )
 from flexsid.sysid.excitation.extrema import judged_peak_factor
-from flexsid.sysid.excitation.norms import Lines
+from flexsid.sysid.excitation.norms import HarmonicLines
 from flexsid.sysid.excitation.phase_search import THOROUGH, search_phases
 from flexsid.sysid.excitation.recognition import recognise
 
@@ -134,7 +134,7 @@ def test_flown_multisines_are_recognised_and_can_be_flown_with_lower_peaks():
         assert period == samples.size - 1, file.name
         again = found.sample(np.arange(period) / period)
         np.testing.assert_allclose(again + samples[:-1].mean(), samples[:-1], atol=5e-4)
-        lines = Lines(found.harmonics, found.amplitudes)
+        lines = HarmonicLines(found.harmonics, found.amplitudes)
         flown = judged_peak_factor(lines, found.phases)
         assert search_phases(lines, THOROUGH).peak_factor < flown - 0.03, file.name
 

@@ -13,7 +13,7 @@ from flexsid.sysid.estimation.allocation import (
     allocate_d_optimal,
     allocate_minimax,
 )
-from flexsid.sysid.estimation.as_flown import Residuals, split_residuals
+from flexsid.sysid.estimation.as_flown import RecordResiduals, split_residuals
 from flexsid.sysid.estimation.expectation import Expectation
 
 TIME = np.arange(4096) / 4096
@@ -100,7 +100,7 @@ def test_model_error_grows_with_the_command_and_noise_does_not(error: float):
     noise = size * (rng.normal(size=(200, 3)) + 1j * rng.normal(size=(200, 3)))
     smooth = error * np.exp(0.02j * omega)[:, None] * np.array([1.0, 2.0, 3.0])
     told, missed = split_residuals(
-        [Residuals(omega, noise + smooth * command[:, None], record_s, owner, command)],
+        [RecordResiduals(omega, noise + smooth * command[:, None], record_s, owner, command)],
         ("a", "b"),
         n_theta=10,
     )
@@ -115,7 +115,7 @@ def test_without_commands_all_that_is_left_is_noise():
     omega = 0.3 * np.arange(1, 41)
     left = np.full((40, 2), 5.0 + 0.0j)
     told, missed = split_residuals(
-        [Residuals(omega, left, 25.0, np.full(40, -1), None)], ("a",), n_theta=80
+        [RecordResiduals(omega, left, 25.0, np.full(40, -1), None)], ("a",), n_theta=80
     )
     np.testing.assert_allclose(np.real(told(omega))[:, 0, 0], 2.0)
     assert missed == {}

@@ -8,17 +8,17 @@ import pytest
 from flexsid.errors import Cancelled
 from flexsid.sysid.excitation.catalogue import CATALOGUE
 from flexsid.sysid.excitation.extrema import judged_peak_factor, judged_peak_factors, refine_peaks
-from flexsid.sysid.excitation.norms import Lines, lower_norms
+from flexsid.sysid.excitation.norms import HarmonicLines, lower_norms
 from flexsid.sysid.excitation.peak_factor import (
     relative_peak_factor,
     schroeder_phases,
     start_at_zero,
 )
-from flexsid.sysid.excitation.phase_search import QUICK, THOROUGH, Found, search_phases
+from flexsid.sysid.excitation.phase_search import QUICK, THOROUGH, FoundPhases, search_phases
 
 
-def flat(n: int, first: int = 6, spacing: int = 5) -> Lines:
-    return Lines(first + spacing * np.arange(n), np.full(n, np.sqrt(2.0 / n)))
+def flat(n: int, first: int = 6, spacing: int = 5) -> HarmonicLines:
+    return HarmonicLines(first + spacing * np.arange(n), np.full(n, np.sqrt(2.0 / n)))
 
 
 def test_table_1_has_24_designs_with_177_inputs():
@@ -37,7 +37,7 @@ def test_no_design_of_table_1_shares_a_harmonic_and_all_are_orthogonal(number: i
     generator = np.random.default_rng(number)
     columns = []
     for own in dealt.values():
-        lines = Lines(own, np.full(own.size, np.sqrt(2.0 / own.size)))
+        lines = HarmonicLines(own, np.full(own.size, np.sqrt(2.0 / own.size)))
         phases = generator.uniform(-np.pi, np.pi, own.size)
         columns.append(np.sin(2.0 * np.pi * time * own + phases) @ lines.amplitudes)
     samples = np.stack(columns, axis=1)
@@ -91,14 +91,14 @@ def test_one_tone_is_a_sine():
 
 @pytest.mark.parametrize("harmonics", [(1, 2), (1, 3), (6, 7), (2, 4)])
 def test_two_low_harmonics_of_a_throttle(harmonics: tuple[int, int]):
-    lines = Lines(np.array(harmonics), np.ones(2))
+    lines = HarmonicLines(np.array(harmonics), np.ones(2))
     assert search_phases(lines, THOROUGH).peak_factor <= np.sqrt(2.0) + 1e-9
 
 
 def test_search_tells_its_best_and_can_be_stopped():
     told: list[tuple[float, float]] = []
 
-    def report(best: Found, fraction: float) -> None:
+    def report(best: FoundPhases, fraction: float) -> None:
         told.append((best.peak_factor, fraction))
         if fraction > 0.5:
             raise Cancelled("enough")

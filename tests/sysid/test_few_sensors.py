@@ -13,7 +13,7 @@ from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.parameters import select_parameters
-from flexsid.sysid.estimation.reconstruction import Motion, reconstruct_motion
+from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
@@ -157,7 +157,9 @@ class FewSensors:
         self.y = (self.case.model.response(case.truth, LINES) @ self.u[:, :, None])[:, :, 0]
         self.level = 0.05 * np.sqrt(np.mean(np.abs(self.y) ** 2, axis=0))
 
-    def estimate(self, seed: int, uneven: float = 0.0) -> tuple[Estimate, Motion, np.ndarray]:
+    def estimate(
+        self, seed: int, uneven: float = 0.0
+    ) -> tuple[Estimate, ReconstructedMotion, np.ndarray]:
         """Estimate from noisy lines; sensors' noise differs by a factor exp(``uneven``)."""
         rng = np.random.default_rng(1000 + seed)
         level = self.level * np.exp(uneven * rng.normal(size=self.level.size))

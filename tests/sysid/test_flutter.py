@@ -24,7 +24,7 @@ from flexsid.sysid.stability.bands import (
 from flexsid.sysid.stability.flight_evidence import FlownPoint
 from flexsid.sysid.stability.flutter import Mechanism, follow_roots
 from flexsid.sysid.stability.prediction import (
-    Identified,
+    IdentifiedModes,
     StiffnessError,
     fuse_identified,
     fuse_with_trend,
@@ -209,7 +209,7 @@ def test_error_of_the_flutter_speed_is_that_of_draws():
 
 
 def test_no_flutter_is_a_sentence_and_not_a_number():
-    found = Identified(flex28(4), everything(flex28(4), 0.01))
+    found = IdentifiedModes(flex28(4), everything(flex28(4), 0.01))
     calm = predict_flutter(found, (25.0, 45.0))
     assert calm.crossing is None
     assert calm.interval is None
@@ -221,7 +221,7 @@ def test_no_flutter_is_a_sentence_and_not_a_number():
 
 
 def test_what_is_already_unstable_is_said_before_what_crosses_later():
-    late = predict_flutter(Identified(flex28(4), everything(flex28(4), 0.01)), (70.0, 120.0))
+    late = predict_flutter(IdentifiedModes(flex28(4), everything(flex28(4), 0.01)), (70.0, 120.0))
     assert late.sentence.startswith("Already unstable at 70.0 m/s in mode 7; look at lower speeds.")
     assert "Flutter of" in late.sentence
 
@@ -236,7 +236,7 @@ def flown_at(
 
 
 def test_a_crossing_below_a_speed_flown_stable_is_contradicted_and_no_prediction():
-    found = Identified(flex28(4), everything(flex28(4), 0.01))
+    found = IdentifiedModes(flex28(4), everything(flex28(4), 0.01))
     told = predict_flutter(found, (25.0, 80.0), flown=[flown_at(62.0, -0.4, 0.05)])
     assert told.crossing is None
     assert told.interval is None
@@ -247,7 +247,7 @@ def test_a_crossing_below_a_speed_flown_stable_is_contradicted_and_no_prediction
 
 
 def test_a_maneuver_flown_in_closed_loop_beyond_flutter_agrees_with_the_crossing():
-    found = Identified(flex28(4), everything(flex28(4), 0.01))
+    found = IdentifiedModes(flex28(4), everything(flex28(4), 0.01))
     alone = predict_flutter(found, (25.0, 80.0))
     told = predict_flutter(found, (25.0, 80.0), flown=[flown_at(62.0, 0.5, 0.05)])
     assert told.crossing == alone.crossing
@@ -267,14 +267,14 @@ def test_a_maneuver_flown_in_closed_loop_beyond_flutter_agrees_with_the_crossing
     ],
 )
 def test_a_root_that_the_data_do_not_determine_is_no_prediction(point: FlownPoint, words: str):
-    found = Identified(flex28(4), everything(flex28(4), 0.01))
+    found = IdentifiedModes(flex28(4), everything(flex28(4), 0.01))
     told = predict_flutter(found, (25.0, 80.0), flown=[point])
     assert told.crossing is None
     assert words in told.refusal
 
 
 def test_another_fuel_weight_contradicts_nothing():
-    found = Identified(flex28(4), everything(flex28(4), 0.01))
+    found = IdentifiedModes(flex28(4), everything(flex28(4), 0.01))
     told = predict_flutter(
         found, (25.0, 80.0), flown=[flown_at(62.0, -0.4, 0.05, comparable=False)]
     )
@@ -286,7 +286,7 @@ def test_an_error_of_a_modal_frequency_moves_flutter_by_what_the_interval_counts
     """The derivative makes up for the frequency where it was flown, not where flutter is."""
     aircraft = flex28(4)
     c, modes = aircraft.condition, aircraft.modes
-    truth = predict_flutter(Identified(aircraft, everything(aircraft, 1e-6)), (25.0, 80.0))
+    truth = predict_flutter(IdentifiedModes(aircraft, everything(aircraft, 1e-6)), (25.0, 80.0))
     assert truth.crossing is not None
     share = 1e-3
     relative = np.array([share, 0.0, 0.0, 0.0])
@@ -299,7 +299,9 @@ def test_an_error_of_a_modal_frequency_moves_flutter_by_what_the_interval_counts
         modes=replace(modes, omega=omega, zeta=modes.zeta * modes.omega / omega),
         derivatives=replace(aircraft.derivatives, values=values),
     )
-    found = Identified(wrong, everything(wrong, 1e-6), StiffnessError(relative, c.dynamic_pressure))
+    found = IdentifiedModes(
+        wrong, everything(wrong, 1e-6), StiffnessError(relative, c.dynamic_pressure)
+    )
     told = predict_flutter(found, (25.0, 80.0))
     assert told.crossing is not None
     off = told.crossing.airspeed - truth.crossing.airspeed
@@ -312,14 +314,14 @@ def test_an_error_of_a_modal_frequency_moves_flutter_by_what_the_interval_counts
 
 def test_an_error_as_large_as_the_speed_is_called_not_known():
     aircraft = flex28(4)
-    blurred = predict_flutter(Identified(aircraft, everything(aircraft, 5.0)), (25.0, 80.0))
+    blurred = predict_flutter(IdentifiedModes(aircraft, everything(aircraft, 5.0)), (25.0, 80.0))
     assert "these runs do not tell it" in blurred.sentence
     assert blurred.interval is not None
     assert blurred.interval[0] == 0.0
     known = everything(aircraft, 0.01)
     for wrong in (np.nan, np.inf):
         nowhere = replace(known, covariance=np.full_like(known.covariance, wrong))
-        told = predict_flutter(Identified(aircraft, nowhere), (25.0, 80.0))
+        told = predict_flutter(IdentifiedModes(aircraft, nowhere), (25.0, 80.0))
         assert told.interval is None
         assert "with unknown error" in told.sentence
 
@@ -358,7 +360,7 @@ def test_divergence_is_told_from_flutter_and_stands_where_statics_put_it(stiffne
     alone = replace(aircraft, derivatives=replace(aircraft.derivatives, values=values))
     c, modes = alone.condition, alone.modes
     pressure = modes.mass[0] * modes.omega[0] ** 2 / (c.area * c.chord * stiffness)
-    found = predict_flutter(Identified(alone, everything(alone, 0.01)), (20.0, 90.0))
+    found = predict_flutter(IdentifiedModes(alone, everything(alone, 0.01)), (20.0, 90.0))
     assert found.crossing is not None
     assert found.crossing.mechanism is Mechanism.DIVERGENCE
     assert found.crossing.airspeed == pytest.approx(np.sqrt(2.0 * pressure / c.density), rel=1e-6)
@@ -368,22 +370,22 @@ def test_divergence_is_told_from_flutter_and_stands_where_statics_put_it(stiffne
 def test_models_that_tell_nothing_get_a_sentence_or_are_refused():
     aircraft = flex28(2)
     nothing = Uncertain(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 0)))
-    fused = fuse_identified([Identified(aircraft, nothing)] * 2, aircraft)
+    fused = fuse_identified([IdentifiedModes(aircraft, nothing)] * 2, aircraft)
     assert predict_flutter(fused, (30.0, 90.0)).crossing is not None
     table = aircraft.derivatives
     still = replace(aircraft, derivatives=replace(table, values=np.zeros_like(table.values)))
-    calm = predict_flutter(Identified(still, everything(still, 0.01)), (30.0, 90.0))
+    calm = predict_flutter(IdentifiedModes(still, everything(still, 0.01)), (30.0, 90.0))
     assert calm.crossing is None
     assert "the least damping is 0.0 %" in calm.sentence
     unknown = table.values.copy()
     unknown[2, 2] = np.nan
     broken = replace(aircraft, derivatives=replace(table, values=unknown))
     with pytest.raises(NotIdentifiable, match="no number"):
-        predict_flutter(Identified(broken, everything(aircraft, 0.01)), (30.0, 90.0))
+        predict_flutter(IdentifiedModes(broken, everything(aircraft, 0.01)), (30.0, 90.0))
     known = everything(aircraft, 0.01)
     lost = replace(known, covariance=np.full_like(known.covariance, np.nan))
     with pytest.raises(NotIdentifiable, match="no number"):
-        fuse_identified([Identified(aircraft, lost)], aircraft)
+        fuse_identified([IdentifiedModes(aircraft, lost)], aircraft)
 
 
 def test_a_hump_is_left_again_where_frequencies_part():
@@ -404,7 +406,7 @@ def test_a_hump_is_left_again_where_frequencies_part():
     coupling = 0.1 * (second - first) / (middle * lift)
     values[2, 3], values[3, 2] = coupling * modes.mass[0], -coupling * modes.mass[1]
     humped = Aeroelastic(c, quiet, replace(aircraft.derivatives, values=values))
-    found = predict_flutter(Identified(humped, everything(humped, 0.01)), (30.0, 90.0))
+    found = predict_flutter(IdentifiedModes(humped, everything(humped, 0.01)), (30.0, 90.0))
     assert found.crossing is not None
     assert found.crossing.mechanism is Mechanism.FLUTTER
     # |1 - p| = 0.2 p for p in units of the middle pressure
@@ -413,7 +415,7 @@ def test_a_hump_is_left_again_where_frequencies_part():
     assert found.crossing.recovers_at == pytest.approx(edges[1], rel=2e-3)
     assert f"stable again from {found.crossing.recovers_at:.2f} m/s" in found.sentence
     passed = predict_flutter(
-        Identified(humped, everything(humped, 0.01)),
+        IdentifiedModes(humped, everything(humped, 0.01)),
         (30.0, 90.0),
         flown=[flown_at(75.0, -0.5, 0.01)],
     )
@@ -430,14 +432,14 @@ def test_a_trend_carries_derivatives_that_drift_to_the_pressure_asked_for():
     truth = aircraft.derivatives.values[rows, columns]
     drift = np.array([1.0, -0.5, 0.2])
 
-    def part(speed: float) -> Identified:
+    def part(speed: float) -> IdentifiedModes:
         condition = replace(aircraft.condition, airspeed=speed)
         values = aircraft.derivatives.values.copy()
         pressure = condition.dynamic_pressure
         values[rows, columns] = truth + drift * pressure / 1000.0 + std * rng.normal(size=3)
         table = replace(aircraft.derivatives, values=values)
         uncertain = Uncertain(rows, columns, np.diag(std**2))
-        return Identified(Aeroelastic(condition, aircraft.modes, table), uncertain)
+        return IdentifiedModes(Aeroelastic(condition, aircraft.modes, table), uncertain)
 
     parts = [part(speed) for speed in (30.0, 35.0, 40.0, 45.0, 50.0)]
     carried = fuse_with_trend(parts, aircraft, 2000.0)
@@ -465,7 +467,7 @@ def test_fusion_weighs_by_information_and_widens_where_runs_disagree():
 
 def test_runs_of_different_structures_are_not_fused():
     two, four = flex28(2), flex28(4)
-    parts = [Identified(a, everything(a, 0.01)) for a in (two, four)]
+    parts = [IdentifiedModes(a, everything(a, 0.01)) for a in (two, four)]
     with pytest.raises(BadInput, match="same modes"):
         fuse_identified(parts, four)
 

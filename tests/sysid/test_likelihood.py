@@ -12,7 +12,7 @@ from tests.sysid.conftest import OMEGA, add_noise
 from flexsid.errors import BadInput, Cancelled, NotIdentifiable
 from flexsid.sysid.estimation.delays import find_delays
 from flexsid.sysid.estimation.diagnostics import parameter_quality
-from flexsid.sysid.estimation.estimate import Outcome, Step
+from flexsid.sysid.estimation.estimate import IterationStep, Outcome
 from flexsid.sysid.estimation.likelihood import FitSettings, describe_outcome, maximize
 from flexsid.sysid.estimation.limits import at_limits
 from flexsid.sysid.estimation.parameters import select_parameters
@@ -117,7 +117,7 @@ def test_a_fit_can_be_cancelled_while_the_ends_of_the_record_are_corrected(make_
 
 @pytest.mark.parametrize(("count", "words"), [(1, "1 iteration."), (2, "2 iterations.")])
 def test_one_iteration_is_no_iterations(count, words):
-    steps = [Step(k, 1.0, 0.1) for k in range(count + 1)]
+    steps = [IterationStep(k, 1.0, 0.1) for k in range(count + 1)]
     assert describe_outcome(Outcome.CONVERGED, steps) == f"Converged in {words}"
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.modal_table import ModalKind, ModalTable
-from flexsid.records.prediction import Prediction
+from flexsid.records.prediction import DerivativePrediction
 from flexsid.records.run import (
     EstimationRun,
     Fit,
@@ -104,11 +104,11 @@ def modal_table(store: Store, aircraft: Aircraft) -> ModalTable:
 
 
 @pytest.fixture
-def prediction(store: Store, aircraft: Aircraft) -> Prediction:
+def prediction(store: Store, aircraft: Aircraft) -> DerivativePrediction:
     """Cm_alpha goes from -1 to -2 as the tanks fill."""
     assert aircraft.id is not None
     return store.predictions.add(
-        Prediction(
+        DerivativePrediction(
             aircraft_id=aircraft.id,
             source="vortex lattice",
             kind="panel code",

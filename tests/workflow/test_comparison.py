@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput, Conflict
-from flexsid.records.comparison import Verdict
-from flexsid.records.prediction import Prediction
+from flexsid.records.comparison import AgreementCount
+from flexsid.records.prediction import DerivativePrediction
 from flexsid.records.run import Method
 from flexsid.workflow.comparison.derivative_comparison import compare, of_coefficient
 
@@ -44,7 +44,7 @@ def test_runs_are_judged_in_combined_standard_errors(store, add_result, predicti
 def wind_tunnel(store, aircraft):
     """A prediction that gives standard errors, far from what the runs below have."""
     return store.predictions.add(
-        Prediction(
+        DerivativePrediction(
             aircraft_id=aircraft.id,
             source="wind tunnel",
             kind="wind tunnel",
@@ -63,12 +63,12 @@ def test_a_prediction_changes_nothing_in_how_the_runs_agree(store, add_result, w
     ]
     numbers = [run.id for run in runs]
     alone, beside = compare(store, numbers, []), compare(store, numbers, [wind_tunnel.id])
-    assert beside.runs_verdict == alone.runs_verdict == Verdict(n_judged=2, n_consistent=2)
+    assert beside.runs_verdict == alone.runs_verdict == AgreementCount(n_judged=2, n_consistent=2)
     for one, other in zip(alone.rows, beside.rows, strict=True):
         assert replace(one, values=()) == replace(other, values=())
     (verdict,) = beside.prediction_verdicts
     key = f"prediction-{wind_tunnel.id}"
-    assert verdict == Verdict(source=key, n_judged=2, n_consistent=1)
+    assert verdict == AgreementCount(source=key, n_judged=2, n_consistent=1)
     far, near = (row(beside, name).values[2] for name in ("Cm_alpha", "Cm_q"))
     assert far is not None
     assert near is not None

@@ -13,17 +13,19 @@ from flexsid.errors import BadInput
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
-from flexsid.workflow.runs.computation import Task, compute
+from flexsid.workflow.runs.computation import EstimationTask, compute
 from flexsid.workflow.runs.estimation import prepare
 
-Ask = Callable[..., Task]
+Ask = Callable[..., EstimationTask]
 
 
 @pytest.fixture
 def ask(flown_url: str) -> Iterator[Ask]:
     store = Store.open(flown_url)
 
-    def prepared(method: Method, modes: tuple[int, ...] = (7, 9), **structure: Any) -> Task:
+    def prepared(
+        method: Method, modes: tuple[int, ...] = (7, 9), **structure: Any
+    ) -> EstimationTask:
         return prepare(
             store,
             EstimationRun(

@@ -12,7 +12,7 @@ import pytest
 from flexsid.errors import BadInput
 from flexsid.importers.channels import RawChannel
 from flexsid.importers.clock import Clock
-from flexsid.importers.source import Source
+from flexsid.importers.source import SourceFile
 from flexsid.records.aircraft import Aircraft, Combination, Sensor, SensorKind, Surface
 from flexsid.records.axes import axis_in_name, symmetry_of
 from flexsid.records.comparison import Against
@@ -238,7 +238,7 @@ def test_a_column_called_by_another_axis_is_asked_about(aircraft: Aircraft) -> N
     clock = Clock(start_s=0.0, rate_hz=100.0, n_samples=9)
     pitch = next(s for s in aircraft.sensors if s.kind is SensorKind.GYRO)
     own = replace(aircraft, sensors=(replace(pitch, name="q", axis="y"),))
-    source = Source(name="m.csv", sha256="", arrays={})
+    source = SourceFile(name="m.csv", sha256="", arrays={})
     column = RawChannel(
         name="q",
         unit="deg/s",

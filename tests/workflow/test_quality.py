@@ -14,7 +14,7 @@ from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.conditioning import Correction, StepKind
 from flexsid.records.flight import Flight
 from flexsid.records.maneuver import Maneuver, Role
-from flexsid.records.quality import Verdict
+from flexsid.records.quality import QualityVerdict
 from flexsid.storage.store import Store
 from flexsid.sysid.preparation.resampling import resample
 from flexsid.sysid.signals import FrequencyData
@@ -66,7 +66,7 @@ def front_spectrum(store: Store, maneuver: Maneuver) -> FrequencyData:
 def test_a_sound_maneuver_is_good_and_looked_at_once(store: Store, keep):
     maneuver = keep(lambda name, x, rate_hz: x)
     first = quality(store, maneuver.id)
-    assert first.verdict is Verdict.GOOD
+    assert first.verdict is QualityVerdict.GOOD
     assert "dB above noise" in first.summary
     assert first.figures.n_stretches == 0
     assert quality(store, maneuver.id) == first
@@ -107,7 +107,7 @@ def test_skews_scale_factors_and_biases_on_every_channel_come_back(store: Store,
 
     maneuver = keep(spoil)
     found = quality(store, maneuver.id)
-    assert found.verdict is Verdict.DOUBTFUL
+    assert found.verdict is QualityVerdict.DOUBTFUL
     channels = {c.name: c for c in found.report.channels}
     reference = found.report.skew_reference
     assert reference is not None
@@ -152,7 +152,7 @@ def test_skews_scale_factors_and_biases_on_every_channel_come_back(store: Store,
         author="Eva",
     )
     corrected = quality(store, maneuver.id)
-    assert corrected.verdict is Verdict.GOOD, corrected.summary
+    assert corrected.verdict is QualityVerdict.GOOD, corrected.summary
     after = front_spectrum(store, maneuver)
     turned = np.exp(1j * after.omega * (channels["az_ofr"].delay_s or 0.0))[:, None]
     assert np.allclose(after.values, before.values * turned)
@@ -172,13 +172,13 @@ def test_skews_scale_factors_and_biases_on_every_channel_come_back(store: Store,
 def test_a_sign_that_is_wrong_is_named_and_turned(store: Store, keep, sensor: str):
     maneuver = keep(lambda name, x, rate_hz: -x if name == sensor else x)
     found = quality(store, maneuver.id)
-    assert found.verdict is Verdict.BAD
+    assert found.verdict is QualityVerdict.BAD
     (told,) = [f for f in found.report.findings if f.about == "sign"]
     assert told.channel == sensor
     take_steps(
         store, maneuver.id, [Correction(channel=sensor, kind=StepKind.CALIBRATION, scale=-1.0)]
     )
-    assert quality(store, maneuver.id).verdict is Verdict.GOOD
+    assert quality(store, maneuver.id).verdict is QualityVerdict.GOOD
 
 
 def test_spikes_dropouts_and_saturation_are_told_and_repaired(store: Store, keep):
@@ -193,11 +193,11 @@ def test_spikes_dropouts_and_saturation_are_told_and_repaired(store: Store, keep
 
     maneuver = keep(spoil)
     found = quality(store, maneuver.id)
-    assert found.verdict is Verdict.BAD
+    assert found.verdict is QualityVerdict.BAD
     about = {(f.about, f.channel): f for f in found.report.findings}
-    assert about["spikes", "az_cf"].severity is Verdict.DOUBTFUL
-    assert about["dropouts", "s_bend1r"].severity is Verdict.BAD
-    assert about["saturation", "wf3s"].severity is Verdict.BAD
+    assert about["spikes", "az_cf"].severity is QualityVerdict.DOUBTFUL
+    assert about["dropouts", "s_bend1r"].severity is QualityVerdict.BAD
+    assert about["saturation", "wf3s"].severity is QualityVerdict.BAD
     spikes = next(c for c in found.report.channels if c.name == "az_cf").stretches
     assert [(s.first, s.stop) for s in spikes] == [(2000, 2001), (4000, 4001)]
     repair = Correction(
@@ -257,7 +257,7 @@ def test_little_is_found_where_nobody_says_what_was_excited(store: Store):
     repeated = replace(fly(n_periods=2, seed=5), excitation=None)
     maneuver = add_maneuver(store, repeated, flight.id)
     found = quality(store, maneuver.id or 0)
-    assert found.verdict is not Verdict.BAD, found.summary
+    assert found.verdict is not QualityVerdict.BAD, found.summary
     assert found.report.skew_band_hz is not None
     assert found.report.skew_band_hz[1] == pytest.approx(13.75, abs=0.5)
     delays = [c.delay_s for c in found.report.channels if c.delay_s is not None]

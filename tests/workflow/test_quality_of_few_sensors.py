@@ -17,11 +17,11 @@ from synthetic_aircraft import (
     keep,
 )
 
-from flexsid.records.quality import ManeuverQuality, Verdict
+from flexsid.records.quality import ManeuverQuality, QualityVerdict
 from flexsid.storage.store import Store
 from flexsid.workflow.quality.maneuver_quality import quality
 
-EXCUSED = (Verdict.GOOD, Verdict.UNCHECKED)
+EXCUSED = (QualityVerdict.GOOD, QualityVerdict.UNCHECKED)
 
 
 def flown(store: Store, design: Design, has_table: bool = True, **how) -> ManeuverQuality:
@@ -33,7 +33,9 @@ def flown(store: Store, design: Design, has_table: bool = True, **how) -> Maneuv
 
 def blamed(found: ManeuverQuality) -> set[tuple[str, str | None]]:
     """Findings that keep somebody from estimating, with their channels."""
-    return {(f.about, f.channel) for f in found.report.findings if f.severity is not Verdict.GOOD}
+    return {
+        (f.about, f.channel) for f in found.report.findings if f.severity is not QualityVerdict.GOOD
+    }
 
 
 @pytest.mark.parametrize(
@@ -54,7 +56,7 @@ def test_a_late_sensor_is_found_among_few(
 
 def test_a_sound_record_of_few_sensors_passes_and_names_what_was_not_checked(store: Store):
     found = flown(store, TAILED_40_FT, seed=4)
-    assert found.verdict is Verdict.GOOD
+    assert found.verdict is QualityVerdict.GOOD
     assert not blamed(found)
     left = {c.name for c in found.report.channels if c.not_checked is not None}
     assert left == {"az_tail", "q_tip"}  # no other sensor moves with the tail, or twists at the tip
@@ -76,7 +78,7 @@ def test_a_scale_factor_and_a_sign_are_found_among_few(store: Store):
 
 def test_without_a_modal_table_a_record_is_not_called_good(store: Store):
     found = flown(store, RIGID, has_table=False, kind="doublet")
-    assert found.verdict is Verdict.UNCHECKED
+    assert found.verdict is QualityVerdict.UNCHECKED
     assert "modal table" in found.summary
     for channel in found.report.channels:
         if channel.role == "output":
@@ -87,7 +89,7 @@ def test_without_a_modal_table_a_record_is_not_called_good(store: Store):
 @pytest.mark.parametrize("kind", ["doublet", "3-2-1-1"])
 def test_pulses_of_a_rigid_aircraft_raise_no_alarm(store: Store, kind: str):
     found = flown(store, RIGID, kind=kind, seed=3)
-    assert found.verdict is Verdict.GOOD
+    assert found.verdict is QualityVerdict.GOOD
     assert not blamed(found)
     band = found.report.skew_band_hz
     assert band is not None

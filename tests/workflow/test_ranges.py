@@ -7,10 +7,10 @@ from itertools import product
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flexsid.records.decision import Limits, Quantity
+from flexsid.records.decision import LimitedQuantity, Limits
 from flexsid.workflow.model_structures.condition_ranges import covered, lies_in, overlap
 
-PRESSURE, FUEL = Quantity.DYNAMIC_PRESSURE, Quantity.FUEL
+PRESSURE, FUEL = LimitedQuantity.DYNAMIC_PRESSURE, LimitedQuantity.FUEL
 
 
 @st.composite
@@ -55,4 +55,4 @@ def test_a_maneuver_lies_in_closed_limits_of_what_is_known_of_it(maneuver) -> No
     assert lies_in(maneuver, {PRESSURE: (pressure, 2 * pressure), FUEL: (0.0, 0.5)})
     assert not lies_in(maneuver, {PRESSURE: (pressure + 1, 2 * pressure)})
     assert maneuver.airspeed_ratio is None
-    assert not lies_in(maneuver, {Quantity.AIRSPEED_RATIO: (0.0, 10.0)})
+    assert not lies_in(maneuver, {LimitedQuantity.AIRSPEED_RATIO: (0.0, 10.0)})

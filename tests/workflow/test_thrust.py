@@ -14,7 +14,7 @@ from flexsid.demo.flights import fly
 from flexsid.demo.whole_flight import add_recording, record_flight
 from flexsid.errors import BadInput
 from flexsid.importers.aircraft import read_aircraft
-from flexsid.importers.table import Table
+from flexsid.importers.table import MappingTable
 from flexsid.records.cutting import Cut
 from flexsid.records.flight import Flight
 from flexsid.storage.store import Store
@@ -142,13 +142,13 @@ def test_a_mapping_brings_a_thrust_table():
             "thrust": {"values": [10.0, 9.0, 80.0, 72.0], "unit": "N"},
         },
     }
-    definition = read_aircraft(Table(part)).definition
+    definition = read_aircraft(MappingTable(part)).definition
     assert definition is not None
     assert definition.thrust is not None
     assert definition.thrust.thrust_n == ((10.0, 9.0), (80.0, 72.0))
     part["thrust"]["thrust"]["values"] = [10.0, 9.0, 80.0]
     with pytest.raises(BadInput, match="2 x 2 values"):
-        read_aircraft(Table(part))
+        read_aircraft(MappingTable(part))
 
 
 def test_a_recorded_maneuver_keeps_what_its_aircraft_flew_with(store: Store):

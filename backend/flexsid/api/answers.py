@@ -16,12 +16,12 @@ from flexsid.records.mapping import StoredMapping
 from flexsid.records.modal_table import FlutterSummary, ModalTable
 from flexsid.records.modal_views import ModeAtFuel, SensorSight
 from flexsid.records.model_structure import ModelStructure, StructureVersion
-from flexsid.records.prediction import Prediction
+from flexsid.records.prediction import DerivativePrediction
 from flexsid.records.saved_view import SavedView
 from flexsid.storage.maneuver_list import ManeuverItem
 from flexsid.storage.quality_list import QualityItem
-from flexsid.workflow.importing.preview import FoundField, FoundFile, Proposal
-from flexsid.workflow.importing.uploads import Upload
+from flexsid.workflow.importing.preview import FoundField, Proposal, UploadedFile
+from flexsid.workflow.importing.uploads import UploadProgress
 from flexsid.workflow.quality.campaign_quality import Assessing
 
 
@@ -53,8 +53,8 @@ class ManeuverDetail(Maneuver):
 class UploadDetail:
     """An upload with what its files hold and a mapping proposed for them."""
 
-    upload: Upload
-    files: list[FoundFile]
+    upload: UploadProgress
+    files: list[UploadedFile]
     fields: list[FoundField]
     proposal: Proposal
 
@@ -115,7 +115,7 @@ class DerivativeValue:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PredictionDetail(Prediction):
+class PredictionDetail(DerivativePrediction):
     """A prediction with its derivatives at one fuel fraction."""
 
     at_fuel: float
@@ -211,7 +211,7 @@ class FlutterSummaryList:
 class PredictionList:
     """Predictions."""
 
-    items: list[Prediction]
+    items: list[DerivativePrediction]
     next: str | None = None
 
 

@@ -9,8 +9,8 @@ from pydantic import ConfigDict, Field, StringConstraints
 
 from flexsid.api.requests import Id, Line, Lines, Number, Title, Version
 from flexsid.records.decision import (
+    LimitedQuantity,
     LinkedComparison,
-    Quantity,
     ReviewRules,
     StructureProposal,
     StructureReference,
@@ -66,7 +66,7 @@ class ProposalRequest:
     structure: ReferenceRequest
     reasoning: Said
     changes: ReferenceRequest | None = None
-    limits: dict[Quantity, tuple[Number, Number]] | None = None
+    limits: dict[LimitedQuantity, tuple[Number, Number]] | None = None
     run_ids: Ids = ()
     comparisons: Annotated[tuple[ComparisonRequest, ...], Field(max_length=50)] = ()
     figure_ids: Annotated[tuple[Id, ...], Field(max_length=50)] = ()

@@ -27,7 +27,7 @@ from flexsid.workflow.excitation.excitation_designs import (
 from flexsid.workflow.excitation.imported_multisines import flown_inputs
 from flexsid.workflow.excitation.imported_multisines import keep_flown as keep_flown_inputs
 from flexsid.workflow.excitation.target_modes import band_of
-from flexsid.workflow.flutter.flutter_analysis import Others, Question, flutter
+from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, Others, flutter
 
 _T_S = 24.0  # period of the rows of one T
 _LEVELS = (0.5, 1.0, 2.0)  # of the medium amplitude
@@ -99,7 +99,7 @@ def foretell(settings: Settings, chosen: argparse.Namespace) -> int:
     """Print where runs see the aircraft lose stability."""
     if chosen.next is not None and not chosen.next > 0.0:
         raise BadInput(f"--next is {chosen.next:g}; expected an airspeed above zero [m/s]")
-    question = Question(
+    question = FlutterQuery(
         run_ids=tuple(numbers(chosen.runs, int, "RUNS")),
         fuel=chosen.fuel,
         altitude_m=chosen.altitude,

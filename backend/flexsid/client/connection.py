@@ -15,7 +15,7 @@ from urllib.request import Request, urlopen
 from flexsid.errors import FlexsidError
 
 
-class Refused(FlexsidError):
+class RequestRefused(FlexsidError):
     """The workbench did not do what it was asked; ``status`` is that of HTTP."""
 
     def __init__(self, status: int, code: str, message: str) -> None:
@@ -98,12 +98,14 @@ class Connection:
             ) from error
 
 
-def _refusal(status: int, content: bytes) -> Refused:
+def _refusal(status: int, content: bytes) -> RequestRefused:
     try:
         problem = json.loads(content)
-        return Refused(status, problem["code"], problem["detail"])
+        return RequestRefused(status, problem["code"], problem["detail"])
     except (ValueError, KeyError, TypeError):
-        return Refused(status, "http-error", f"the server answered {status}; is it a workbench?")
+        return RequestRefused(
+            status, "http-error", f"the server answered {status}; is it a workbench?"
+        )
 
 
 def _quoted(name: str) -> str:

@@ -77,7 +77,7 @@ class Workbench:
 
         Raises
         ------
-        Refused
+        RequestRefused
             If the workbench says no; the message says why.
         Unreachable
             If nobody answers.
@@ -157,7 +157,7 @@ class Workbench:
 
         Raises
         ------
-        Refused
+        RequestRefused
             If they do not hold what the mapping says, or it guesses something that is not
             confirmed; nothing is kept then.
         """
@@ -194,7 +194,7 @@ class Workbench:
 
         Raises
         ------
-        Refused
+        RequestRefused
             If it cannot be estimated, or a choice is unknown.
         """
         structure = {name: choices.pop(name) for name in _STRUCTURE & choices.keys()}

@@ -9,7 +9,7 @@ import numpy as np
 from flexsid.demo.flex28 import INPUTS, Truth, load_nodes
 from flexsid.records.modal_table import ModalKind, ModalTable
 from flexsid.records.model_structure import ModelStructure, Structure
-from flexsid.records.prediction import Prediction
+from flexsid.records.prediction import DerivativePrediction
 from flexsid.sysid.model.derivatives import Derivative, derivative_names
 
 Keep = Callable[[np.ndarray], str]
@@ -69,13 +69,15 @@ def modal_tables(truth: Truth, aircraft_id: int, keep: Keep) -> tuple[ModalTable
     return finite_elements, ground_test
 
 
-def predictions(truth: Truth, aircraft_id: int, keep: Keep) -> tuple[Prediction, Prediction]:
+def predictions(
+    truth: Truth, aircraft_id: int, keep: Keep
+) -> tuple[DerivativePrediction, DerivativePrediction]:
     """Write down two predictions that err as their kind does; both are the same every time."""
     names = derivative_names(truth.symmetric, INPUTS)
     true = truth.derivatives.reshape(truth.fuel.size, -1)
     scatter = np.random.default_rng(28).standard_normal((2, len(names)))
     panel_factor = np.array([_PANEL_BIAS[_group(name)] for name in names]) + 0.08 * scatter[0]
-    panel = Prediction(
+    panel = DerivativePrediction(
         aircraft_id=aircraft_id,
         source="Panel code",
         kind="panel code",
@@ -92,7 +94,7 @@ def predictions(truth: Truth, aircraft_id: int, keep: Keep) -> tuple[Prediction,
     own = tuple(names[place] for place in measured)
     tunnel_factor = np.array([_TUNNEL_BIAS[_group(name)] for name in own])
     values = true[:, measured] * (tunnel_factor + 0.03 * scatter[1, measured])
-    tunnel = Prediction(
+    tunnel = DerivativePrediction(
         aircraft_id=aircraft_id,
         source="Wind tunnel, half-span model",
         kind="wind tunnel",

@@ -13,7 +13,7 @@ from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.simulation import sensors as feel
 from flexsid.sysid.simulation.airframe import Airframe, assemble_airframe
-from flexsid.sysid.simulation.closed_loop import Motion, fly_closed_loop
+from flexsid.sysid.simulation.closed_loop import SimulatedMotion, fly_closed_loop
 
 RATE_HZ = 1000.0
 """Rate of the simulation and of the fastest recorder channels."""
@@ -25,7 +25,7 @@ class TrueFlight:
 
     condition: FlightCondition
     derivatives: DerivativeTable
-    motion: Motion
+    motion: SimulatedMotion
     felt: np.ndarray
 
 

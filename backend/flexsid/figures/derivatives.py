@@ -10,7 +10,7 @@ import numpy as np
 from flexsid.figures import style
 from flexsid.figures.labels import family, parameter_label, parameter_unit
 from flexsid.figures.spec import Spec, axis, column, empty, layout_key, title
-from flexsid.records.comparison import Comparison, Row, Source, SourceValue
+from flexsid.records.comparison import ComparedSource, Comparison, Row, SourceValue
 
 _GAP = 0.06
 _SPREAD = 0.7  # of the distance between derivatives, shared by the sources
@@ -73,7 +73,11 @@ def _tick(row: Row) -> str:
 
 
 def _trace(
-    panel: list[Row], index: int, sources: tuple[Source, ...], look: tuple[str, str], number: int
+    panel: list[Row],
+    index: int,
+    sources: tuple[ComparedSource, ...],
+    look: tuple[str, str],
+    number: int,
 ) -> Spec:
     source = sources[index]
     colour, symbol = look
@@ -133,7 +137,7 @@ def _name_once(data: list[Spec]) -> None:
         named.add(trace["legendgroup"])
 
 
-def looks_of(sources: tuple[Source, ...]) -> dict[str, tuple[str, str]]:
+def looks_of(sources: tuple[ComparedSource, ...]) -> dict[str, tuple[str, str]]:
     """Colour by method or prediction; open symbols tell repeated methods and residualised."""
     looks: dict[str, tuple[str, str]] = {}
     seen: Counter[str] = Counter()

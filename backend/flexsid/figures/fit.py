@@ -54,7 +54,7 @@ def fit(value: FitPlot) -> Spec:
     return {"data": data, "layout": layout}
 
 
-def _quantity(trace: FitTrace, method: Method) -> quantities.Quantity:
+def _quantity(trace: FitTrace, method: Method) -> quantities.DisplayQuantity:
     output = quantities.of_channel(trace.output, trace.unit)
     if method is Method.FRE and trace.input is not None:
         return quantities.ratio(output, quantities.of_channel(trace.input, _INPUT_UNIT))
@@ -65,7 +65,7 @@ def _pair(
     value: FitPlot,
     name: str,
     curves: tuple[np.ndarray, np.ndarray],
-    quantity: quantities.Quantity,
+    quantity: quantities.DisplayQuantity,
     first: int,
     drawing: Spec,
 ) -> list[Spec]:

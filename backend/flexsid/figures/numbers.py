@@ -20,7 +20,7 @@ _COLUMNS = ("x", "y", "error", "x_error", "z")
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
+class ExportedCurve:
     """One trace: its name with what it belongs to, and its columns of equal length."""
 
     name: str
@@ -28,11 +28,11 @@ class Curve:
     columns: dict[str, np.ndarray]
 
 
-def curves(spec: Spec) -> list[Curve]:
+def curves(spec: Spec) -> list[ExportedCurve]:
     """All traces of a figure with columns x, y and, where drawn, error, x_error and z."""
     layout = spec["layout"]
     return [
-        Curve(_name(trace), (_title(layout, trace, "x"), _title(layout, trace, "y")), found)
+        ExportedCurve(_name(trace), (_title(layout, trace, "x"), _title(layout, trace, "y")), found)
         for trace in spec["data"]
         if (found := _columns(trace, layout))
     ]

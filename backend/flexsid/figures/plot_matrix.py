@@ -103,8 +103,8 @@ def _cross_plot(
     col: int,
     x: np.ndarray,
     y: np.ndarray,
-    of_x: quantities.Quantity,
-    of_y: quantities.Quantity,
+    of_x: quantities.DisplayQuantity,
+    of_y: quantities.DisplayQuantity,
 ) -> Spec:
     return {
         "type": "scatter",
@@ -122,7 +122,7 @@ def _cross_plot(
     }
 
 
-def _name(quantity: quantities.Quantity, centre: tuple[float, float], size: int) -> Spec:
+def _name(quantity: quantities.DisplayQuantity, centre: tuple[float, float], size: int) -> Spec:
     return _text(f"<b>{quantity.label}</b><br>[{quantity.unit}]", centre, {"size": size})
 
 

@@ -9,7 +9,7 @@ from flexsid.nomenclature import describe
 
 
 @dataclass(frozen=True, slots=True)
-class Quantity:
+class DisplayQuantity:
     """How a number is written: ``shown = factor * SI``."""
 
     label: str
@@ -22,21 +22,21 @@ class Quantity:
         return f"{self.label}<br>[{self.unit}]"
 
 
-def of_channel(name: str, unit: str = "") -> Quantity:
+def of_channel(name: str, unit: str = "") -> DisplayQuantity:
     """Quantity of a channel whose values have this SI unit."""
     symbol = describe(name, unit)
-    return Quantity(symbol.html, symbol.display_unit or "1", symbol.display_factor)
+    return DisplayQuantity(symbol.html, symbol.display_unit or "1", symbol.display_factor)
 
 
-def transform(quantity: Quantity) -> Quantity:
+def transform(quantity: DisplayQuantity) -> DisplayQuantity:
     """Magnitude of the finite Fourier transform of a quantity."""
     unit = "s" if quantity.unit == "1" else f"{quantity.unit} s"
-    return Quantity(f"|{quantity.label}|", unit, quantity.factor)
+    return DisplayQuantity(f"|{quantity.label}|", unit, quantity.factor)
 
 
-def ratio(output: Quantity, over: Quantity) -> Quantity:
+def ratio(output: DisplayQuantity, over: DisplayQuantity) -> DisplayQuantity:
     """Magnitude of output over input."""
-    return Quantity(
+    return DisplayQuantity(
         f"|{output.label}/{over.label}|",
         per(output.unit, over.unit),
         output.factor / over.factor,

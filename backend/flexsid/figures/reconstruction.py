@@ -92,12 +92,12 @@ def _meta(value: Reconstruction, count: int) -> Spec:
     }
 
 
-def _heading(quantity: quantities.Quantity) -> str:
+def _heading(quantity: quantities.DisplayQuantity) -> str:
     return quantity.label if quantity.unit == "1" else quantity.title
 
 
 def _in_time(
-    time_s: np.ndarray, trace: ReconstructedTrace, quantity: quantities.Quantity, number: int
+    time_s: np.ndarray, trace: ReconstructedTrace, quantity: quantities.DisplayQuantity, number: int
 ) -> list[Spec]:
     kept = thinned(time_s, trace.values, _POINTS)
     at, values = time_s[kept], trace.values[kept] * quantity.factor
@@ -132,7 +132,10 @@ def _in_time(
 
 
 def _at_lines(
-    frequency_hz: np.ndarray, trace: ReconstructedTrace, quantity: quantities.Quantity, number: int
+    frequency_hz: np.ndarray,
+    trace: ReconstructedTrace,
+    quantity: quantities.DisplayQuantity,
+    number: int,
 ) -> Spec:
     return {
         "type": "scatter",

@@ -36,7 +36,7 @@ def spectrum(value: Spectra) -> Spec:
     return {"data": data, "layout": layout}
 
 
-def _background(value: Spectra, index: int, quantity: quantities.Quantity) -> list[Spec]:
+def _background(value: Spectra, index: int, quantity: quantities.DisplayQuantity) -> list[Spec]:
     """The whole spectrum up to the Nyquist frequency, behind the lines."""
     if value.background is None or value.background_hz is None:
         return []
@@ -58,7 +58,7 @@ def _background(value: Spectra, index: int, quantity: quantities.Quantity) -> li
     ]
 
 
-def _noise(value: Spectra, index: int, quantity: quantities.Quantity) -> list[Spec]:
+def _noise(value: Spectra, index: int, quantity: quantities.DisplayQuantity) -> list[Spec]:
     if value.noise is None:
         return []
     return [
@@ -100,7 +100,7 @@ def _signal_to_noise(value: Spectra, own: np.ndarray, index: int) -> list[str]:
     return [f"SNR {level:.0f} dB" if np.isfinite(level) else "" for level in decibel]
 
 
-def _row(value: Spectra, index: int, quantity: quantities.Quantity) -> list[Spec]:
+def _row(value: Spectra, index: int, quantity: quantities.DisplayQuantity) -> list[Spec]:
     styles = {**style.of_inputs(value.inputs), "": (style.GREY, "circle-open")}
     owners = np.array(value.owners)
     return [
@@ -113,7 +113,7 @@ def _row(value: Spectra, index: int, quantity: quantities.Quantity) -> list[Spec
 def _lines(
     value: Spectra,
     index: int,
-    quantity: quantities.Quantity,
+    quantity: quantities.DisplayQuantity,
     owner: str,
     own: np.ndarray,
     look: tuple[str, str],

@@ -42,7 +42,7 @@ def _line(
     samples: np.ndarray,
     name: str,
     colour: str,
-    quantity: quantities.Quantity,
+    quantity: quantities.DisplayQuantity,
     number: int,
     points: int,
 ) -> Spec:

@@ -43,7 +43,9 @@ def time_history(value: ChannelHistories) -> Spec:
     return {"data": data, "layout": layout}
 
 
-def _trace(trace: ChannelTrace, quantity: quantities.Quantity, row: str, points: int) -> Spec:
+def _trace(
+    trace: ChannelTrace, quantity: quantities.DisplayQuantity, row: str, points: int
+) -> Spec:
     kept = thinned(trace.time_s, trace.values, points)
     return {
         "type": "scatter",

@@ -7,7 +7,7 @@ from itertools import pairwise
 from math import pi
 
 from flexsid.importers.quantity import refuse
-from flexsid.importers.table import Table
+from flexsid.importers.table import MappingTable
 from flexsid.records.aircraft import (
     Aircraft,
     Combination,
@@ -44,7 +44,7 @@ class AircraftPart:
     definition: Aircraft | None = None
 
 
-def read_aircraft(table: Table) -> AircraftPart:
+def read_aircraft(table: MappingTable) -> AircraftPart:
     """Read ``name``, ``builtin``, or ``name`` with geometry, mass, surfaces and sensors."""
     if "builtin" in table:
         part = AircraftPart(name=table.text("builtin"), builtin=True)
@@ -57,7 +57,7 @@ def read_aircraft(table: Table) -> AircraftPart:
     return part
 
 
-def _definition(table: Table) -> Aircraft:
+def _definition(table: MappingTable) -> Aircraft:
     instruments = _instruments(table)
     sensors = tuple(_sensor(row, instruments) for row in table.tables("sensors"))
     aircraft = Aircraft(
@@ -82,7 +82,7 @@ def _definition(table: Table) -> Aircraft:
     return aircraft
 
 
-def _geometry(table: Table) -> Geometry:
+def _geometry(table: MappingTable) -> Geometry:
     geometry = Geometry(
         area_m2=table.si_scalar("area", "area"),
         chord_m=table.si_scalar("chord", "length"),
@@ -94,7 +94,7 @@ def _geometry(table: Table) -> Geometry:
     return geometry
 
 
-def _mass(table: Table) -> MassTable:
+def _mass(table: MappingTable) -> MassTable:
     fuel = table.numbers("fuel")
     mass = MassTable(
         fuel=fuel,
@@ -116,7 +116,7 @@ def _mass(table: Table) -> MassTable:
     return mass
 
 
-def _surface(table: Table, instruments: dict[str, Instrument]) -> Surface:
+def _surface(table: MappingTable, instruments: dict[str, Instrument]) -> Surface:
     surface = Surface(
         name=table.label("name"),
         instrument=_instrument_name(table, "instrument", instruments),
@@ -129,7 +129,7 @@ def _surface(table: Table, instruments: dict[str, Instrument]) -> Surface:
     return surface
 
 
-def _symmetry(table: Table) -> SurfaceSymmetry | None:
+def _symmetry(table: MappingTable) -> SurfaceSymmetry | None:
     if "symmetry" not in table:
         return None
     choices: tuple[SurfaceSymmetry, ...] = ("symmetric", "antisymmetric", "single")
@@ -137,7 +137,7 @@ def _symmetry(table: Table) -> SurfaceSymmetry | None:
     return next(choice for choice in choices if choice == found)
 
 
-def _sensor(table: Table, instruments: dict[str, Instrument]) -> Sensor:
+def _sensor(table: MappingTable, instruments: dict[str, Instrument]) -> Sensor:
     name = table.label("name")
     kind = SensorKind(table.choice("kind", tuple(kind.value for kind in SensorKind)))
     location = table.si("location", "length") if "location" in table else (0.0, 0.0, 0.0)
@@ -163,7 +163,9 @@ def _sensor(table: Table, instruments: dict[str, Instrument]) -> Sensor:
     return sensor
 
 
-def _instrument_name(table: Table, key: str, instruments: dict[str, Instrument]) -> str | None:
+def _instrument_name(
+    table: MappingTable, key: str, instruments: dict[str, Instrument]
+) -> str | None:
     name = table.optional_text(key)
     if name is not None and name not in instruments:
         known = ", ".join(instruments) or "none"
@@ -171,7 +173,7 @@ def _instrument_name(table: Table, key: str, instruments: dict[str, Instrument])
     return name
 
 
-def _pairs(table: Table, sensors: tuple[Sensor, ...]) -> tuple[Combination, ...]:
+def _pairs(table: MappingTable, sensors: tuple[Sensor, ...]) -> tuple[Combination, ...]:
     """Make the parts of every left and right pair that ``pairs`` asks for, by its sign rule."""
     wanted = table.texts("pairs") if "pairs" in table else ()
     known = {sensor.name: sensor for sensor in sensors}
@@ -191,7 +193,7 @@ def _pairs(table: Table, sensors: tuple[Sensor, ...]) -> tuple[Combination, ...]
     return tuple(found)
 
 
-def _combination(table: Table) -> Combination:
+def _combination(table: MappingTable) -> Combination:
     weights = table.table("terms")
     combination = Combination(
         name=table.label("name"),
@@ -201,14 +203,14 @@ def _combination(table: Table) -> Combination:
     return combination
 
 
-def _instruments(table: Table) -> dict[str, Instrument]:
+def _instruments(table: MappingTable) -> dict[str, Instrument]:
     if "instruments" not in table:
         return {}
     rows = table.table("instruments")
     return {name: _instrument(rows.table(name)) for name in rows.names()}
 
 
-def _instrument(table: Table) -> Instrument:
+def _instrument(table: MappingTable) -> Instrument:
     instrument = Instrument(
         elements=tuple(_element(row) for row in table.tables("elements")),
         delay_s=table.si_scalar("delay", "time") if "delay" in table else 0.0,
@@ -217,7 +219,7 @@ def _instrument(table: Table) -> Instrument:
     return instrument
 
 
-def _element(table: Table) -> Element:
+def _element(table: MappingTable) -> Element:
     kind = table.choice("type", ("first-order", "second-order", "butterworth"))
     element: Element
     if kind == "first-order":
@@ -233,13 +235,13 @@ def _element(table: Table) -> Element:
     return element
 
 
-def _angular(table: Table, key: str) -> float:
+def _angular(table: MappingTable, key: str) -> float:
     if table.table(key).text("unit") == "Hz":
         return 2.0 * pi * table.si_scalar(key, "frequency")
     return table.si_scalar(key, "angular rate")
 
 
-def _polar(table: Table) -> DragPolar:
+def _polar(table: MappingTable) -> DragPolar:
     polar = DragPolar(
         cd_min=table.number("cd_min"),
         oswald=table.number("oswald"),
@@ -250,7 +252,7 @@ def _polar(table: Table) -> DragPolar:
     return polar
 
 
-def _flutter(table: Table) -> FlutterTable:
+def _flutter(table: MappingTable) -> FlutterTable:
     flutter = FlutterTable(fuel=table.numbers("fuel"), speed_m_s=table.si("speed", "speed"))
     table.close()
     if len(flutter.fuel) != len(flutter.speed_m_s) or not flutter.fuel:
@@ -258,7 +260,7 @@ def _flutter(table: Table) -> FlutterTable:
     return flutter
 
 
-def _thrust(table: Table) -> ThrustTable:
+def _thrust(table: MappingTable) -> ThrustTable:
     """Thrust of one engine, row by row of rotation speed."""
     speeds = table.si("engine_speed", "angular rate")
     warmth = (

@@ -12,8 +12,8 @@ from flexsid.errors import BadInput
 from flexsid.importers.clock import Clock, Timing
 from flexsid.importers.plausibility import DOUBTS
 from flexsid.importers.quantity import refuse
-from flexsid.importers.source import Source, Sources
-from flexsid.importers.table import Table
+from flexsid.importers.source import SourceFile, Sources
+from flexsid.importers.table import MappingTable
 from flexsid.records.maneuver import Role
 from flexsid.text import check_line, one_line
 
@@ -54,7 +54,7 @@ class RawChannel:
     samples: np.ndarray
     clock: Clock
     field: str
-    source: Source
+    source: SourceFile
     rule: str = ""
     """The table of the mapping that made it, such as ``channels[2]``."""
 
@@ -73,7 +73,7 @@ class RawChannel:
         return replace(self, samples=self.samples[window], clock=clock)
 
 
-def read_channel(table: Table) -> ChannelRule:
+def read_channel(table: MappingTable) -> ChannelRule:
     """Read one ``[[channels]]`` entry."""
     array = table.optional_text("array")
     labels: str | tuple[str, ...] | None = None
@@ -115,7 +115,7 @@ def read_channel(table: Table) -> ChannelRule:
     return rule
 
 
-def _is_text(table: Table, key: str) -> bool:
+def _is_text(table: MappingTable, key: str) -> bool:
     try:
         table.text(key)
     except BadInput:
@@ -123,7 +123,7 @@ def _is_text(table: Table, key: str) -> bool:
     return True
 
 
-def _units(table: Table) -> tuple[tuple[str, str], ...]:
+def _units(table: MappingTable) -> tuple[tuple[str, str], ...]:
     if table.is_table("unit"):
         rows = table.table("unit")
         pairs = tuple((pattern, rows.text(pattern)) for pattern in rows.names())
@@ -228,7 +228,7 @@ def _channel(
     name: str,
     label: str,
     samples: np.ndarray,
-    source: Source,
+    source: SourceFile,
     timing: Timing,
 ) -> RawChannel:
     clock = timing.clock(source, str(rule.array or label), label, samples.size, rule.clock)

@@ -9,9 +9,9 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput, UnreadableFile
-from flexsid.importers.quantity import Quantity, refuse, scalar
-from flexsid.importers.source import Source, Sources
-from flexsid.importers.table import Table
+from flexsid.importers.quantity import MappedQuantity, refuse, scalar
+from flexsid.importers.source import SourceFile, Sources
+from flexsid.importers.table import MappingTable
 
 POSSIBLE_RATES_HZ = (1e-4, 1e8)
 USUAL_RATES_HZ = (2.0, 5000.0)
@@ -42,7 +42,7 @@ class TimeRule:
 
     column: str | None
     unit: str = "s"
-    rate: Quantity | None = None
+    rate: MappedQuantity | None = None
     start_s: float = 0.0
     offset_s: float = 0.0
     confirmed: tuple[str, ...] = ()
@@ -74,7 +74,7 @@ class Clock:
         return slice(first, max(first, last))
 
 
-def read_time(table: Table) -> TimeRule:
+def read_time(table: MappingTable) -> TimeRule:
     """Read ``column`` and ``unit``, or ``rate`` and ``start``."""
     offset = table.si_scalar("offset", "time") if "offset" in table else 0.0
     confirmed = table.texts("confirmed") if "confirmed" in table else ()
@@ -100,7 +100,7 @@ def read_time(table: Table) -> TimeRule:
     return rule
 
 
-def read_clocks(tables: tuple[Table, ...]) -> dict[str, TimeRule]:
+def read_clocks(tables: tuple[MappingTable, ...]) -> dict[str, TimeRule]:
     """Read ``[[clocks]]``: further time bases, by name."""
     clocks: dict[str, TimeRule] = {}
     for table in tables:
@@ -125,7 +125,7 @@ class Timing:
     sources: Sources
     _known: dict[tuple[TimeRule, str], Clock] = field(default_factory=dict)
 
-    def clock(self, source: Source, path: str, label: str, n: int, name: str | None) -> Clock:
+    def clock(self, source: SourceFile, path: str, label: str, n: int, name: str | None) -> Clock:
         """Find the time base of a field with ``n`` samples.
 
         Raises
@@ -154,7 +154,7 @@ class Timing:
             )
         return found
 
-    def _rule(self, source: Source, path: str, name: str | None) -> TimeRule:
+    def _rule(self, source: SourceFile, path: str, name: str | None) -> TimeRule:
         if name is not None:
             if name not in self.named:
                 known = ", ".join(self.named) or "none"
@@ -172,7 +172,7 @@ class Timing:
         return self.default
 
 
-def _extract(rule: TimeRule, source: Source | None, sources: Sources, n_samples: int) -> Clock:
+def _extract(rule: TimeRule, source: SourceFile | None, sources: Sources, n_samples: int) -> Clock:
     if rule.column is None or source is None:
         rate = 0.0 if rule.rate is None else scalar(rule.rate, sources)
         if rate <= 0:
@@ -262,7 +262,9 @@ def find_resolution(stamps: np.ndarray) -> float | None:
     return resolution if exact.all() and resolution > STEP_TOLERANCE * usual else None
 
 
-def _rounded(rule: TimeRule, source: Source, stamps: np.ndarray, resolution: float) -> Clock | None:
+def _rounded(
+    rule: TimeRule, source: SourceFile, stamps: np.ndarray, resolution: float
+) -> Clock | None:
     """Clock behind rounded time stamps; None where no rate explains every stamp.
 
     Notes
@@ -350,7 +352,7 @@ def _find_missing(stamps: np.ndarray, resolution: float, rate: float) -> int | N
     return int(first[odd[0]])
 
 
-def _are_repeated(source: Source, stands: np.ndarray, n: int) -> bool:
+def _are_repeated(source: SourceFile, stands: np.ndarray, n: int) -> bool:
     """Return whether every row whose time stands still repeats the row before it."""
     columns = [values for values in map(np.squeeze, source.arrays.values()) if values.shape == (n,)]
     return len(columns) > 1 and all(
@@ -359,7 +361,7 @@ def _are_repeated(source: Source, stands: np.ndarray, n: int) -> bool:
 
 
 def _not_uniform(
-    source: Source, rule: TimeRule, place: int, step: float, usual: float
+    source: SourceFile, rule: TimeRule, place: int, step: float, usual: float
 ) -> UnreadableFile:
     row = source.first_row + place
     return UnreadableFile(
@@ -374,7 +376,7 @@ def _not_uniform(
 
 def _clock(
     rule: TimeRule,
-    source: Source,
+    source: SourceFile,
     stamps: np.ndarray,
     rate: float,
     resolution: float | None = None,

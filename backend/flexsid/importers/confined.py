@@ -26,7 +26,7 @@ import numpy as np
 import flexsid
 from flexsid.errors import UnreadableFile
 from flexsid.importers.reading import MANIFEST, MEMORY, SAMPLES
-from flexsid.importers.source import Source, Sources
+from flexsid.importers.source import SourceFile, Sources
 from flexsid.text import check_line, one_line
 
 SECONDS = 10.0
@@ -94,7 +94,7 @@ def load(folder: Path) -> Sources:
         raw = b"" if empty else mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
     return Sources(
         tuple(
-            Source(
+            SourceFile(
                 name=source["name"],
                 sha256=source["sha256"],
                 first_row=source["first_row"],

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from flexsid.importers.quantity import Quantity, refuse, scalar
+from flexsid.importers.quantity import MappedQuantity, refuse, scalar
 from flexsid.importers.source import Sources
-from flexsid.importers.table import Table
+from flexsid.importers.table import MappingTable
 from flexsid.records.maneuver import Excitation
 
 _MOST_LINES = 10_000
@@ -19,21 +19,21 @@ class Interleaving:
 
     order: str | tuple[str, ...]
     name: str
-    first: Quantity
-    per_input: Quantity
+    first: MappedQuantity
+    per_input: MappedQuantity
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExcitationPart:
     """Harmonics per input, listed or interleaved (Eq. 4)."""
 
-    period: Quantity
+    period: MappedQuantity
     start_s: float
     n_periods: int
     harmonics: tuple[tuple[str, tuple[int, ...]], ...] | Interleaving
 
 
-def read_excitation(table: Table) -> ExcitationPart:
+def read_excitation(table: MappingTable) -> ExcitationPart:
     """Read ``harmonics`` by input, or ``order`` with ``first`` and ``per_input``."""
     harmonics: tuple[tuple[str, tuple[int, ...]], ...] | Interleaving
     if "harmonics" in table:
@@ -51,7 +51,7 @@ def read_excitation(table: Table) -> ExcitationPart:
     return part
 
 
-def _interleaving(table: Table) -> Interleaving:
+def _interleaving(table: MappingTable) -> Interleaving:
     order: str | tuple[str, ...]
     name = "{label}"
     if table.is_table("order"):

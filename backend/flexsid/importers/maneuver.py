@@ -15,9 +15,9 @@ from flexsid.errors import BadInput
 from flexsid.importers.channels import ChannelRule, RawChannel, extract_channels
 from flexsid.importers.clock import TimeRule, Timing
 from flexsid.importers.excitation import ExcitationPart, extract_excitation, read_excitation
-from flexsid.importers.quantity import Quantity, refuse, scalar
+from flexsid.importers.quantity import MappedQuantity, refuse, scalar
 from flexsid.importers.source import Sources
-from flexsid.importers.table import Table
+from flexsid.importers.table import MappingTable
 from flexsid.records.maneuver import Excitation, Role
 from flexsid.text import check_line
 
@@ -51,7 +51,7 @@ class ManeuverPart:
     """What a maneuver is called, when it was flown, at which condition."""
 
     label: str
-    condition: Mapping[str, Quantity]
+    condition: Mapping[str, MappedQuantity]
     excitation: ExcitationPart | None = None
     fta: int | None = None
     fta_field: str | None = None
@@ -91,7 +91,7 @@ class RawManeuver:
     source_hash: str
 
 
-def read_flight(table: Table) -> FlightPart:
+def read_flight(table: MappingTable) -> FlightPart:
     """Read ``number``, ``date`` and ``description``."""
     day = table.optional_text("date")
     try:
@@ -107,7 +107,7 @@ def read_flight(table: Table) -> FlightPart:
     return part
 
 
-def read_maneuver(table: Table, excitation: Table | None) -> ManeuverPart:
+def read_maneuver(table: MappingTable, excitation: MappingTable | None) -> ManeuverPart:
     """Read the maneuver's own keys and its ``condition``."""
     condition = table.table("condition")
     quantities = {
@@ -152,7 +152,7 @@ def read_maneuver(table: Table, excitation: Table | None) -> ManeuverPart:
     return part
 
 
-def _number(table: Table, key: str) -> float:
+def _number(table: MappingTable, key: str) -> float:
     try:
         return float(key)
     except ValueError as error:
@@ -245,7 +245,9 @@ def origin(channels: tuple[RawChannel, ...]) -> tuple[str, str]:
     return ", ".join(used.values()), digests[0] if len(digests) == 1 else joined
 
 
-def _average(quantity: Quantity, sources: Sources, timing: Timing, part: ManeuverPart) -> float:
+def _average(
+    quantity: MappedQuantity, sources: Sources, timing: Timing, part: ManeuverPart
+) -> float:
     """One number in SI; a recorded channel is averaged over the maneuver."""
     if quantity.field is None or (values := sources.numbers(quantity.field)).size == 1:
         return scalar(quantity, sources)

@@ -24,7 +24,7 @@ from flexsid.importers.modal_table import ModalPart, read_modal_table
 from flexsid.importers.predictions import PredictionPart, read_prediction
 from flexsid.importers.quantity import refuse
 from flexsid.importers.source import Sources
-from flexsid.importers.table import Guessed, Table
+from flexsid.importers.table import Guessed, MappingTable
 
 _KNOWN = Path(__file__).parent / "known"
 _LARGEST_MAPPING = 1024 * 1024
@@ -58,7 +58,7 @@ def parse_mapping(text: str) -> Mapping:
         content = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise BadInput(f"The mapping is not valid TOML: {error}.", code="bad-mapping") from error
-    table = Table(content)
+    table = MappingTable(content)
     mapping = Mapping(
         aircraft=read_aircraft(table.table("aircraft")) if "aircraft" in table else None,
         flight=read_flight(table.table("flight")) if "flight" in table else None,
@@ -78,7 +78,7 @@ def parse_mapping(text: str) -> Mapping:
     return mapping
 
 
-def _recording(table: Table) -> RecordingPart | None:
+def _recording(table: MappingTable) -> RecordingPart | None:
     channels = tuple(read_channel(row) for row in table.tables("channels"))
     if not channels:
         for key in ("time", "clocks"):
@@ -92,7 +92,7 @@ def _recording(table: Table) -> RecordingPart | None:
     )
 
 
-def _maneuver(table: Table) -> ManeuverPart | None:
+def _maneuver(table: MappingTable) -> ManeuverPart | None:
     if "maneuver" not in table:
         if "excitation" in table:
             raise refuse("maneuver", "is missing although there is 'excitation'.")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexsid.importers.source import Source
+from flexsid.importers.source import SourceFile
 from flexsid.text import one_line
 
 EXACT = "FLEXSID MODE"
@@ -123,7 +123,7 @@ def write_csv(modes: WrittenModes) -> Iterator[str]:
         )
 
 
-def modes_of_csv(source: Source) -> Source:
+def modes_of_csv(source: SourceFile) -> SourceFile:
     """Give a table with the columns of ``write_csv`` the fields of a structure."""
     found = source.arrays
     if not {"mode", "node", "frequency_hz", *CSV_COLUMNS[5:11]} <= set(found):
@@ -154,4 +154,4 @@ def modes_of_csv(source: Source) -> Source:
     for name, column in (("damping", "damping"), ("mass", "mass_kg_m2")):
         if column in columns:
             fields[f"shape/{name}"] = columns[column][first]
-    return Source(name=source.name, sha256=source.sha256, arrays=fields)
+    return SourceFile(name=source.name, sha256=source.sha256, arrays=fields)

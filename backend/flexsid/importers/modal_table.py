@@ -9,9 +9,9 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
-from flexsid.importers.quantity import Quantity, refuse
+from flexsid.importers.quantity import MappedQuantity, refuse
 from flexsid.importers.source import Sources
-from flexsid.importers.table import Table
+from flexsid.importers.table import MappingTable
 from flexsid.records.modal_table import ModalKind
 
 _AFT_RIGHT_UP = np.array([-1.0, 1.0, -1.0])
@@ -47,9 +47,9 @@ class ModalPart:
     numbers: tuple[int, ...]
     names: tuple[str, ...]
     symmetric: tuple[bool, ...]
-    frequency: Quantity | None
-    damping: Quantity | None
-    mass: Quantity | None
+    frequency: MappedQuantity | None
+    damping: MappedQuantity | None
+    mass: MappedQuantity | None
     first: int
     shape: ShapePart | None
     origin: str
@@ -70,7 +70,7 @@ class RawModalTable:
     origin: str
 
 
-def read_modal_table(table: Table) -> ModalPart:
+def read_modal_table(table: MappingTable) -> ModalPart:
     """Read names, frequencies, damping, generalised masses and shapes."""
     numbers = table.integers("numbers")
     part = ModalPart(
@@ -99,14 +99,14 @@ def read_modal_table(table: Table) -> ModalPart:
     return part
 
 
-def _frequency(table: Table) -> Quantity | None:
+def _frequency(table: MappingTable) -> MappedQuantity | None:
     if "frequency" not in table:
         return None
     in_hz = table.table("frequency").text("unit") == "Hz"
     return table.quantity("frequency", "frequency" if in_hz else "angular rate")
 
 
-def _read_shape(table: Table) -> ShapePart:
+def _read_shape(table: MappingTable) -> ShapePart:
     points = table.table("points")
     part = ShapePart(
         field=table.text("field"),
@@ -173,7 +173,7 @@ def extract_modal_table(part: ModalPart, sources: Sources) -> RawModalTable:
     )
 
 
-def _per_mode(quantity: Quantity, part: ModalPart, sources: Sources) -> np.ndarray:
+def _per_mode(quantity: MappedQuantity, part: ModalPart, sources: Sources) -> np.ndarray:
     n_modes = len(part.numbers)
     if quantity.field is None:
         values = np.asarray(quantity.values, dtype=np.float64)

@@ -9,7 +9,7 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.importers.quantity import refuse
 from flexsid.importers.source import Sources
-from flexsid.importers.table import Table
+from flexsid.importers.table import MappingTable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,7 +50,7 @@ class RawPrediction:
     note: str
 
 
-def read_prediction(table: Table) -> PredictionPart:
+def read_prediction(table: MappingTable) -> PredictionPart:
     """Read one ``[[predictions]]`` entry with its ``terms``."""
     part = PredictionPart(
         source=table.label("source"),
@@ -67,7 +67,7 @@ def read_prediction(table: Table) -> PredictionPart:
     return part
 
 
-def _read_term(table: Table) -> TermPart:
+def _read_term(table: MappingTable) -> TermPart:
     term = TermPart(
         field=table.text("field"),
         coefficients=table.texts("coefficients"),

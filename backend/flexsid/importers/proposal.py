@@ -21,7 +21,7 @@ from flexsid.importers.recognised import (
     recognise_time,
     recognise_time_unit,
 )
-from flexsid.importers.source import Source, Sources
+from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.maneuver import Role
 from flexsid.units import is_known
 
@@ -112,7 +112,7 @@ def find_time(sources: Sources, columns: list[Column]) -> dict[str, str]:
     return found
 
 
-def _columns(source: Source) -> list[Column]:
+def _columns(source: SourceFile) -> list[Column]:
     found: list[Column] = []
     for path, values in source.arrays.items():
         if values.dtype.kind not in "biuf" or values.size < 2:

@@ -15,7 +15,7 @@ def refuse(path: str, problem: str) -> BadInput:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Quantity:
+class MappedQuantity:
     """One number, or several, with a unit: written down, or named as a field of the file."""
 
     unit: str
@@ -24,7 +24,7 @@ class Quantity:
     path: str = ""
 
 
-def scalar(quantity: Quantity, sources: Sources) -> float:
+def scalar(quantity: MappedQuantity, sources: Sources) -> float:
     """Give one number in SI, written down or the only number of a field."""
     if quantity.field is not None:
         value = float(units.to_si(sources.scalar(quantity.field), quantity.unit))

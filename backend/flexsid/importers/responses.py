@@ -13,7 +13,7 @@ from flexsid.importers.modal_data.axes import axes_of
 from flexsid.importers.modal_data.nodes import frames_of
 from flexsid.importers.modal_data.units import length_of
 from flexsid.importers.modal_data.unused import unused
-from flexsid.importers.source import Source, Sources
+from flexsid.importers.source import SourceFile, Sources
 
 QUANTITIES = {"length": "displacement", "speed": "velocity", "acceleration": "acceleration"}
 _QUANTITY_CODES = {"length": (8,), "speed": (11,), "acceleration": (12,)}
@@ -126,7 +126,7 @@ def _label(point: tuple[int, int]) -> str:
     return f"{point[0]}+{_AXES[point[1]]}"
 
 
-def _check_quantities(source: Source, dimension: str, answers: ResponseAnswers) -> None:
+def _check_quantities(source: SourceFile, dimension: str, answers: ResponseAnswers) -> None:
     """Refuse responses that the file says are of another quantity, or not per force."""
     expected = _QUANTITY_CODES[dimension]
     for name, allowed, what in (
@@ -160,7 +160,7 @@ def _check_quantities(source: Source, dimension: str, answers: ResponseAnswers) 
 
 
 def _matrix(
-    files: Sequence[Source],
+    files: Sequence[SourceFile],
 ) -> tuple[list[tuple[int, int]], list[tuple[int, int]], np.ndarray, list[str]]:
     known: dict[tuple[tuple[int, int], tuple[int, int]], np.ndarray] = {}
     left_out = 0

@@ -37,7 +37,7 @@ class Content(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Source:
+class SourceFile:
     """Named arrays of one file; text arrays keep their text.
 
     ``units`` and ``clocks`` hold what the file itself says of a field: its unit,
@@ -74,13 +74,13 @@ class Source:
 class Sources:
     """The files of one import, searched together."""
 
-    items: tuple[Source, ...]
+    items: tuple[SourceFile, ...]
 
     def has(self, field: str) -> bool:
         """Tell whether some file holds this field."""
         return any(field in source.arrays for source in self.items)
 
-    def find(self, path: str) -> tuple[Source, np.ndarray]:
+    def find(self, path: str) -> tuple[SourceFile, np.ndarray]:
         """Find a field; ``file.mat:path`` says which file where several hold it.
 
         ``fdata(3)`` is the third column of a matrix.

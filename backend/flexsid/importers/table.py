@@ -11,7 +11,7 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
-from flexsid.importers.quantity import Quantity, refuse
+from flexsid.importers.quantity import MappedQuantity, refuse
 from flexsid.text import LONGEST_FIELD, LONGEST_NAME, LONGEST_NOTE, check_line, check_lines
 
 _LARGEST_INTEGER = 2**31 - 1
@@ -26,7 +26,7 @@ class Guessed:
     value: object
 
 
-class Table:
+class MappingTable:
     """Read keys one after the other; ``close`` refuses those that nobody asked for.
 
     Any table may name, as ``guessed = ["unit"]``, keys that a program proposed: they are
@@ -141,14 +141,14 @@ class Table:
             raise refuse(self.path(key), "must hold true and false only.")
         return tuple(cast("list[bool]", values))
 
-    def table(self, key: str) -> Table:
+    def table(self, key: str) -> MappingTable:
         """Read a table below this one."""
         value = self._get(key, "a table")
         if not isinstance(value, dict):
             raise refuse(self.path(key), f"must be a table, found {value!r}.")
-        return Table(cast("dict[str, object]", value), self.path(key), self.guesses)
+        return MappingTable(cast("dict[str, object]", value), self.path(key), self.guesses)
 
-    def tables(self, key: str) -> tuple[Table, ...]:
+    def tables(self, key: str) -> tuple[MappingTable, ...]:
         """Read an array of tables; left out, it is empty."""
         if key not in self._values:
             return ()
@@ -157,7 +157,7 @@ class Table:
             raise refuse(self.path(key), "must be an array of tables, written [[...]].")
         rows = cast("list[dict[str, object]]", values)
         return tuple(
-            Table(row, f"{self.path(key)}[{number}]", self.guesses)
+            MappingTable(row, f"{self.path(key)}[{number}]", self.guesses)
             for number, row in enumerate(rows, 1)
         )
 
@@ -172,7 +172,7 @@ class Table:
         """Tell whether the key holds a table."""
         return isinstance(self._values.get(key), dict)
 
-    def quantity(self, key: str, dimension: str) -> Quantity:
+    def quantity(self, key: str, dimension: str) -> MappedQuantity:
         """Read ``{value, unit}``, ``{values, unit}`` or ``{field, unit}``."""
         table = self.table(key)
         unit = table.text("unit", "1" if dimension == "number" else None)
@@ -189,13 +189,15 @@ class Table:
                 table.path("unit"), f"measures {found}, but {dimension} is expected: '{unit}'."
             )
         if "field" in table:
-            quantity = Quantity(unit=unit, field=table.text("field"), path=table.path("field"))
+            quantity = MappedQuantity(
+                unit=unit, field=table.text("field"), path=table.path("field")
+            )
         elif "values" in table:
-            quantity = Quantity(
+            quantity = MappedQuantity(
                 unit=unit, values=table.numbers("values"), path=table.path("values")
             )
         else:
-            quantity = Quantity(
+            quantity = MappedQuantity(
                 unit=unit, values=(table.number("value"),), path=table.path("value")
             )
         table.close()
@@ -206,7 +208,7 @@ class Table:
                 raise refuse(quantity.path, f"holds {error.message}") from error
         return quantity
 
-    def optional_quantity(self, key: str, dimension: str) -> Quantity | None:
+    def optional_quantity(self, key: str, dimension: str) -> MappedQuantity | None:
         """Read a quantity that may be left out."""
         return self.quantity(key, dimension) if key in self._values else None
 

@@ -18,7 +18,17 @@ from typing import Any
 
 from flexsid.errors import FlexsidError
 from flexsid.jobs.child import Child
-from flexsid.jobs.news import Begun, Computed, Died, Failed, Key, Lost, News, Progressed, unexpected
+from flexsid.jobs.news import (
+    Begun,
+    ComputedMessage,
+    Died,
+    Failed,
+    Key,
+    Lost,
+    News,
+    Progressed,
+    unexpected,
+)
 from flexsid.jobs.worker import Compute
 from flexsid.records.run import Progress
 
@@ -248,7 +258,11 @@ def compute_in_child(compute: Compute, content: bytes, name: tuple[str, Key]) ->
             child.kill()
             return news
         _idle.append((compute, child))
-        return replace(news, worker=worker.address) if isinstance(news, Computed | Failed) else news
+        return (
+            replace(news, worker=worker.address)
+            if isinstance(news, ComputedMessage | Failed)
+            else news
+        )
 
 
 def _idle_child(compute: Compute) -> Child:

@@ -19,7 +19,17 @@ from typing import Any, Protocol
 
 from flexsid.errors import FlexsidError
 from flexsid.jobs.leadership import PATIENCE_S, Leadership
-from flexsid.jobs.news import Begun, Computed, Died, Failed, Key, Lost, News, Progressed, unexpected
+from flexsid.jobs.news import (
+    Begun,
+    ComputedMessage,
+    Died,
+    Failed,
+    Key,
+    Lost,
+    News,
+    Progressed,
+    unexpected,
+)
 from flexsid.jobs.place import short
 from flexsid.jobs.steps import Steps
 from flexsid.records.run import EstimationRun, Limits, Progress
@@ -287,7 +297,7 @@ class Dispatcher:
                 self._last_logged[key] = now
             self._last_logged.setdefault(key, now - _LOG_S / 2)
             return
-        if isinstance(news, Computed):
+        if isinstance(news, ComputedMessage):
             news = self._keep(key, news) or news
         if isinstance(news, Failed):
             if news.trace:
@@ -306,7 +316,7 @@ class Dispatcher:
             queue.put_back(self._store, run_id, attempt, news.why)
         self._forget(key)
 
-    def _keep(self, key: Key, news: Computed) -> Failed | None:
+    def _keep(self, key: Key, news: ComputedMessage) -> Failed | None:
         run_id, attempt = key
         try:
             self._steps.keep(self._store, run_id, attempt, news.outcome, news.worker)

@@ -25,7 +25,7 @@ class Progressed:
 
 
 @dataclass(frozen=True, slots=True)
-class Computed:
+class ComputedMessage:
     """A task is done, by this worker."""
 
     outcome: Any
@@ -56,7 +56,7 @@ class Lost:
     why: str
 
 
-News = Begun | Progressed | Computed | Failed | Died | Lost
+News = Begun | Progressed | ComputedMessage | Failed | Died | Lost
 
 
 def unexpected(error: BaseException) -> Failed:

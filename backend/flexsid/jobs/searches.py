@@ -13,7 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from flexsid.errors import Cancelled, FlexsidError
 from flexsid.jobs.local import LocalWorkers
-from flexsid.jobs.news import Computed, Died, Failed, Progressed, unexpected
+from flexsid.jobs.news import ComputedMessage, Died, Failed, Progressed, unexpected
 from flexsid.records.run import RunState
 from flexsid.records.search import SearchResult, StructureSearch
 from flexsid.storage.store import Store
@@ -76,7 +76,7 @@ class Searches:
             looked = time.monotonic()
             while waiting:
                 for _, news in workers.wait(_LOOK_S):
-                    if isinstance(news, Computed):
+                    if isinstance(news, ComputedMessage):
                         return news.outcome
                     if isinstance(news, Failed):
                         raise FlexsidError(news.message, code=news.code)

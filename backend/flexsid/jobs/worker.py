@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from flexsid.errors import FlexsidError
-from flexsid.jobs.news import Begun, Computed, Failed, News, Progressed, unexpected
+from flexsid.jobs.news import Begun, ComputedMessage, Failed, News, Progressed, unexpected
 from flexsid.records.run import Progress
 
 _NICE = 5  # whoever looks at a page comes before what is computed in the background
@@ -72,7 +72,7 @@ def carry_out(
 ) -> News:
     """Compute; whatever it raises becomes news."""
     try:
-        return Computed(compute(task, report), worker)
+        return ComputedMessage(compute(task, report), worker)
     except FlexsidError as error:
         return Failed(error.code, error.message, worker=worker)
     except MemoryError:

@@ -9,7 +9,7 @@ PREDICTED = "prediction"  # kind of the sources that were not estimated from fli
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Source:
+class ComparedSource:
     """One column of a comparison; ``kind`` is OE, FRE, EE or prediction.
 
     ``changed_since`` names data of a run that were corrected after it was computed.
@@ -93,7 +93,7 @@ class Setup:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
+class AgreementCount:
     """How many of the derivatives that can be judged agree within 2 combined standard errors.
 
     ``source`` is the key of the prediction that is judged against the runs; None of the runs
@@ -110,12 +110,12 @@ class Comparison:
     """Rows per derivative, columns per source; the runs' verdict, and one per prediction."""
 
     maneuver_ids: tuple[int, ...]
-    sources: tuple[Source, ...]
+    sources: tuple[ComparedSource, ...]
     rows: tuple[Row, ...]
     pairs: tuple[Pair, ...] = ()
     setup: tuple[Setup, ...] = ()
-    runs_verdict: Verdict = Verdict()
-    prediction_verdicts: tuple[Verdict, ...] = ()
+    runs_verdict: AgreementCount = AgreementCount()
+    prediction_verdicts: tuple[AgreementCount, ...] = ()
 
 
 class Against(StrEnum):

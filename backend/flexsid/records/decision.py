@@ -7,7 +7,7 @@ from datetime import datetime
 from enum import StrEnum
 
 
-class Quantity(StrEnum):
+class LimitedQuantity(StrEnum):
     """What a range of conditions can limit."""
 
     DYNAMIC_PRESSURE = "dynamic_pressure_pa"
@@ -17,7 +17,7 @@ class Quantity(StrEnum):
     ALPHA = "alpha_rad"
 
 
-Limits = dict[Quantity, tuple[float, float]]
+Limits = dict[LimitedQuantity, tuple[float, float]]
 """Closed intervals; a quantity that is not named is not limited."""
 
 
@@ -171,7 +171,7 @@ class FrozenFigure:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Look:
+class SeenEvents:
     """Up to where an analyst has seen what happened to a decision or a model structure."""
 
     analyst: str

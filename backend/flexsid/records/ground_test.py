@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 
-class Verdict(StrEnum):
+class GroundTestVerdict(StrEnum):
     """What a pair of ground records says of the structure."""
 
     HEALTHY = "healthy"  # what changed is what the fuel burnt explains
@@ -35,7 +35,7 @@ class PeakChange:
     amplitude_change: float | None
     amplitude_explained: float
     amplitude_std: float | None
-    verdict: Verdict
+    verdict: GroundTestVerdict
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,5 +49,5 @@ class GroundTest:
     fuel_before: float
     fuel_after: float
     peaks: tuple[PeakChange, ...]
-    verdict: Verdict
+    verdict: GroundTestVerdict
     message: str

@@ -107,7 +107,7 @@ class SensorRow:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Candidate:
+class SensorCandidate:
     """A place for a further accelerometer: what it would add, and whom it would help most."""
 
     node: int
@@ -132,7 +132,7 @@ class Observability:
     names: tuple[str, ...]
     rows: tuple[SensorRow, ...]
     std_error: tuple[float | None, ...]
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[SensorCandidate, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Prediction:
+class DerivativePrediction:
     """Derivatives by name against fuel; ``values`` is the hash of a (F, len(names)) array."""
 
     aircraft_id: int

@@ -9,7 +9,7 @@ from enum import StrEnum
 import numpy as np
 
 
-class Verdict(StrEnum):
+class QualityVerdict(StrEnum):
     """Whether a maneuver may be estimated from; ``unchecked`` where this cannot be concluded."""
 
     GOOD = "good"
@@ -19,10 +19,10 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+class QualityWarning:
     """One thing that an analyst should know; ``good`` is only information."""
 
-    severity: Verdict
+    severity: QualityVerdict
     about: str
     channel: str | None
     text: str
@@ -130,7 +130,7 @@ class QualityReport:
     channels: tuple[ChannelQuality, ...]
     condition: FlightConditionQuality
     inputs: tuple[InputPair, ...]
-    findings: tuple[Finding, ...]
+    findings: tuple[QualityWarning, ...]
     skew_reference: str | None
     skew_band_hz: tuple[float, float] | None
     not_checked: tuple[str, ...]
@@ -142,7 +142,7 @@ class ManeuverQuality:
 
     maneuver_id: int
     content_hash: str
-    verdict: Verdict
+    verdict: QualityVerdict
     summary: str
     figures: Figures
     report: QualityReport

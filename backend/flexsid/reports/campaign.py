@@ -6,9 +6,9 @@ from typing import Unpack
 
 from flexsid import figures
 from flexsid.errors import Conflict
-from flexsid.records.ground_test import Verdict
+from flexsid.records.ground_test import GroundTestVerdict
 from flexsid.records.run import Method, RunState
-from flexsid.reports.content import Facts, Part, Report, Section, Table, Words, drawn, listed
+from flexsid.reports.content import Facts, Part, Report, ReportTable, Section, Words, drawn, listed
 from flexsid.reports.estimated import estimated_sections, newest
 from flexsid.storage.maneuver_list import LatestRun, ManeuverFilters, ManeuverItem
 from flexsid.storage.quality_list import SORT_FIELDS, select_qualities
@@ -88,7 +88,7 @@ def _summary(flown: list[ManeuverItem]) -> tuple[tuple[str, str], ...]:
     )
 
 
-def _flights(store: Store, flown: list[ManeuverItem]) -> Table:
+def _flights(store: Store, flown: list[ManeuverItem]) -> ReportTable:
     rows = []
     for flight in store.flights.find():
         cards = [item for item in flown if item.flight_id == flight.id]
@@ -104,7 +104,7 @@ def _flights(store: Store, flown: list[ManeuverItem]) -> Table:
                 f"{fastest:.1f}",
             )
         )
-    return Table(
+    return ReportTable(
         ("flight", "flown on", "", "maneuvers", "fastest [m/s]"),
         tuple(rows),
         "Flights with the maneuvers of this report",
@@ -118,7 +118,7 @@ def _verdicts(store: Store) -> dict[int, str]:
     return {item.maneuver_id: item.verdict.value for item in page.items if item.verdict is not None}
 
 
-def _maneuvers(flown: list[ManeuverItem], verdicts: dict[int, str]) -> Table:
+def _maneuvers(flown: list[ManeuverItem], verdicts: dict[int, str]) -> ReportTable:
     rows = []
     for item in flown:
         rows.append(
@@ -134,7 +134,7 @@ def _maneuvers(flown: list[ManeuverItem], verdicts: dict[int, str]) -> Table:
                 listed(_of_method(method, run) for method, run in item.runs.items() if run),
             )
         )
-    return Table(
+    return ReportTable(
         ("maneuver", "flight", "FTA", "V [m/s]", "V/V_f", "q̄ [Pa]", "fuel", "data", "estimated by"),
         tuple(rows),
         "Maneuvers with their flight condition, the verdict on their data, and their newest runs",
@@ -151,8 +151,12 @@ def _ground(store: Store, flights: set[int]) -> tuple[Part, ...]:
     if not found:
         return (Words("No flight has ground records from before and after it."),)
     return (
-        *(Words(test.message, warns=True) for test in found if test.verdict is not Verdict.HEALTHY),
-        Table(
+        *(
+            Words(test.message, warns=True)
+            for test in found
+            if test.verdict is not GroundTestVerdict.HEALTHY
+        ),
+        ReportTable(
             ("flight", "verdict", "fuel before", "fuel after", "what was found"),
             tuple(
                 (

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from flexsid import figures
-from flexsid.records.comparison import Comparison, Row, SourceValue, Verdict
+from flexsid.records.comparison import AgreementCount, Comparison, Row, SourceValue
 from flexsid.reports.content import (
     Part,
     Report,
+    ReportTable,
     Section,
-    Table,
     Words,
     drawn,
     estimate,
@@ -94,7 +94,9 @@ def _value_of(row: Row, key: str | None) -> SourceValue | None:
     return next((value for value in row.values if value is not None and value.key == key), None)
 
 
-def _verdict(verdict: Verdict, apart: Mapping[str, float | None], which: str, nobody: str) -> Words:
+def _verdict(
+    verdict: AgreementCount, apart: Mapping[str, float | None], which: str, nobody: str
+) -> Words:
     if not verdict.n_judged:
         return Words(f"{nobody} give standard errors for the same derivative.")
     text = (
@@ -110,7 +112,7 @@ def _verdict(verdict: Verdict, apart: Mapping[str, float | None], which: str, no
     return Words(text, warns=bool(known))
 
 
-def _sources(store: Store, compared: Comparison) -> Table:
+def _sources(store: Store, compared: Comparison) -> ReportTable:
     rows = []
     for source in compared.sources:
         what, where, speed, fuel = "prediction", "–", "–", "–"
@@ -121,7 +123,7 @@ def _sources(store: Store, compared: Comparison) -> Table:
             speed = f"{maneuver.condition.airspeed_m_s:.2f}"
             fuel = f"{maneuver.condition.fuel_fraction:.2f}"
         rows.append((source.label, what, where, speed, fuel))
-    return Table(
+    return ReportTable(
         ("source", "kind", "maneuver", "airspeed [m/s]", "fuel fraction"),
         tuple(rows),
         "Sources",
@@ -140,8 +142,8 @@ def _coefficient(compared: Comparison, name: str) -> tuple[Part, ...]:
     )
 
 
-def _numbers(part: Comparison, sources: range) -> Table:
-    return Table(
+def _numbers(part: Comparison, sources: range) -> ReportTable:
+    return ReportTable(
         ("derivative", *(part.sources[place].label for place in sources), "runs apart [σ]"),
         tuple(
             (

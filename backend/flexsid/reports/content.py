@@ -28,7 +28,7 @@ class Facts:
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class ReportTable:
     """Rows of text below a head; columns from ``numbers_from`` on stand at the right."""
 
     head: tuple[str, ...]
@@ -45,7 +45,7 @@ class Drawing:
     caption: str
 
 
-Part = Words | Facts | Table | Drawing
+Part = Words | Facts | ReportTable | Drawing
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,8 +12,8 @@ from flexsid.reports.content import (
     Facts,
     Part,
     Report,
+    ReportTable,
     Section,
-    Table,
     Words,
     drawn,
     listed,
@@ -109,7 +109,7 @@ def _structure(version: StructureVersion, surfaces: tuple[str, ...]) -> tuple[Pa
 
 def _evidence(store: Store, audited: AuditedDecision) -> Iterator[Part]:
     if audited.runs:
-        yield Table(
+        yield ReportTable(
             ("run", "maneuver", "method", "by", "outcome", "worst R²"),
             tuple(
                 (
@@ -161,8 +161,8 @@ def _compared(store: Store, linked: LinkedComparison) -> Part:
     )
 
 
-def _history(events: list[DecisionEvent]) -> Table:
-    return Table(
+def _history(events: list[DecisionEvent]) -> ReportTable:
+    return ReportTable(
         ("", "when", "who", "what", "words"),
         tuple(
             (

@@ -8,11 +8,11 @@ from flexsid import figures
 from flexsid.errors import FlexsidError
 from flexsid.records.comparison import Against
 from flexsid.records.run import Method, RunState
-from flexsid.reports.content import Drawing, Part, Section, Table, Words, drawn
+from flexsid.reports.content import Drawing, Part, ReportTable, Section, Words, drawn
 from flexsid.storage.maneuver_list import LatestRun, ManeuverItem
 from flexsid.storage.store import Store
 from flexsid.workflow.comparison.trends import trend
-from flexsid.workflow.flutter.flutter_analysis import Question, flutter, flutter_roots
+from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, flutter, flutter_roots
 
 _RIGID = ("CZ_alpha", "Cm_alpha", "Cm_q")
 _MOST_FOR_FLUTTER = 12  # of the fastest maneuvers: they say most of where stability is lost
@@ -49,7 +49,7 @@ def _flutter(store: Store, estimated: Sequence[ManeuverItem]) -> Iterator[Part]:
     )
     found = [(item.airspeed_m_s, run) for item in estimated if (run := _of(item, method))]
     fastest = sorted(found, reverse=True)[:_MOST_FOR_FLUTTER]
-    question = Question(run_ids=tuple(run for _, run in fastest))
+    question = FlutterQuery(run_ids=tuple(run for _, run in fastest))
     try:
         told = flutter(store, question)
     except FlexsidError as error:
@@ -58,7 +58,7 @@ def _flutter(store: Store, estimated: Sequence[ManeuverItem]) -> Iterator[Part]:
     yield Words(f"From {len(fastest)} runs of {method.value}: {told.sentence}")
     yield Words(told.next_point)
     yield Drawing(figures.v_omega_zeta(flutter_roots(store, question)), "Roots over airspeed")
-    yield Table(
+    yield ReportTable(
         ("run", "maneuver", "flown at [m/s]", "flutter [m/s]", "σ [m/s]"),
         tuple(
             (

@@ -17,8 +17,8 @@ from flexsid.reports.content import (
     Facts,
     Part,
     Report,
+    ReportTable,
     Section,
-    Table,
     Words,
     moment,
 )
@@ -108,7 +108,7 @@ def _part(part: Part) -> str:
                 f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in part.pairs
             )
             return f"<dl>{pairs}</dl>"
-        case Table():
+        case ReportTable():
             return _table(part)
         case Drawing():
             spec = json.dumps(part.spec, separators=(",", ":")).replace("<", "\\u003c")
@@ -119,7 +119,7 @@ def _part(part: Part) -> str:
             )
 
 
-def _table(table: Table) -> str:
+def _table(table: ReportTable) -> str:
     def row(cells: tuple[str, ...], tag: str) -> str:
         kinds = [_NAME if place == 0 else "" for place in range(table.numbers_from)]
         kinds += [_NUMBER] * (len(cells) - table.numbers_from)

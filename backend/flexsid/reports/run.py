@@ -11,8 +11,8 @@ from flexsid.reports.content import (
     Facts,
     Part,
     Report,
+    ReportTable,
     Section,
-    Table,
     Words,
     drawn,
     estimate,
@@ -112,7 +112,7 @@ def _derivatives(store: Store, run: EstimationRun, result: RunResult) -> tuple[P
     )
 
 
-def _parameters(result: RunResult) -> Table:
+def _parameters(result: RunResult) -> ReportTable:
     rows = []
     for one in result.parameters:
         value, error = estimate(one.value, one.std_error)
@@ -124,7 +124,7 @@ def _parameters(result: RunResult) -> Table:
         )
         label = describe(one.name).label
         rows.append((label, one.name, value, error, share, number(one.start)))
-    return Table(
+    return ReportTable(
         ("", "name", "value", "σ", "σ [%]", "start"),
         tuple(rows),
         "Estimates with their standard errors σ",
@@ -159,7 +159,7 @@ def _fit(store: Store, run_id: int, result: RunResult) -> tuple[Part, ...]:
 def _qualities(result: RunResult) -> tuple[Part, ...]:
     if not result.fit.quality:
         return ()
-    table = Table(
+    table = ReportTable(
         ("output", "block", "R²", "Theil", "whiteness"),
         tuple(
             (q.output, q.block, f"{q.r_squared:.3f}", f"{q.theil:.3f}", f"{q.whiteness:.3f}")
@@ -208,7 +208,7 @@ def _poles(store: Store, run_id: int, result: RunResult) -> tuple[Part, ...]:
             "Poles of the identified model beside those of its modes in vacuo",
             lambda: figures.poles(views.poles(store, [run_id])),
         ),
-        Table(
+        ReportTable(
             ("mode", "frequency [Hz]", "σ", "damping ratio", "σ"),
             tuple(rows),
             "Poles; of a real root its place [1/s] stands for the frequency",

@@ -11,7 +11,7 @@ from sqlalchemy.engine import Connection
 
 from flexsid.errors import BadInput
 from flexsid.records.maneuver import GROUND
-from flexsid.records.quality import Figures, Verdict
+from flexsid.records.quality import Figures, QualityVerdict
 from flexsid.storage.paging import Page, read_cursor
 from flexsid.storage.tables import aircraft, flights, maneuver_quality, maneuvers
 
@@ -32,7 +32,7 @@ class QualityItem:
     fta: int | None
     airspeed_ratio: float | None
     fuel_fraction: float
-    verdict: Verdict | None
+    verdict: QualityVerdict | None
     summary: str | None
     figures: Figures | None
 
@@ -63,10 +63,10 @@ _shown = (
     maneuvers.c.fuel_fraction,
 )
 _severity = sa.case(
-    (maneuver_quality.c.verdict == Verdict.BAD.value, 0),
-    (maneuver_quality.c.verdict == Verdict.DOUBTFUL.value, 1),
-    (maneuver_quality.c.verdict == Verdict.UNCHECKED.value, 2),
-    (maneuver_quality.c.verdict == Verdict.GOOD.value, 4),
+    (maneuver_quality.c.verdict == QualityVerdict.BAD.value, 0),
+    (maneuver_quality.c.verdict == QualityVerdict.DOUBTFUL.value, 1),
+    (maneuver_quality.c.verdict == QualityVerdict.UNCHECKED.value, 2),
+    (maneuver_quality.c.verdict == QualityVerdict.GOOD.value, 4),
     else_=3,
 )
 _figure = {
@@ -152,7 +152,7 @@ def count_verdicts(connection: Connection, filters: QualityFilters) -> dict[str,
         .group_by(maneuver_quality.c.verdict)
     )
     found = {row[0] or MISSING: row[1] for row in connection.execute(query)}
-    return {name: found.get(name, 0) for name in (*(v.value for v in Verdict), MISSING)}
+    return {name: found.get(name, 0) for name in (*(v.value for v in QualityVerdict), MISSING)}
 
 
 def unassessed(connection: Connection) -> list[int]:
@@ -194,7 +194,7 @@ def _item(row: sa.RowMapping) -> QualityItem:
     verdict, figures = row["verdict"], row["figures"]
     return QualityItem(
         **{column.name: row[column.name] for column in _shown},
-        verdict=None if verdict is None else Verdict(verdict),
+        verdict=None if verdict is None else QualityVerdict(verdict),
         summary=row["summary"],
         figures=None if figures is None else _read_figures.validate_python(figures),
     )

@@ -14,8 +14,8 @@ from flexsid.records.decision import (
     Decision,
     DecisionEvent,
     FrozenFigure,
-    Look,
     ReviewRules,
+    SeenEvents,
 )
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.flight import Flight, FlightChannel
@@ -28,7 +28,7 @@ from flexsid.records.modal_table import (
     ModeCorrection,
 )
 from flexsid.records.model_structure import ModelStructure, StructureVersion
-from flexsid.records.prediction import Prediction
+from flexsid.records.prediction import DerivativePrediction
 from flexsid.records.quality import ManeuverQuality
 from flexsid.records.rehearsal import Rehearsal
 from flexsid.records.run import EstimationRun
@@ -90,7 +90,9 @@ class Store:
         self.measured_responses = Repository(
             database, tables.measured_responses, MeasuredResponses, "set of measured responses"
         )
-        self.predictions = Repository(database, tables.predictions, Prediction, "prediction")
+        self.predictions = Repository(
+            database, tables.predictions, DerivativePrediction, "prediction"
+        )
         self.model_structures = Repository(
             database, tables.model_structures, ModelStructure, "model structure"
         )
@@ -108,7 +110,7 @@ class Store:
         self.frozen_figures = Repository(
             database, tables.frozen_figures, FrozenFigure, "frozen figure"
         )
-        self.looks = Repository(database, tables.looks, Look, "look")
+        self.looks = Repository(database, tables.looks, SeenEvents, "look")
         self.controllers = Repository(database, tables.controllers, Controller, "controller")
         self.rehearsals = Repository(database, tables.rehearsals, Rehearsal, "rehearsal")
         self.runs = Repository(

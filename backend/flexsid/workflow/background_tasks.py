@@ -31,7 +31,7 @@ class TaskState(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Task:
+class TaskProgress:
     """How far a task is; ``made`` is the id of the record that it kept."""
 
     id: str
@@ -51,14 +51,14 @@ class Tasks:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._tasks: OrderedDict[str, Task] = OrderedDict()
+        self._tasks: OrderedDict[str, TaskProgress] = OrderedDict()
         self._cancelled: set[str] = set()
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="task")
 
-    def begin(self, kind: str, title: str, work: Callable[[Report], int | None]) -> Task:
+    def begin(self, kind: str, title: str, work: Callable[[Report], int | None]) -> TaskProgress:
         """Queue work that reports how far it is, and returns the id of what it kept."""
         identity = f"t{secrets.token_hex(8)}"
-        task = Task(id=identity, kind=kind, title=title, begun_at=datetime.now(UTC))
+        task = TaskProgress(id=identity, kind=kind, title=title, begun_at=datetime.now(UTC))
         with self._lock:
             self._tasks[task.id] = task
             for old in [t.id for t in self._tasks.values() if _is_over(t)][:-_KEPT]:
@@ -66,7 +66,7 @@ class Tasks:
         self._worker.submit(self._carry_out, task.id, work)
         return task
 
-    def get(self, identity: str) -> Task:
+    def get(self, identity: str) -> TaskProgress:
         """Return a task with its present progress.
 
         Raises
@@ -83,12 +83,12 @@ class Tasks:
             )
         return found
 
-    def all(self) -> list[Task]:
+    def all(self) -> list[TaskProgress]:
         """What is under way and what has ended lately, newest first."""
         with self._lock:
             return list(reversed(self._tasks.values()))
 
-    def cancel(self, identity: str) -> Task:
+    def cancel(self, identity: str) -> TaskProgress:
         """Ask a task to stop; it does at its next report."""
         task = self.get(identity)
         if _is_over(task):
@@ -125,10 +125,10 @@ class Tasks:
         with self._lock:
             self._cancelled.discard(identity)
 
-    def _put(self, task: Task) -> None:
+    def _put(self, task: TaskProgress) -> None:
         with self._lock:
             self._tasks[task.id] = task
 
 
-def _is_over(task: Task) -> bool:
+def _is_over(task: TaskProgress) -> bool:
     return task.state not in (TaskState.WAITING, TaskState.RUNNING)

@@ -11,7 +11,7 @@ from flexsid.api.context import TheContext, TheStore
 from flexsid.api.routes.flutter import TheQuestion
 from flexsid.api.wire import Json
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow.background_tasks import Report, Task
+from flexsid.workflow.background_tasks import Report, TaskProgress
 from flexsid.workflow.flutter import closed_loop as workflow
 
 router = APIRouter(prefix="/closed-loop", tags=["closed-loop"])
@@ -52,7 +52,7 @@ class ClosedLoopAnswer:
     margins: list[MarginRow]
 
 
-@router.post("/answers", response_model=Task, status_code=status.HTTP_202_ACCEPTED)
+@router.post("/answers", response_model=TaskProgress, status_code=status.HTTP_202_ACCEPTED)
 def find_closed_loop(
     context: TheContext, question: TheQuestion, controller_id: ControllerId
 ) -> Json:

@@ -26,7 +26,7 @@ from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.views import ExpectedMode, TargetModes
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks
-from flexsid.workflow.background_tasks import Report, Task
+from flexsid.workflow.background_tasks import Report, TaskProgress
 from flexsid.workflow.excitation import (
     amplitude_optimisation,
     classic_inputs,
@@ -122,7 +122,7 @@ def create_design(store: TheStore, wanted: DesignRequest) -> Json:
     return Json(kept, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{kept.id}"})
 
 
-@router.post("/searches", response_model=Task, status_code=status.HTTP_202_ACCEPTED)
+@router.post("/searches", response_model=TaskProgress, status_code=status.HTTP_202_ACCEPTED)
 def search_design(context: TheContext, wanted: DesignRequest) -> Json:
     """Begin to search the phases of a design, as a task that can be followed and cancelled."""
     wish = wanted.wish(context.store)
@@ -287,7 +287,9 @@ def rescale_design(store: TheStore, design_id: Identity, wanted: RescaleRequest)
     return Json(kept, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{kept.id}"})
 
 
-@router.post("/{design_id}/redesign", response_model=Task, status_code=status.HTTP_202_ACCEPTED)
+@router.post(
+    "/{design_id}/redesign", response_model=TaskProgress, status_code=status.HTTP_202_ACCEPTED
+)
 def redesign(context: TheContext, design_id: Identity, wanted: RedesignRequest) -> Json:
     """Begin to search phases anew for the lines of a design, as one that was flown."""
     design = context.store.designs.get(design_id)
@@ -309,7 +311,9 @@ def list_rehearsals(store: TheStore, design_id: Identity) -> Json:
     return Json(RehearsalList(items=list(preflight_simulation.rehearsal_results(store, design))))
 
 
-@router.post("/{design_id}/rehearsals", response_model=Task, status_code=status.HTTP_202_ACCEPTED)
+@router.post(
+    "/{design_id}/rehearsals", response_model=TaskProgress, status_code=status.HTTP_202_ACCEPTED
+)
 def rehearse(context: TheContext, design_id: Identity, wanted: RehearsalRequest) -> Json:
     """Begin to fly a design in simulation; the maneuver is kept and its estimation queued."""
     design = context.store.designs.get(design_id)

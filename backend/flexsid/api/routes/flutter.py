@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, Query, status
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.wire import Json, split_ids
 from flexsid.records.flutter import Flutter
-from flexsid.workflow.background_tasks import Report, Task
+from flexsid.workflow.background_tasks import Report, TaskProgress
 from flexsid.workflow.flutter import flutter_analysis as workflow
 
 router = APIRouter(prefix="/flutter", tags=["flutter"])
@@ -35,8 +35,8 @@ def _question(
     trend: Annotated[
         bool, Query(description="Derivatives drift linearly with dynamic pressure.")
     ] = False,
-) -> workflow.Question:
-    return workflow.Question(
+) -> workflow.FlutterQuery:
+    return workflow.FlutterQuery(
         run_ids=tuple(split_ids(run_ids, "run_ids")),
         fuel=fuel,
         altitude_m=altitude_m,
@@ -46,10 +46,10 @@ def _question(
     )
 
 
-TheQuestion = Annotated[workflow.Question, Depends(_question)]
+TheQuestion = Annotated[workflow.FlutterQuery, Depends(_question)]
 
 
-@router.post("/answers", response_model=Task, status_code=status.HTTP_202_ACCEPTED)
+@router.post("/answers", response_model=TaskProgress, status_code=status.HTTP_202_ACCEPTED)
 def find_flutter(context: TheContext, question: TheQuestion) -> Json:
     """Begin to find the answer and its figures for many runs; then they are there at once."""
 

@@ -14,8 +14,8 @@ from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import Line, Title
 from flexsid.api.wire import Identity, Json, Reference
 from flexsid.importers.modal_data import (
+    ModalFiles,
     StructureAnswers,
-    StructureFound,
     extract_structure,
     look_at_structure,
 )
@@ -79,7 +79,7 @@ class FlutterSummaryRequest:
     __pydantic_config__ = _STRICT
 
 
-@router.get("/uploads/{upload_id}/structure", response_model=StructureFound)
+@router.get("/uploads/{upload_id}/structure", response_model=ModalFiles)
 def look_at_upload(context: TheContext, upload_id: _UploadId) -> Json:
     """Say what modes the files of an upload hold, and what they leave open."""
     return Json(look_at_structure(context.uploads.sources(upload_id)))

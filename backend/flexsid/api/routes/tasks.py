@@ -10,7 +10,7 @@ from fastapi import Path as InPath
 
 from flexsid.api.context import TheContext
 from flexsid.api.wire import Json
-from flexsid.workflow.background_tasks import Task
+from flexsid.workflow.background_tasks import TaskProgress
 
 router = APIRouter(prefix="/tasks", tags=["tasks"])
 
@@ -21,7 +21,7 @@ _Id = Annotated[str, InPath(pattern="^t[0-9a-f]{16}$")]
 class TaskList:
     """Tasks of this server since it was started."""
 
-    items: list[Task]
+    items: list[TaskProgress]
 
 
 @router.get("", response_model=TaskList)
@@ -30,13 +30,13 @@ def list_tasks(context: TheContext) -> Json:
     return Json(TaskList(items=context.tasks.all()))
 
 
-@router.get("/{task_id}", response_model=Task)
+@router.get("/{task_id}", response_model=TaskProgress)
 def get_task(context: TheContext, task_id: _Id) -> Json:
     """Return how far a task is."""
     return Json(context.tasks.get(task_id))
 
 
-@router.post("/{task_id}/cancel", response_model=Task)
+@router.post("/{task_id}/cancel", response_model=TaskProgress)
 def cancel_task(context: TheContext, task_id: _Id) -> Json:
     """Ask a task to stop; nothing of it is kept."""
     return Json(context.tasks.cancel(task_id))

@@ -19,7 +19,7 @@ from flexsid.api.routes.figures.answer import Figure
 from flexsid.api.wire import Json
 from flexsid.workflow import views
 from flexsid.workflow.importing import preview
-from flexsid.workflow.importing.uploads import Upload
+from flexsid.workflow.importing.uploads import UploadProgress
 
 router = APIRouter(prefix="/uploads", tags=["uploads"])
 
@@ -30,7 +30,7 @@ _Id = Annotated[str, InPath(min_length=1, max_length=64, description="Id of the 
 class UploadList:
     """Uploads that are being imported."""
 
-    items: list[Upload]
+    items: list[UploadProgress]
 
 
 @router.get("", response_model=UploadList)
@@ -58,7 +58,7 @@ def get_upload(context: TheContext, upload_id: _Id) -> Json:
     return Json(_detail(context, context.uploads.get(upload_id)))
 
 
-@router.get("/{upload_id}/state", response_model=Upload)
+@router.get("/{upload_id}/state", response_model=UploadProgress)
 def get_upload_state(context: TheContext, upload_id: _Id) -> Json:
     """Return how far an import has come."""
     return Json(context.uploads.get(upload_id))
@@ -80,7 +80,9 @@ def preview_upload(context: TheContext, upload_id: _Id, wanted: PreviewRequest) 
     return Json(figures.time_history(value))
 
 
-@router.post("/{upload_id}/import", response_model=Upload, status_code=status.HTTP_202_ACCEPTED)
+@router.post(
+    "/{upload_id}/import", response_model=UploadProgress, status_code=status.HTTP_202_ACCEPTED
+)
 def import_upload(context: TheContext, upload_id: _Id, wanted: UploadMappingRequest) -> Json:
     """Begin to import the files through a mapping, all of them or nothing."""
     begun = context.uploads.import_later(
@@ -96,7 +98,7 @@ def delete_upload(context: TheContext, upload_id: _Id) -> Response:
     return Response(status_code=status.HTTP_204_NO_CONTENT)
 
 
-def _detail(context: TheContext, upload: Upload) -> UploadDetail:
+def _detail(context: TheContext, upload: UploadProgress) -> UploadDetail:
     sources = context.uploads.sources(upload.id)
     return UploadDetail(
         upload=upload,

@@ -7,12 +7,12 @@ units is not unit in another, and generalised force coefficients depend on it.
 
 from flexsid.importers.modal_data.answers import StructureAnswers
 from flexsid.importers.modal_data.extraction import RawStructure, extract_structure
-from flexsid.importers.modal_data.found import StructureFound, look_at_structure
+from flexsid.importers.modal_data.found import ModalFiles, look_at_structure
 
 __all__ = [
+    "ModalFiles",
     "RawStructure",
     "StructureAnswers",
-    "StructureFound",
     "extract_structure",
     "look_at_structure",
 ]

@@ -10,7 +10,7 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.importers.modal_data.answers import StructureAnswers
 from flexsid.importers.modal_data.nodes import check_finite, frames_of
-from flexsid.importers.source import Source, Sources
+from flexsid.importers.source import SourceFile, Sources
 from flexsid.sysid.modes.assurance import real_shapes
 
 STILL = 2.0 * np.pi * 0.05  # rad/s: below it a mode is a motion of the rigid body
@@ -34,8 +34,8 @@ class ModesAtFuel:
 
 def modes_at_fuel(
     sources: Sources,
-    results: Sequence[Source],
-    by_fuel: Mapping[float, Sequence[Source]],
+    results: Sequence[SourceFile],
+    by_fuel: Mapping[float, Sequence[SourceFile]],
     answers: StructureAnswers,
 ) -> ModesAtFuel:
     """Join results with all files that are not results of another fuel weight."""
@@ -105,7 +105,7 @@ def modes_at_fuel(
     )
 
 
-def _check_alike(best: Source, results: Sequence[Source], fuel: float) -> list[str]:
+def _check_alike(best: SourceFile, results: Sequence[SourceFile], fuel: float) -> list[str]:
     """Refuse results of one fuel weight that hold other modes than those that are read."""
     numbers = np.asarray(best.arrays["shape/number"])
     omega = np.asarray(best.arrays["shape/radians"], dtype=float)
@@ -126,8 +126,8 @@ def _check_alike(best: Source, results: Sequence[Source], fuel: float) -> list[s
 
 
 def _masses(
-    best: Source,
-    usable: Sequence[Source],
+    best: SourceFile,
+    usable: Sequence[SourceFile],
     numbers: np.ndarray,
     omega: np.ndarray,
     notes: list[str],
@@ -167,7 +167,7 @@ def _masses(
 
 
 def _better_frequencies(
-    omega: np.ndarray, numbers: np.ndarray, files: Sequence[Source]
+    omega: np.ndarray, numbers: np.ndarray, files: Sequence[SourceFile]
 ) -> np.ndarray:
     """Take frequencies of a table of eigenvalues where one has them for all modes."""
     for source in files:
@@ -186,7 +186,7 @@ def _better_frequencies(
     return omega
 
 
-def masses_of(source: Source) -> dict[int, float] | None:
+def masses_of(source: SourceFile) -> dict[int, float] | None:
     """Generalised mass of each mode as a file prints it; None where it does not."""
     for name in ("shape", "mode"):
         if f"{name}/mass" in source.arrays:

@@ -15,7 +15,7 @@ from flexsid.importers.modal_data.nodes import lines_between
 from flexsid.importers.modal_data.units import units_of
 from flexsid.importers.modal_data.unused import unused
 from flexsid.importers.modal_files import modes_of_csv
-from flexsid.importers.source import Source, Sources
+from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.modal_table import ModalKind
 
 _UNIT_MASS = 1e-3
@@ -69,7 +69,7 @@ def extract_structure(sources: Sources, answers: StructureAnswers) -> RawStructu
         )
     length, mass_factor, notes = units_of(sources, answers)
     turn = axes_of(answers.axes)
-    by_fuel: dict[float, list[Source]] = {}
+    by_fuel: dict[float, list[SourceFile]] = {}
     for source in results:
         by_fuel.setdefault(answers.fuel.get(source.name, 0.0), []).append(source)
     fuels = sorted(by_fuel)

@@ -10,11 +10,11 @@ from flexsid.importers.modal_data.at_fuel import masses_of
 from flexsid.importers.modal_data.units import LENGTHS, MASSES
 from flexsid.importers.modal_data.unused import missing_includes, refused_of
 from flexsid.importers.modal_files import modes_of_csv
-from flexsid.importers.source import Source, Sources
+from flexsid.importers.source import SourceFile, Sources
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Question:
+class ModalQuery:
     """Something that the files do not say."""
 
     field: str
@@ -23,7 +23,7 @@ class Question:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FoundFile:
+class ModalFile:
     """One file: what it holds, in words, and the data sets of it that are not used."""
 
     name: str
@@ -33,31 +33,31 @@ class FoundFile:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StructureFound:
+class ModalFiles:
     """What the files of a structure hold, and what has to be asked."""
 
-    files: tuple[FoundFile, ...]
+    files: tuple[ModalFile, ...]
     frequencies_hz: tuple[float, ...]
     n_nodes: int
-    questions: tuple[Question, ...]
+    questions: tuple[ModalQuery, ...]
 
 
-def look_at_structure(sources: Sources) -> StructureFound:
+def look_at_structure(sources: Sources) -> ModalFiles:
     """Say what files hold and what they leave open."""
     sources = Sources(tuple(modes_of_csv(source) for source in sources.items))
     files = tuple(_describe(source, sources) for source in sources.items)
     results = [source for source in sources.items if "shape/values" in source.arrays]
-    questions: list[Question] = []
+    questions: list[ModalQuery] = []
     if not any("unit/length" in source.arrays for source in sources.items):
         questions.append(
-            Question(
+            ModalQuery(
                 field="length_unit",
                 text="In which unit are coordinates and displacements?",
                 choices=LENGTHS,
             )
         )
         questions.append(
-            Question(
+            ModalQuery(
                 field="mass_unit",
                 text="In which unit of mass are generalised masses (times length squared)?",
                 choices=MASSES,
@@ -65,7 +65,7 @@ def look_at_structure(sources: Sources) -> StructureFound:
         )
     if not any(masses_of(source) is not None for source in sources.items):
         questions.append(
-            Question(
+            ModalQuery(
                 field="generalized_mass",
                 text="Generalised masses are not in the files. Are the shapes scaled to one?",
                 choices=("unit", "unknown"),
@@ -77,12 +77,12 @@ def look_at_structure(sources: Sources) -> StructureFound:
         hertz = tuple(map(float, radians / (2.0 * np.pi)))
     grids = [source.arrays["grid/id"] for source in sources.items if "grid/id" in source.arrays]
     n_nodes = np.unique(np.concatenate(grids)).size if grids else 0
-    return StructureFound(
+    return ModalFiles(
         files=files, frequencies_hz=hertz, n_nodes=n_nodes, questions=tuple(questions)
     )
 
 
-def _describe(source: Source, sources: Sources) -> FoundFile:
+def _describe(source: SourceFile, sources: Sources) -> ModalFile:
     found = source.arrays
     holds: list[str] = []
     if "shape/values" in found:
@@ -105,7 +105,7 @@ def _describe(source: Source, sources: Sources) -> FoundFile:
     if functions:
         holds.append(f"{len(functions)} measured functions")
     refused = [*refused_of(source), *missing_includes(source, sources)]
-    return FoundFile(
+    return ModalFile(
         name=source.name,
         holds=tuple(holds) or ("nothing that tells of modes",),
         refused=tuple(refused),

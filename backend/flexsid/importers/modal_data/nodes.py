@@ -8,7 +8,7 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.importers.nastran.frames import Frames
-from flexsid.importers.source import Source, Sources
+from flexsid.importers.source import SourceFile, Sources
 
 _LARGEST = 1e50
 _SAME = 1e-4  # of the size of the structure: single precision, and decks of eight characters
@@ -20,7 +20,7 @@ def check_finite(values: np.ndarray, what: str) -> None:
         raise BadInput(f"{what} are not all finite; the file is damaged", code="not-finite")
 
 
-def frames_of(files: Sequence[Source]) -> tuple[Frames, np.ndarray, np.ndarray]:
+def frames_of(files: Sequence[SourceFile]) -> tuple[Frames, np.ndarray, np.ndarray]:
     """Coordinate systems, ids and places of all nodes of these files.
 
     Raises
@@ -64,7 +64,7 @@ def frames_of(files: Sequence[Source]) -> tuple[Frames, np.ndarray, np.ndarray]:
     return known, joined["id"][first], places
 
 
-def _grdset(files: Sequence[Source]) -> tuple[int, int] | None:
+def _grdset(files: Sequence[SourceFile]) -> tuple[int, int] | None:
     """Systems that GRDSET gives to nodes which name none, in whichever file it stands."""
     found: dict[tuple[int, int], str] = {}
     for source in files:

@@ -8,7 +8,7 @@ from flexsid import units
 from flexsid.errors import BadInput
 from flexsid.importers.modal_data.answers import StructureAnswers
 from flexsid.importers.modal_data.at_fuel import masses_of
-from flexsid.importers.source import Source, Sources
+from flexsid.importers.source import SourceFile, Sources
 
 LENGTHS = ("m", "mm", "in", "ft")
 _SAME_UNIT = 1e-6  # relative
@@ -61,7 +61,7 @@ def units_of(sources: Sources, answers: StructureAnswers) -> tuple[float, float,
     return length, units.factor(answers.mass_unit, "mass"), notes
 
 
-def _check_one_system(stating: list[Source]) -> None:
+def _check_one_system(stating: list[SourceFile]) -> None:
     """Refuse files that state different units of length or force."""
     for other in stating[1:]:
         for name in ("length", "force"):

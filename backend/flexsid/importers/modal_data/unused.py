@@ -6,7 +6,7 @@ from pathlib import PurePosixPath
 
 import numpy as np
 
-from flexsid.importers.source import Source, Sources
+from flexsid.importers.source import SourceFile, Sources
 
 _MOST = 12
 """Notes of one file that are kept; a damaged file may give thousands."""
@@ -29,12 +29,12 @@ def unused(sources: Sources) -> list[str]:
     return notes
 
 
-def refused_of(source: Source) -> list[str]:
+def refused_of(source: SourceFile) -> list[str]:
     """What a reader found in a file and did not use, in words."""
     return [str(text) for text in source.arrays.get("refused", ())]
 
 
-def missing_includes(source: Source, sources: Sources) -> list[str]:
+def missing_includes(source: SourceFile, sources: Sources) -> list[str]:
     """Files that a deck includes and that were not imported beside it."""
     present = {_name(one.name) for one in sources.items}
     return [

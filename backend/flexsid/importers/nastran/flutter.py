@@ -45,7 +45,7 @@ class _Page:
 
 
 @dataclass(slots=True)
-class _Analysis:
+class _FlutterAnalysis:
     """One analysis: the roots that were read of it, and the rows of each."""
 
     page: _Page
@@ -57,7 +57,7 @@ class _Analysis:
 class FlutterPages:
     """The flutter summaries of a printout, read line by line."""
 
-    _analyses: list[_Analysis] = field(default_factory=list)
+    _analyses: list[_FlutterAnalysis] = field(default_factory=list)
     _rows: list[dict[str, float]] = field(default_factory=list)
     _current: int = -1
     _subcase: int = 0
@@ -103,7 +103,7 @@ class FlutterPages:
         if not same or (
             point in self._analyses[same[-1]].seen and self._analyses[same[-1]].last != point
         ):
-            self._analyses.append(_Analysis(page))
+            self._analyses.append(_FlutterAnalysis(page))
             same.append(len(self._analyses) - 1)
         self._current = same[-1]
         self._analyses[self._current].last = point
@@ -124,7 +124,7 @@ class FlutterPages:
         place = (row["velocity"], row.get("density", 0.0), row.get("mach", 0.0))
         if place in analysis.seen[analysis.last] and analysis.page.method not in ("K", "KE"):
             point = analysis.last  # the sweep begins again under the same heading
-            analysis = _Analysis(analysis.page, point, {point: set()})
+            analysis = _FlutterAnalysis(analysis.page, point, {point: set()})
             self._analyses.append(analysis)
             self._current = len(self._analyses) - 1
         analysis.seen[analysis.last].add(place)

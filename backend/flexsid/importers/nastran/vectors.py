@@ -13,7 +13,7 @@ _SAME_EIGENVALUE = 1e-5  # relative; printed to six digits
 
 
 @dataclass(slots=True)
-class _Analysis:
+class _ModalAnalysis:
     """Shapes of one analysis: per mode its eigenvalue and the six components at each node."""
 
     subcase: int
@@ -25,7 +25,7 @@ class _Analysis:
 class Vectors:
     """Mode shapes as they are read; a mode with another eigenvalue is of another analysis."""
 
-    _analyses: list[_Analysis] = field(default_factory=list)
+    _analyses: list[_ModalAnalysis] = field(default_factory=list)
 
     def begin(self, subcase: int, mode: int, eigenvalue: float) -> dict[int, list[float]]:
         """Rows of a mode, to be filled: of a new one, or of one that goes on."""
@@ -34,7 +34,7 @@ class Vectors:
             if analysis.subcase == subcase and (known is None or _same(known, eigenvalue)):
                 break
         else:
-            analysis = _Analysis(subcase)
+            analysis = _ModalAnalysis(subcase)
             self._analyses.append(analysis)
         analysis.eigenvalues.setdefault(mode, eigenvalue)
         return analysis.vectors.setdefault(mode, {})
@@ -88,7 +88,7 @@ class Vectors:
         yield Field("shape/node", np.array(nodes, dtype=np.int64))
         yield Field("shape/values", np.array(values, dtype=float).reshape(len(modes), -1, 6))
 
-    def _with_rows(self) -> list[_Analysis]:
+    def _with_rows(self) -> list[_ModalAnalysis]:
         return [one for one in self._analyses if any(one.vectors.values())]
 
 
@@ -97,7 +97,7 @@ def _same(one: float, other: float) -> bool:
     return abs(one - other) <= _SAME_EIGENVALUE * max(abs(one), abs(other))
 
 
-def _named(other: _Analysis, first: _Analysis) -> str:
+def _named(other: _ModalAnalysis, first: _ModalAnalysis) -> str:
     if other.subcase != first.subcase:
         return f"subcase {other.subcase}"
     return f"a further analysis in subcase {other.subcase}"

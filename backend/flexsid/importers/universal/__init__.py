@@ -13,9 +13,9 @@ from pathlib import Path
 
 from flexsid.errors import UnreadableFile
 from flexsid.importers.source import Content, Field
-from flexsid.importers.universal.blocks import Refused, data_sets
+from flexsid.importers.universal.blocks import UnusableDataSet, data_sets
 from flexsid.importers.universal.fields import fields_of
-from flexsid.importers.universal.kinds import READERS, Contradiction, Found
+from flexsid.importers.universal.kinds import READERS, Contradiction, FoundKind
 
 
 def recognises(head: bytes) -> bool:
@@ -36,7 +36,7 @@ def read(path: Path) -> Content:
 
 
 def _fields(path: Path) -> Iterator[Field]:
-    found = Found()
+    found = FoundKind()
     unread: dict[int, list[int]] = {}
     for place, block in enumerate(data_sets(path), start=1):
         reader = READERS.get(block.kind)
@@ -50,7 +50,7 @@ def _fields(path: Path) -> Iterator[Field]:
                 f"data set {place} (kind {block.kind}): {error}; take the one that is meant.",
                 code="contradiction",
             ) from error
-        except (Refused, ValueError, IndexError) as error:
+        except (UnusableDataSet, ValueError, IndexError) as error:
             found.refused.append(f"data set {place} (kind {block.kind}): {error}")
     for kind, places in unread.items():
         which = f"data set {places[0]} is" if len(places) == 1 else f"{len(places)} data sets are"

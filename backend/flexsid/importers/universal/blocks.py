@@ -28,7 +28,7 @@ _COMPLEX = (5, 6)
 _IEEE = 2
 
 
-class Refused(Exception):
+class UnusableDataSet(Exception):
     """A data set that is right but of no use here."""
 
 
@@ -133,7 +133,7 @@ def read_function(block: Block) -> Function:
         If its header or its length is not what a function has.
     """
     if len(block.lines) < 11:
-        raise Refused("its numbers are not IEEE, or its header is not of 11 lines")
+        raise UnusableDataSet("its numbers are not IEEE, or its header is not of 11 lines")
     head = [line.ljust(80) for line in block.lines[:11]]
     kind = int(head[5][:5])
     response_node, response_direction = int(head[5][41:51]), int(head[5][51:55])
@@ -141,7 +141,7 @@ def read_function(block: Block) -> Function:
     data_type, n_points, even = (int(head[6][10 * i : 10 * i + 10]) for i in range(3))
     start, step = (*numbers_in(head[6][30:]), 0.0, 0.0)[:2]
     if not 0 < n_points <= LARGEST_CONTENT // 16:
-        raise Refused(f"it announces {n_points} points")
+        raise UnusableDataSet(f"it announces {n_points} points")
     is_complex = data_type in _COMPLEX
     per_point = (0 if even else 1) + (2 if is_complex else 1)
     if block.data:
@@ -149,7 +149,7 @@ def read_function(block: Block) -> Function:
     else:
         numbers = np.array([n for line in block.lines[11:] for n in numbers_in(line)])
     if numbers.size < n_points * per_point:
-        raise Refused(f"it announces {n_points} points and has {numbers.size // per_point}")
+        raise UnusableDataSet(f"it announces {n_points} points and has {numbers.size // per_point}")
     table = numbers[: n_points * per_point].reshape(n_points, per_point)
     abscissa = start + step * np.arange(n_points) if even else table[:, 0].copy()
     values = table[:, -2] + 1j * table[:, -1] if is_complex else table[:, -1].copy()

@@ -11,14 +11,14 @@ import numpy as np
 from flexsid.errors import UnreadableFile
 from flexsid.importers.source import Field
 from flexsid.importers.universal.blocks import FUNCTION_TYPES, Function
-from flexsid.importers.universal.kinds import Found, Shape
+from flexsid.importers.universal.kinds import FoundKind, Shape
 
 _GLOBAL = 1
 """Largest number that writers give the global system without defining it."""
 _GLOBAL_POINTS = (0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
 
 
-def fields_of(found: Found) -> Iterator[Field]:
+def fields_of(found: FoundKind) -> Iterator[Field]:
     """Fields that every reader of structures gives, and functions that were measured."""
     if found.grids:
         labels = sorted(found.grids)
@@ -49,7 +49,7 @@ def fields_of(found: Found) -> Iterator[Field]:
         yield Field("refused", np.array(found.refused, dtype=np.str_))
 
 
-def _known_system(found: Found, number: int) -> int:
+def _known_system(found: FoundKind, number: int) -> int:
     """A system that data sets define, or the global one: many writers number it as they like.
 
     Where a file defines systems of its own, another number is kept, and refused where it is used.
@@ -59,7 +59,7 @@ def _known_system(found: Found, number: int) -> int:
     return number if found.has_systems and number > _GLOBAL else 0
 
 
-def _undefined(found: Found) -> list[str]:
+def _undefined(found: FoundKind) -> list[str]:
     """Systems that nodes name and no data set defines, in words."""
     named = {number for row in found.grids.values() for number in row[:2]}
     left = sorted(number for number in named if number and not _known_system(found, number))
@@ -77,7 +77,7 @@ def _undefined(found: Found) -> list[str]:
     return notes
 
 
-def _is_local(found: Found, number: int) -> bool:
+def _is_local(found: FoundKind, number: int) -> bool:
     """Whether a system is defined and is another one than the global."""
     if number not in found.frames:
         return False
@@ -116,7 +116,7 @@ def _lacking(shapes: list[Shape]) -> list[str]:
     return [f"{len(short)} mode shapes (first: {short[0]}) lack nodes: taken as zero there"]
 
 
-def _line_fields(found: Found) -> Iterator[Field]:
+def _line_fields(found: FoundKind) -> Iterator[Field]:
     """Lines between nodes, as pairs: trace lines, and the edges of elements."""
     pairs: set[tuple[int, int]] = set()
     for first, second in pairwise(found.lines):
@@ -130,7 +130,7 @@ def _line_fields(found: Found) -> Iterator[Field]:
         yield Field("line/nodes", np.array(sorted(pairs), dtype=np.int64))
 
 
-def _function_fields(found: Found) -> Iterator[Field]:
+def _function_fields(found: FoundKind) -> Iterator[Field]:
     responses: dict[bytes, list[Function]] = {}
     taken: set[str] = set()
     for number, function in enumerate(found.functions, start=1):

@@ -10,7 +10,7 @@ from flexsid.importers.modal_files import EXACT
 from flexsid.importers.universal.blocks import (
     Block,
     Function,
-    Refused,
+    UnusableDataSet,
     integers_in,
     numbers_in,
     read_function,
@@ -38,7 +38,7 @@ class Shape:
 
 
 @dataclass(slots=True)
-class Found:
+class FoundKind:
     """What the data sets of a file hold together, in the file's own labels and units.
 
     ``has_systems``: it defines coordinate systems, read or refused. ``exported`` names the
@@ -59,7 +59,7 @@ class Found:
     refused: list[str] = field(default_factory=list)
 
 
-def _nodes_15(found: Found, block: Block) -> None:
+def _nodes_15(found: FoundKind, block: Block) -> None:
     lines = block.lines
     for line in lines:
         if line.strip():
@@ -67,7 +67,7 @@ def _nodes_15(found: Found, block: Block) -> None:
             _add_node(found, label, (cp, cd, _three(numbers_in(line[40:]))))
 
 
-def _nodes_2411(found: Found, block: Block) -> None:
+def _nodes_2411(found: FoundKind, block: Block) -> None:
     lines = block.lines
     for head, place in zip(lines[::2], lines[1::2], strict=True):
         label, exported, cd = integers_in(head)[:3]
@@ -75,25 +75,25 @@ def _nodes_2411(found: Found, block: Block) -> None:
         found.exported[label] = exported
 
 
-def _nodes_781(found: Found, block: Block) -> None:
+def _nodes_781(found: FoundKind, block: Block) -> None:
     lines = block.lines
     for head, place in zip(lines[::2], lines[1::2], strict=True):
         label, cp, cd = integers_in(head)[:3]
         _add_node(found, label, (cp, cd, _three(numbers_in(place))))
 
 
-def _add_node(found: Found, label: int, node: tuple[int, int, tuple[float, ...]]) -> None:
+def _add_node(found: FoundKind, label: int, node: tuple[int, int, tuple[float, ...]]) -> None:
     if found.grids.setdefault(label, node) != node:
         raise Contradiction(f"node {label} is defined twice, and otherwise")
 
 
 def _three(numbers: list[float]) -> tuple[float, ...]:
     if len(numbers) < 3:
-        raise Refused(f"three coordinates are expected, {len(numbers)} are there")
+        raise UnusableDataSet(f"three coordinates are expected, {len(numbers)} are there")
     return tuple(numbers[:3])
 
 
-def _frames_18(found: Found, block: Block) -> None:
+def _frames_18(found: FoundKind, block: Block) -> None:
     found.has_systems = True
     lines = block.lines
     for row in range(0, len(lines) - 3, 4):
@@ -107,20 +107,22 @@ def _frames_18(found: Found, block: Block) -> None:
         _add_frame(found, number, (kind + 1, reference, tuple(map(float, points))))
 
 
-def _frames_2420(found: Found, block: Block) -> None:
+def _frames_2420(found: FoundKind, block: Block) -> None:
     """Rows of the matrix are the unit vectors of the system in the part, then its origin."""
     found.has_systems = True
     lines = block.lines[2:]  # of the part: number and name
     if len(lines) % 6:
-        raise Refused("its coordinate systems have other than six records each")
+        raise UnusableDataSet("its coordinate systems have other than six records each")
     for row in range(0, len(lines), 6):
         number, kind = integers_in(lines[row])[:2]
         if kind not in (0, 1, 2):
-            raise Refused(f"coordinate system {number} is of type {kind}; 0, 1 or 2 is expected")
+            raise UnusableDataSet(
+                f"coordinate system {number} is of type {kind}; 0, 1 or 2 is expected"
+            )
         matrix = np.array([_three(numbers_in(line)) for line in lines[row + 2 : row + 6]])
         axes, origin = matrix[:3], matrix[3]
         if not np.allclose(axes @ axes.T, np.eye(3), atol=_ORTHOGONAL) or np.linalg.det(axes) < 0:
-            raise Refused(
+            raise UnusableDataSet(
                 f"the matrix of coordinate system {number} is not that of three right-handed "
                 "unit vectors"
             )
@@ -128,19 +130,19 @@ def _frames_2420(found: Found, block: Block) -> None:
         _add_frame(found, number, (kind + 1, 0, tuple(map(float, points))))
 
 
-def _add_frame(found: Found, number: int, frame: tuple[int, int, tuple[float, ...]]) -> None:
+def _add_frame(found: FoundKind, number: int, frame: tuple[int, int, tuple[float, ...]]) -> None:
     if found.frames.setdefault(number, frame) != frame:
         raise Contradiction(f"coordinate system {number} is defined twice, and otherwise")
 
 
-def _lines_82(found: Found, block: Block) -> None:
+def _lines_82(found: FoundKind, block: Block) -> None:
     lines = block.lines
     count = integers_in(lines[0])[1]
     nodes = [node for line in lines[2:] for node in integers_in(line)]
     found.lines += [0, *nodes[:count]]
 
 
-def _elements_2412(found: Found, block: Block) -> None:
+def _elements_2412(found: FoundKind, block: Block) -> None:
     lines = block.lines
     row = 0
     while row < len(lines):
@@ -153,7 +155,7 @@ def _elements_2412(found: Found, block: Block) -> None:
         found.elements.append(nodes)
 
 
-def _shape_55(found: Found, block: Block) -> None:
+def _shape_55(found: FoundKind, block: Block) -> None:
     lines = block.lines
     kinds = integers_in(lines[5])
     _, analysis, _, _, data_type, count = kinds[:6]
@@ -163,11 +165,11 @@ def _shape_55(found: Found, block: Block) -> None:
     _append_shape(found, analysis, data_type, count, mode, numbers, lines[8:])
 
 
-def _shape_2414(found: Found, block: Block) -> None:
+def _shape_2414(found: FoundKind, block: Block) -> None:
     lines = block.lines
     location = integers_in(lines[2])[0]
     if location != 1:
-        raise Refused("it holds data on elements, data at nodes are expected")
+        raise UnusableDataSet("it holds data on elements, data at nodes are expected")
     _, analysis, _, _, data_type, count = integers_in(lines[8])[:6]
     mode = (integers_in(lines[9]) + [0] * 6)[5]
     times = (numbers_in(lines[11]) + [0.0] * 6)[:6]
@@ -185,7 +187,7 @@ def _shape_2414(found: Found, block: Block) -> None:
 
 
 def _append_shape(
-    found: Found,
+    found: FoundKind,
     analysis: int,
     data_type: int,
     count: int,
@@ -194,9 +196,11 @@ def _append_shape(
     lines: list[str],
 ) -> None:
     if analysis not in _MODES:
-        raise Refused(f"its analysis is of type {analysis}; mode shapes (2, 3, 7) are expected")
+        raise UnusableDataSet(
+            f"its analysis is of type {analysis}; mode shapes (2, 3, 7) are expected"
+        )
     if count not in (3, 6):
-        raise Refused(f"it has {count} values at each node, 3 or 6 are expected")
+        raise UnusableDataSet(f"it has {count} values at each node, 3 or 6 are expected")
     if _MODES[analysis] == "complex" and len(numbers) >= 6:
         eigenvalue = complex(numbers[0], numbers[1])
         size = abs(eigenvalue)
@@ -226,21 +230,21 @@ def _append_shape(
         shape = parts[::2] + 1j * parts[1::2] if is_complex else parts.astype(complex)
         values[node] = [*map(complex, shape), *[0j] * (6 - count)]
     if not values:
-        raise Refused("it holds no node")
+        raise UnusableDataSet("it holds no node")
     found.shapes.append(Shape(mode, float(frequency), float(damping), float(mass), values))
 
 
-def _header_151(found: Found, block: Block) -> None:
+def _header_151(found: FoundKind, block: Block) -> None:
     lines = block.lines
     found.header += [line.strip() for line in lines[:2] if line.strip() not in ("", "NONE")]
 
 
-def _units_164(found: Found, block: Block) -> None:
+def _units_164(found: FoundKind, block: Block) -> None:
     lines = block.lines
     factors = [number for line in lines[1:] for number in numbers_in(line)]
     length, force = factors[:2]
     if not (length > 0 and force > 0):
-        raise Refused(
+        raise UnusableDataSet(
             f"its factors of length and force, {length:g} and {force:g}, are not positive"
         )
     units = {"length": 1.0 / length, "force": 1.0 / force}  # file units per SI unit
@@ -249,7 +253,7 @@ def _units_164(found: Found, block: Block) -> None:
     found.units = units
 
 
-def _function_58(found: Found, block: Block) -> None:
+def _function_58(found: FoundKind, block: Block) -> None:
     found.functions.append(read_function(block))
 
 

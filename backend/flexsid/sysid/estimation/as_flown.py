@@ -18,7 +18,7 @@ Response = Callable[[Float[np.ndarray, " n_omega"]], np.ndarray]
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
+class TabulatedResponse:
     """Values over frequency, linear between and held beyond what is known."""
 
     omega: Float[np.ndarray, " n_known"]
@@ -73,12 +73,12 @@ def surfaces_follow(
         own = np.flatnonzero((owner == index) & (commands.values[:, index] != 0.0))
         if own.size:
             ratio = deflections.values[own] / commands.values[own, index][:, None]
-            answers[name] = Curve(deflections.omega[own], ratio).at
+            answers[name] = TabulatedResponse(deflections.omega[own], ratio).at
     return answers
 
 
 @dataclass(frozen=True, slots=True)
-class Residuals:
+class RecordResiduals:
     """What a fit left over at the lines of one maneuver.
 
     ``values`` are spectra; ``command`` is the spectrum of the command that owns each
@@ -93,7 +93,7 @@ class Residuals:
 
 
 def split_residuals(
-    maneuvers: Sequence[Residuals], inputs: tuple[str, ...], n_theta: int
+    maneuvers: Sequence[RecordResiduals], inputs: tuple[str, ...], n_theta: int
 ) -> tuple[Response, dict[str, Response]]:
     """Density of the noise, and what the model misses per command of each input.
 
@@ -139,7 +139,7 @@ def split_residuals(
         own = np.flatnonzero(first.owner == index)
         at = first.omega[own]
         kept = np.sqrt(1.0 - share(at))
-        missed[name] = Curve(at, kept * first.values[own] / first.command[own, None]).at
+        missed[name] = TabulatedResponse(at, kept * first.values[own] / first.command[own, None]).at
 
     def what_is_noise(omega: Float[np.ndarray, " n_omega"]) -> np.ndarray:
         density = noise(omega)
@@ -161,7 +161,7 @@ def _clear_share(noise: Response, every: Response) -> Response:
     return share
 
 
-def noise_spectrum(maneuvers: Sequence[Residuals], n_theta: int) -> Response:
+def noise_spectrum(maneuvers: Sequence[RecordResiduals], n_theta: int) -> Response:
     """Density of all that a fit left over, from neighbouring lines."""
     n_data = 2 * sum(one.values.size for one in maneuvers)
     inflation = np.sqrt(n_data / max(n_data - n_theta, 1))
@@ -177,7 +177,7 @@ def _smooth(
     order = np.argsort(omega, kind="stable")
     smooth = smoothed_density(values[order], np.zeros(omega.size, dtype=int), 1)
     centres = np.array([omega[order][lines].mean() for lines in smooth.block_lines()])
-    return Curve(centres, smooth.blocks).at
+    return TabulatedResponse(centres, smooth.blocks).at
 
 
 def _diagonal(matrices: np.ndarray) -> np.ndarray:

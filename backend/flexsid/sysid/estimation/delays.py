@@ -13,7 +13,7 @@ from jaxtyping import Complex, Float
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation.equation_error import aerodynamic_coefficients, regressors
 from flexsid.sysid.estimation.limits import LONGEST_DELAY_S
-from flexsid.sysid.estimation.reconstruction import Motion, reconstruct_motion
+from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import FrequencyData, check_signal
 
@@ -77,7 +77,7 @@ def find_delays(
 
 def _unexplained(
     model: AeroelasticModel,
-    motion: Motion,
+    motion: ReconstructedMotion,
     inputs: FrequencyData,
     common: Float[np.ndarray, " n_delays"],
 ) -> Float[np.ndarray, " n_delays"]:

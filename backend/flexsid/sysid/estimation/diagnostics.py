@@ -14,7 +14,7 @@ _RIDGE = 1e-6  # of the power of a line
 
 
 @dataclass(frozen=True, slots=True)
-class OutputQuality:
+class OutputFit:
     """Fit of one output.
 
     ``theil`` is Theil's inequality coefficient (0 perfect, 1 none); ``whiteness``
@@ -43,7 +43,7 @@ class ParameterQuality:
     insensitivity: float
 
 
-def output_quality(lines: FittedLines) -> tuple[OutputQuality, ...]:
+def output_quality(lines: FittedLines) -> tuple[OutputFit, ...]:
     """Judge every output of a block of lines."""
     residuals = lines.measured - lines.fitted
     white = whitened(residuals, lines.correlation)
@@ -52,7 +52,7 @@ def output_quality(lines: FittedLines) -> tuple[OutputQuality, ...]:
         np.mean(np.abs(lines.fitted) ** 2, axis=0)
     )
     return tuple(
-        OutputQuality(
+        OutputFit(
             output=name,
             r_squared=float(r2),
             theil=float(e / s) if s > 0 else 0.0,

@@ -8,7 +8,7 @@ from jaxtyping import Complex, Float
 from flexsid.errors import BadInput
 from flexsid.sysid.estimation.estimate import Estimate, FittedLines, Outcome
 from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.reconstruction import Motion
+from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
 from flexsid.sysid.estimation.regression import Disturbance, regress
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import coefficients
@@ -16,7 +16,7 @@ from flexsid.sysid.signals import FrequencyData, check_finite
 
 
 def aerodynamic_coefficients(
-    model: AeroelasticModel, motion: Motion
+    model: AeroelasticModel, motion: ReconstructedMotion
 ) -> Complex[np.ndarray, "n_omega n_rows"]:
     """Spectra of C_Z, C_m and C_Qi that cause the motion. [s]"""
     K = model.known_dynamics(motion.omega)
@@ -24,7 +24,7 @@ def aerodynamic_coefficients(
 
 
 def regressors(
-    model: AeroelasticModel, motion: Motion, inputs: FrequencyData
+    model: AeroelasticModel, motion: ReconstructedMotion, inputs: FrequencyData
 ) -> Complex[np.ndarray, "n_omega n_w"]:
     """Spectra of alpha, q c/2V, eta, etadot c/2V and the inputs. [s]"""
     rates = 1j * motion.omega[:, None] * motion.values[:, 2:]
@@ -34,7 +34,7 @@ def regressors(
 
 def equation_error(
     model: AeroelasticModel,
-    motion: Motion,
+    motion: ReconstructedMotion,
     inputs: FrequencyData,
     parameters: Parameters,
     *,
@@ -120,7 +120,7 @@ def equation_error(
 class MotionNoise:
     """How the error of the reconstructed motion enters regressors and coefficients."""
 
-    def __init__(self, model: AeroelasticModel, motion: Motion) -> None:
+    def __init__(self, model: AeroelasticModel, motion: ReconstructedMotion) -> None:
         n = len(model.modes.numbers)
         n_w = 2 + 2 * n + len(model.inputs)
         s = 1j * motion.omega

@@ -26,7 +26,7 @@ class Outcome(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class IterationStep:
     """One accepted iteration: negative log likelihood and largest step in standard errors.
 
     The first step of a stage is where it starts. ``stage`` counts the fits to lines corrected
@@ -39,7 +39,9 @@ class Step:
     stage: int = 0
 
 
-def append_stage(before: Sequence[Step], again: Sequence[Step]) -> tuple[Step, ...]:
+def append_stage(
+    before: Sequence[IterationStep], again: Sequence[IterationStep]
+) -> tuple[IterationStep, ...]:
     """History of a fit followed by that of another fit, which starts where the first ended."""
     last = before[-1]
     return (
@@ -92,7 +94,7 @@ class Estimate:
     covariance: Float[np.ndarray, "n_theta n_theta"]
     corrected_covariance: Float[np.ndarray, "n_theta n_theta"]
     lines: tuple[FittedLines, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[IterationStep, ...]
     outcome: Outcome
     message: str
 

@@ -20,13 +20,13 @@ from flexsid.sysid.estimation.covariance import FinalLines, covariance
 from flexsid.sysid.estimation.estimate import (
     Estimate,
     FittedLines,
+    IterationStep,
     Outcome,
-    Step,
     count_iterations,
 )
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.kronecker import NormalForm
-from flexsid.sysid.estimation.line_model import LineModel, Response, Sensitivity
+from flexsid.sysid.estimation.line_model import LineModel, ModelResponse, Sensitivity
 from flexsid.sysid.estimation.measured_motion import motion_seen
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.steps import (
@@ -66,7 +66,7 @@ class _State:
     """Everything at one theta."""
 
     theta: np.ndarray
-    responses: list[Response]
+    responses: list[ModelResponse]
     residuals: list[np.ndarray]
     densities: list[noise.LineMatrix]
     cost: float
@@ -166,7 +166,7 @@ class _Problem:
                 "prediction or from equation error",
                 code="bad-start",
             )
-        steps = [Step(0, state.cost, np.inf)]
+        steps = [IterationStep(0, state.cost, np.inf)]
         damping = 1e-4
         outcome = Outcome.ITERATION_LIMIT
         for iteration in range(1, self.settings.max_iterations + 1):
@@ -185,7 +185,7 @@ class _Problem:
             trial, damping = found
             size = size_in_std_errors(around.N, trial.theta - state.theta)
             state = trial
-            steps.append(Step(iteration, state.cost, size))
+            steps.append(IterationStep(iteration, state.cost, size))
             try:
                 report(iteration, state.cost)
             except Cancelled:
@@ -315,7 +315,7 @@ class _Problem:
         trial = self.at(state.theta + delta + bend)
         return trial if trial.cost < state.cost else state
 
-    def _estimate(self, state: _State, steps: list[Step], outcome: Outcome) -> Estimate:
+    def _estimate(self, state: _State, steps: list[IterationStep], outcome: Outcome) -> Estimate:
         n_theta = state.theta.size
         n_data = sum(2 * e.measured.size for e in self.experiments)
         inflation = n_data / (n_data - n_theta)
@@ -387,7 +387,7 @@ _MESSAGES = {
 }
 
 
-def describe_outcome(outcome: Outcome, steps: Sequence[Step]) -> str:
+def describe_outcome(outcome: Outcome, steps: Sequence[IterationStep]) -> str:
     """How a fit ended, and after how many iterations of all its stages."""
     if outcome is Outcome.SINGULAR_INFORMATION:
         outcome = Outcome.CONVERGED
@@ -433,7 +433,7 @@ def _prior(
     return mean, information
 
 
-def _left_to_go(steps: Sequence[Step]) -> float:
+def _left_to_go(steps: Sequence[IterationStep]) -> float:
     """Standard errors still to go if steps keep shrinking as the last one did."""
     last, before = steps[-1].step, steps[-2].step
     rate = last / before if np.isfinite(before) and before > 0 else 1.0

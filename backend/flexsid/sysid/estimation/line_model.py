@@ -19,7 +19,7 @@ from flexsid.sysid.estimation.parameters import Parameters
 
 
 @dataclass(frozen=True, slots=True)
-class Response:
+class ModelResponse:
     """The model's answer at every line for one theta.
 
     ``sensors`` see the motion; ``delayed`` is what delays and scale factors then make of
@@ -91,7 +91,7 @@ class LineModel:
         self._forces = np.empty(self.sensors.shape, dtype=complex)
         self._elimination = Elimination(*self.dynamics.shape[:2])
 
-    def respond(self, theta: Float[np.ndarray, " n_theta"]) -> Response:
+    def respond(self, theta: Float[np.ndarray, " n_theta"]) -> ModelResponse:
         """Outputs at theta: one small solve per line."""
         n_r = self.dynamics.shape[1]
         n = n_r - 2
@@ -112,9 +112,11 @@ class LineModel:
         delayed = self._delayed(theta) if self._delays or self._scales else None
         if delayed is not None:
             outputs *= delayed
-        return Response(motion, outputs, unit_motion, sensors, delayed)
+        return ModelResponse(motion, outputs, unit_motion, sensors, delayed)
 
-    def sensitivity(self, theta: Float[np.ndarray, " n_theta"], response: Response) -> Sensitivity:
+    def sensitivity(
+        self, theta: Float[np.ndarray, " n_theta"], response: ModelResponse
+    ) -> Sensitivity:
         """Factored sensitivities of the outputs; the next call overwrites them."""
         forces = np.matmul(response.sensors, response.unit_motion, out=self._forces)
         if response.delayed is not None:
@@ -193,7 +195,7 @@ class LineModel:
         return factor * (np.cos(phase) - 1j * np.sin(phase))
 
     def _own_sensitivity(
-        self, theta: Float[np.ndarray, " n_theta"], response: Response
+        self, theta: Float[np.ndarray, " n_theta"], response: ModelResponse
     ) -> Complex[np.ndarray, "n_own n_omega"]:
         own = np.empty((len(self._own), self.s.size), dtype=complex)
         for row, (k, extra) in zip(own, self._own, strict=True):

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Complex
 
-from flexsid.sysid.estimation.line_model import Response
+from flexsid.sysid.estimation.line_model import ModelResponse
 from flexsid.sysid.estimation.noise import LineMatrix
 
 _FARTHEST = 10.0  # of the model's power, by which its motion may be wrong: noise adds no more
 
 
 def motion_seen(
-    response: Response,
+    response: ModelResponse,
     residuals: Complex[np.ndarray, "n_omega n_y"],
     weights: LineMatrix,
 ) -> Complex[np.ndarray, "n_omega n_r"]:

@@ -32,7 +32,7 @@ _UNUSUAL = 1e-6  # of the strongest: directions of scale factors that no residua
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class ReconstructedMotion:
     """Motion r = [alpha, q, eta_1..n] at every line, with the covariance of its errors.
 
     Where the sensors' noise was estimated, ``colour`` is how much larger its variance is at
@@ -52,7 +52,7 @@ class Motion:
     disagreement: Complex[np.ndarray, "n_omega n_y n_r"] | None = None
     scale_std: float = 0.0
 
-    def first(self, n_modes: int) -> Motion:
+    def first(self, n_modes: int) -> ReconstructedMotion:
         """The rigid motion and the first modes only."""
         n_r = 2 + n_modes
         return replace(
@@ -62,7 +62,7 @@ class Motion:
             disagreement=None if self.disagreement is None else self.disagreement[:, :, :n_r],
         )
 
-    def coloured(self) -> Motion:
+    def coloured(self) -> ReconstructedMotion:
         """The same with errors as large at each line as the sensors disagree there."""
         if self.colour is None:
             return self
@@ -75,7 +75,7 @@ def reconstruct_motion(
     instruments: Complex[np.ndarray, "n_omega n_y"],
     noise: Float[np.ndarray, " n_y"] | None = None,
     guess: Float[np.ndarray, " n_y"] | None = None,
-) -> Motion:
+) -> ReconstructedMotion:
     """Separate rigid and elastic motion at every line.
 
     Parameters
@@ -126,9 +126,9 @@ def reconstruct_motion(
     sigma = _usual_noise(z, guess) if noise is None else np.asarray(noise, dtype=float)
     sensors = _Sensors(model, P, z, sigma)
     if noise is not None:
-        return Motion(outputs.omega, *sensors.solve(sigma), sigma)
+        return ReconstructedMotion(outputs.omega, *sensors.solve(sigma), sigma)
     if n_y == n_r:
-        motion = Motion(outputs.omega, *sensors.solve(sigma), sigma)
+        motion = ReconstructedMotion(outputs.omega, *sensors.solve(sigma), sigma)
         return replace(motion, doubt=_UNSURE, assumed=model.outputs)
     usual = 2.0 * np.log(sigma)
     log_variance = usual
@@ -143,7 +143,7 @@ def reconstruct_motion(
     share = np.diag(np.linalg.solve(told + _TIED * apart, told))
     unsure = np.linalg.inv(outputs.omega.size * told + apart / _UNSURE**2)
     scale_std = sensors.scale_disagreement(sigma, colour)
-    return Motion(
+    return ReconstructedMotion(
         outputs.omega,
         *sensors.solve(sigma),
         sigma,

@@ -23,7 +23,7 @@ from flexsid.sysid.estimation.likelihood import (
     describe_outcome,
     maximize,
 )
-from flexsid.sysid.estimation.line_model import LineModel, Response
+from flexsid.sysid.estimation.line_model import LineModel, ModelResponse
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
@@ -137,7 +137,7 @@ def _stacked(
 
 
 def edges_of(
-    model: LineModel, response: Response, theta: Float[np.ndarray, " n_theta"]
+    model: LineModel, response: ModelResponse, theta: Float[np.ndarray, " n_theta"]
 ) -> Complex[np.ndarray, "n_omega n_y n_edge_states"]:
     """What the states at the edges of an experiment's record add to its lines."""
     experiment = model.experiment

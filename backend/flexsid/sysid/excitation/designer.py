@@ -14,14 +14,14 @@ from flexsid.errors import BadInput
 from flexsid.sysid.excitation.allotment import check_allotment
 from flexsid.sysid.excitation.extrema import judged_peak_factor
 from flexsid.sysid.excitation.multisine import Multisine, Tones
-from flexsid.sysid.excitation.norms import Lines
+from flexsid.sysid.excitation.norms import HarmonicLines
 from flexsid.sysid.excitation.peak_factor import start_at_zero
 from flexsid.sysid.excitation.phase_search import (
     PATIENT,
     QUICK,
     THOROUGH,
     Effort,
-    Found,
+    FoundPhases,
     search_phases,
 )
 
@@ -92,7 +92,7 @@ def design(
     ]
     weights = np.array([lines.harmonics.size for lines, _, _ in tasks], dtype=float)
     done = np.concatenate([[0.0], np.cumsum(weights / weights.sum())])
-    found: list[Found] = []
+    found: list[FoundPhases] = []
     if processes > 1:
         with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
             for place, best in enumerate(pool.map(_search, tasks)):
@@ -102,7 +102,7 @@ def design(
     else:
         for place, (lines, effort, seed) in enumerate(tasks):
 
-            def tell(best: Found, fraction: float, place: int = place) -> None:
+            def tell(best: FoundPhases, fraction: float, place: int = place) -> None:
                 if report is not None:
                     share = done[place] + fraction * (done[place + 1] - done[place])
                     report(wish.inputs[place].name, best.peak_factor, float(share))
@@ -189,24 +189,24 @@ def check_wish(wish: Wish) -> None:
 def peak_factors(multisine: Multisine) -> dict[str, float]:
     """Judged relative peak factor of every input. [1]"""
     return {
-        name: judged_peak_factor(Lines(tones.harmonics, tones.amplitudes), tones.phases)
+        name: judged_peak_factor(HarmonicLines(tones.harmonics, tones.amplitudes), tones.phases)
         for name, tones in multisine.tones.items()
     }
 
 
-def _lines(own: InputWish) -> Lines:
+def _lines(own: InputWish) -> HarmonicLines:
     harmonics = np.array(own.harmonics)
     power = np.ones(harmonics.size) if own.power is None else np.array(own.power, dtype=float)
-    return Lines(harmonics, np.sqrt(2.0 * power / power.sum()))
+    return HarmonicLines(harmonics, np.sqrt(2.0 * power / power.sum()))
 
 
 def _scaled(tones: Tones, peak: float) -> Tones:
-    lines = Lines(tones.harmonics, tones.amplitudes)
+    lines = HarmonicLines(tones.harmonics, tones.amplitudes)
     wave = lines.on_grid(tones.phases[None], lines.grid_size(_LEAST_POINTS))
     return Tones(
         tones.harmonics, tones.amplitudes * (peak / float(np.abs(wave).max())), tones.phases
     )
 
 
-def _search(task: tuple[Lines, Effort, int]) -> Found:
+def _search(task: tuple[HarmonicLines, Effort, int]) -> FoundPhases:
     return search_phases(*task)

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy import linalg
 
-from flexsid.sysid.excitation.norms import Lines
+from flexsid.sysid.excitation.norms import HarmonicLines
 
 JUDGED_POINTS = 32
 """Samples in the shortest period on which a peak factor is judged."""
@@ -17,7 +17,7 @@ _SEARCHED_POINTS = 16
 _TEMPERATURES = (3e-2, 2e-2, 1.3e-2, 8e-3, 5e-3, 3e-3, 1.5e-3, 7e-4, 3e-4, 1e-4, 3e-5)
 
 
-def judged_peak_factor(lines: Lines, phases: Float[np.ndarray, " n_tones"]) -> float:
+def judged_peak_factor(lines: HarmonicLines, phases: Float[np.ndarray, " n_tones"]) -> float:
     """Relative peak factor with peaks between samples found by parabolas. [1]
 
     Notes
@@ -29,7 +29,7 @@ def judged_peak_factor(lines: Lines, phases: Float[np.ndarray, " n_tones"]) -> f
 
 
 def judged_peak_factors(
-    lines: Lines, phases: Float[np.ndarray, "n_starts n_tones"], points: int = JUDGED_POINTS
+    lines: HarmonicLines, phases: Float[np.ndarray, "n_starts n_tones"], points: int = JUDGED_POINTS
 ) -> Float[np.ndarray, " n_starts"]:
     """Relative peak factors of many phases. [1]"""
     waves = lines.on_grid(phases, lines.grid_size(points))
@@ -61,7 +61,7 @@ class _Extrema:
 
 
 def refine_peaks(
-    lines: Lines, phases: Float[np.ndarray, " n_tones"], iterations: int = 5
+    lines: HarmonicLines, phases: Float[np.ndarray, " n_tones"], iterations: int = 5
 ) -> Float[np.ndarray, " n_tones"]:
     """Lower max - min itself: Levenberg-Marquardt on a soft maximum of the extrema.
 
@@ -80,7 +80,7 @@ def refine_peaks(
         Phases of the smallest max - min met. [rad]
     """
     scale = float(np.sqrt(np.sum(lines.amplitudes**2)))
-    unit = Lines(lines.harmonics, lines.amplitudes / scale)
+    unit = HarmonicLines(lines.harmonics, lines.amplitudes / scale)
     now = _find_extrema(unit, phases)
     best, lowest = phases, now.span
     damping = 1e-2
@@ -111,7 +111,7 @@ def refine_peaks(
     return best
 
 
-def _find_extrema(lines: Lines, phases: Float[np.ndarray, " n_tones"]) -> _Extrema:
+def _find_extrema(lines: HarmonicLines, phases: Float[np.ndarray, " n_tones"]) -> _Extrema:
     n = lines.grid_size(_SEARCHED_POINTS)
     wave = lines.on_grid(phases[None], n)[0]
     before, after = np.roll(wave, 1), np.roll(wave, -1)
@@ -144,7 +144,7 @@ def _soft_span(extrema: _Extrema, temperature: float) -> float:
 
 
 def _soft_derivatives(
-    lines: Lines, extrema: _Extrema, temperature: float
+    lines: HarmonicLines, extrema: _Extrema, temperature: float
 ) -> tuple[Float[np.ndarray, " n_tones"], Float[np.ndarray, "n_tones n_tones"]]:
     """Gradient and a positive Hessian; an extremum also moves along as phases change."""
     n = lines.harmonics.size

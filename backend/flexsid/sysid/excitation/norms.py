@@ -26,7 +26,7 @@ Pairs = np.ndarray[tuple[int, int, int], np.dtype[np.complex128]]
 
 
 @dataclass(frozen=True, slots=True)
-class Lines:
+class HarmonicLines:
     """The lines of one input, with all that no phase changes."""
 
     harmonics: Int[np.ndarray, " n_tones"]
@@ -48,7 +48,7 @@ class Lines:
 
 
 def lower_norms(
-    lines: Lines,
+    lines: HarmonicLines,
     phases: Float[np.ndarray, "n_starts n_tones"],
     iterations: int = 5,
     squarings: tuple[int, ...] = _SQUARINGS,
@@ -122,7 +122,7 @@ def _norm(
 
 
 def _derivatives(
-    lines: Lines,
+    lines: HarmonicLines,
     phases: Float[np.ndarray, "n_starts n_tones"],
     weights: Float[np.ndarray, "n_starts n_samples"],
     p: int,

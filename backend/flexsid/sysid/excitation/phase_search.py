@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.sysid.excitation.extrema import judged_peak_factors, refine_peaks
-from flexsid.sysid.excitation.norms import Lines, lower_norms
+from flexsid.sysid.excitation.norms import HarmonicLines, lower_norms
 from flexsid.sysid.excitation.peak_factor import schroeder_phases
 
 _ELITES = 2
@@ -37,7 +37,7 @@ PATIENT = Effort(starts=8, rounds=0, refined=3, steps=10)
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class FoundPhases:
     """Best phases so far and their judged relative peak factor."""
 
     phases: Float[np.ndarray, " n_tones"]
@@ -45,11 +45,11 @@ class Found:
 
 
 def search_phases(
-    lines: Lines,
+    lines: HarmonicLines,
     effort: Effort = THOROUGH,
     seed: int = 0,
-    report: Callable[[Found, float], None] | None = None,
-) -> Found:
+    report: Callable[[FoundPhases, float], None] | None = None,
+) -> FoundPhases:
     """Find phases of a low relative peak factor; the same seed finds the same.
 
     Parameters
@@ -101,7 +101,7 @@ def search_phases(
 
 
 def _starts(
-    lines: Lines, count: int, generator: np.random.Generator
+    lines: HarmonicLines, count: int, generator: np.random.Generator
 ) -> Float[np.ndarray, "n_starts n_tones"]:
     """Schroeder's phases, then half as many near them as there are anywhere."""
     schroeder = schroeder_phases(lines.amplitudes)
@@ -115,12 +115,12 @@ def _starts(
 
 
 def _judge(
-    lines: Lines, pool: Float[np.ndarray, "n_starts n_tones"]
-) -> tuple[Float[np.ndarray, " n_starts"], Found]:
+    lines: HarmonicLines, pool: Float[np.ndarray, "n_starts n_tones"]
+) -> tuple[Float[np.ndarray, " n_starts"], FoundPhases]:
     factors = judged_peak_factors(lines, pool)
     place = int(np.argmin(factors))
-    return factors, Found(pool[place], float(factors[place]))
+    return factors, FoundPhases(pool[place], float(factors[place]))
 
 
-def _peak_factor(found: Found) -> float:
+def _peak_factor(found: FoundPhases) -> float:
     return found.peak_factor

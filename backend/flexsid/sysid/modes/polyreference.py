@@ -18,7 +18,7 @@ _POWER = {"displacement": 0, "velocity": 1, "acceleration": 2}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pole:
+class StabilizationPole:
     """One pole of one model order; ``stable`` if the order before has the same."""
 
     order: int
@@ -61,7 +61,7 @@ def stabilisation(
     omega: Float[np.ndarray, " n_omega"],
     responses: Complex[np.ndarray, "n_omega n_outputs n_references"],
     highest_order: int,
-) -> tuple[Pole, ...]:
+) -> tuple[StabilizationPole, ...]:
     """Poles of models of rising order, each compared with the order before.
 
     Parameters
@@ -96,8 +96,8 @@ def stabilisation(
     step = np.pi / (1.02 * span)
     powers = np.exp(-1j * np.outer((omega - omega[0]) * step, np.arange(highest_order + 1)))
     M = _reduced_normal(powers, responses)
-    poles: list[Pole] = []
-    before: list[Pole] = []
+    poles: list[StabilizationPole] = []
+    before: list[StabilizationPole] = []
     for order in range(2, highest_order + 1):
         size = n_in * (order + 1)
         found = _poles(M[:size, :size], n_in, order, step, float(omega[0]))
@@ -150,7 +150,9 @@ def _poles(
     return found
 
 
-def _compared(order: int, value: complex, participation: np.ndarray, before: list[Pole]) -> Pole:
+def _compared(
+    order: int, value: complex, participation: np.ndarray, before: list[StabilizationPole]
+) -> StabilizationPole:
     size = abs(value)
     damping = -value.real / size
     frequency_holds = stable = False
@@ -161,7 +163,7 @@ def _compared(order: int, value: complex, participation: np.ndarray, before: lis
         same = modal_assurance(participation[None], pole.participation[None])[0, 0]
         if abs(pole.damping - damping) <= _DAMPING_BAND * damping and same > _SAME_PARTICIPATION:
             stable = True
-    return Pole(order, value, participation, stable, frequency_holds)
+    return StabilizationPole(order, value, participation, stable, frequency_holds)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -175,7 +177,7 @@ class Cluster:
     std_damping: float
 
 
-def find_columns(poles: tuple[Pole, ...], share: float = 0.3) -> tuple[Cluster, ...]:
+def find_columns(poles: tuple[StabilizationPole, ...], share: float = 0.3) -> tuple[Cluster, ...]:
     """Find the columns of a stabilisation diagram.
 
     Parameters
@@ -194,7 +196,7 @@ def find_columns(poles: tuple[Pole, ...], share: float = 0.3) -> tuple[Cluster, 
     if not stable:
         return ()
     n_orders = len({pole.order for pole in poles})
-    columns: list[list[Pole]] = []
+    columns: list[list[StabilizationPole]] = []
     for pole in stable:
         for column in columns:
             middle = column[len(column) // 2]

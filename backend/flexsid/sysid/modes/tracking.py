@@ -49,7 +49,7 @@ class Tracking:
 
 
 @dataclass(frozen=True, slots=True)
-class Crossing:
+class ModeCrossing:
     """Two modes, by their place in the first row, with one frequency at one fuel. [rad/s]"""
 
     fuel: float
@@ -123,9 +123,9 @@ def _mixed(
 
 def crossings(
     fuel: Float[np.ndarray, " n_fuel"], omega: Float[np.ndarray, "n_fuel n_modes"]
-) -> tuple[Crossing, ...]:
+) -> tuple[ModeCrossing, ...]:
     """Where tracked frequencies cross, by straight lines between fuel weights. [rad/s]"""
-    found: list[Crossing] = []
+    found: list[ModeCrossing] = []
     for i, j in combinations(range(omega.shape[1]), 2):
         gap = omega[:, j] - omega[:, i]
         above = gap >= 0
@@ -133,5 +133,5 @@ def crossings(
             share = gap[row] / (gap[row] - gap[row + 1])
             at = float(fuel[row] + share * (fuel[row + 1] - fuel[row]))
             height = float(omega[row, i] + share * (omega[row + 1, i] - omega[row, i]))
-            found.append(Crossing(at, (i, j), height))
+            found.append(ModeCrossing(at, (i, j), height))
     return tuple(sorted(found, key=lambda crossing: crossing.fuel))

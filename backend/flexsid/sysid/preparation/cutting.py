@@ -24,7 +24,7 @@ _SLACK = 2  # samples by which an onset may be missed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Excited:
+class ExcitedInterval:
     """Samples ``first`` up to ``stop`` in which an excitation ran.
 
     ``period`` is in samples, not whole where the excitation came from another clock;
@@ -42,7 +42,7 @@ class Excited:
 
 def find_excitations(
     commands: Float[np.ndarray, "n_samples n_inputs"], rate_hz: float
-) -> tuple[Excited, ...]:
+) -> tuple[ExcitedInterval, ...]:
     """Find every stretch in which a command moves, with its periods and harmonics.
 
     Parameters
@@ -62,7 +62,9 @@ def find_excitations(
     return tuple(found)
 
 
-def find_marked(marker: Float[np.ndarray, " n_samples"], rate_hz: float) -> tuple[Excited, ...]:
+def find_marked(
+    marker: Float[np.ndarray, " n_samples"], rate_hz: float
+) -> tuple[ExcitedInterval, ...]:
     """Find every stretch in which a marker holds one number other than zero.
 
     Parameters
@@ -77,7 +79,9 @@ def find_marked(marker: Float[np.ndarray, " n_samples"], rate_hz: float) -> tupl
     edges = np.flatnonzero(np.diff(number)) + 1
     first, stop = np.r_[0, edges], np.r_[edges, number.size]
     return tuple(
-        Excited(first=int(a), stop=int(b), period=float(b - a), n_periods=1, marker=int(number[a]))
+        ExcitedInterval(
+            first=int(a), stop=int(b), period=float(b - a), n_periods=1, marker=int(number[a])
+        )
         for a, b in zip(first, stop, strict=True)
         if number[a] > 0 and b - a >= _SHORTEST_S * rate_hz
     )
@@ -113,7 +117,7 @@ def _stretches(moving: Bool[np.ndarray, " n_samples"], pause: int) -> list[tuple
 
 def _described(
     commands: Float[np.ndarray, "n_samples n_inputs"], first: int, stop: int, rate_hz: float
-) -> Excited:
+) -> ExcitedInterval:
     """Count the periods of an excitation and recognise its sines.
 
     A multisine begins at zero, so that its first sample may not be seen to move.
@@ -135,9 +139,9 @@ def _described(
             if best is None or left < best[0]:
                 best = left, start, period, harmonics
     if best is None:
-        return Excited(first=first, stop=stop, period=length, n_periods=n_periods)
+        return ExcitedInterval(first=first, stop=stop, period=length, n_periods=n_periods)
     _, start, period, harmonics = best
-    return Excited(
+    return ExcitedInterval(
         first=start,
         stop=start + n_periods * period,
         period=float(period),

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.sysid.estimation.equation_error import aerodynamic_coefficients
-from flexsid.sysid.estimation.reconstruction import Motion
+from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 
@@ -44,7 +44,7 @@ class _Moments:
     cc: Float[np.ndarray, " n_r"]
 
 
-class _Lines:
+class _ProcessEquations:
     """Motion with its errors, in the form that the equations of motion take at lines.
 
     With theta the derivatives, K r = theta w + what is left, and w = L r + u.
@@ -53,7 +53,7 @@ class _Lines:
     def __init__(
         self,
         model: AeroelasticModel,
-        motion: Motion,
+        motion: ReconstructedMotion,
         inputs: Complex[np.ndarray, "n_omega n_u"],
         shape: Float[np.ndarray, " n_omega"],
     ) -> None:
@@ -131,7 +131,7 @@ class _Lines:
 
 def fit_driving(
     model: AeroelasticModel,
-    motion: Motion,
+    motion: ReconstructedMotion,
     inputs: Complex[np.ndarray, "n_omega n_u"],
     shape: Float[np.ndarray, " n_omega"],
 ) -> Driving:
@@ -155,7 +155,7 @@ def fit_driving(
     derivatives follow by Gauss-Newton steps, as expectation maximisation alone is slow, and
     with a prior: all together bring what the coefficient is, whose size is told first.
     """
-    lines = _Lines(model, motion, inputs, shape)
+    lines = _ProcessEquations(model, motion, inputs, shape)
     theta = np.zeros((motion.values.shape[1], lines.u.shape[1]))
     n_omega = motion.omega.size
     C = aerodynamic_coefficients(model, motion)
@@ -198,7 +198,7 @@ def _maximised(
 
 
 def _improved(
-    lines: _Lines,
+    lines: _ProcessEquations,
     moments: _Moments,
     theta: Float[np.ndarray, "n_r n_w"],
     density: Float[np.ndarray, " n_r"],
@@ -221,7 +221,7 @@ def _improved(
 
 
 def _covariance(
-    lines: _Lines,
+    lines: _ProcessEquations,
     moments: _Moments,
     theta: Float[np.ndarray, "n_r n_w"],
     density: Float[np.ndarray, " n_r"],

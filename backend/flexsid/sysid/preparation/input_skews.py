@@ -19,7 +19,7 @@ from flexsid.sysid.estimation.equation_error import (
     aerodynamic_coefficients,
     regressors,
 )
-from flexsid.sysid.estimation.reconstruction import Motion
+from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
 from flexsid.sysid.estimation.regression import Disturbance, regress
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import coefficients
@@ -42,7 +42,7 @@ class InputSkews:
 
 def find_input_skews(
     model: AeroelasticModel,
-    motion: Motion,
+    motion: ReconstructedMotion,
     inputs: FrequencyData,
     noise: Float[np.ndarray, "n_omega n_u"] | None = None,
     near: InputSkews | None = None,
@@ -77,7 +77,9 @@ def find_input_skews(
     if n_u == 0:
         raise NotIdentifiable("no surface was recorded", code="no-input")
     some = strong_lines(u)
-    seen = Motion(motion.omega[some], motion.values[some], motion.covariance[some], motion.noise)
+    seen = ReconstructedMotion(
+        motion.omega[some], motion.values[some], motion.covariance[some], motion.noise
+    )
     equations = _Equations.of(model, seen, None if noise is None else noise[some])
     delay = np.zeros(n_u) if near is None else near.delay_s
     information, excess = np.eye(n_u), 1.0
@@ -96,7 +98,7 @@ class _Equations:
     """Coefficients (n_omega, n_rows) of the rows in use, each with the errors of its regressors."""
 
     model: AeroelasticModel
-    motion: Motion
+    motion: ReconstructedMotion
     C: Complex[np.ndarray, "n_omega n_rows"]
     rows: tuple[int, ...]
     errors: tuple[Disturbance, ...]
@@ -105,7 +107,7 @@ class _Equations:
     def of(
         cls,
         model: AeroelasticModel,
-        motion: Motion,
+        motion: ReconstructedMotion,
         noise: Float[np.ndarray, "n_omega n_u"] | None,
     ) -> _Equations:
         top = _IN_BAND * motion.omega[-1]

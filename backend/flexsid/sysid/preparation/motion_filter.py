@@ -16,7 +16,7 @@ from jaxtyping import Complex, Float
 from scipy import linalg
 
 from flexsid.errors import NotIdentifiable
-from flexsid.sysid.estimation.reconstruction import Motion
+from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import coefficients
 from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE
@@ -49,7 +49,7 @@ def filter_motion(
     model: AeroelasticModel,
     samples: Float[np.ndarray, "n_samples n_y"],
     rate_hz: float,
-    motion: Motion,
+    motion: ReconstructedMotion,
     duration_s: float,
     inputs: Deflections,
     trim_s: float,
@@ -123,7 +123,7 @@ class _System:
     def of(
         cls,
         model: AeroelasticModel,
-        motion: Motion,
+        motion: ReconstructedMotion,
         duration_s: float,
         inputs: Deflections,
     ) -> _System:
@@ -214,7 +214,7 @@ class _System:
         return np.concatenate([np.eye(n_k, self.A.shape[0]), self.extra]) * self.level
 
 
-def _levels(motion: Motion, duration_s: float) -> Float[np.ndarray, " n_known"]:
+def _levels(motion: ReconstructedMotion, duration_s: float) -> Float[np.ndarray, " n_known"]:
     """Root mean square of alpha, q, theta, eta and etadot over the lines."""
     r, w = motion.values, motion.omega[:, None]
     columns = [r[:, :2], r[:, 1:2] / w, r[:, 2:], r[:, 2:] * w]

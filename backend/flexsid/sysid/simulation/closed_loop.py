@@ -14,7 +14,7 @@ from flexsid.sysid.simulation.controller import ScheduledController
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class SimulatedMotion:
     """What truly happened: states and surfaces, and what was commanded before the actuators."""
 
     rate_hz: float
@@ -34,7 +34,7 @@ def fly_closed_loop(
     rate_hz: float,
     controller: ScheduledController | None = None,
     feedback: Float[np.ndarray, "2 n_w"] | None = None,
-) -> Motion:
+) -> SimulatedMotion:
     """Simulate from trim at rest.
 
     Parameters
@@ -91,7 +91,7 @@ def fly_closed_loop(
         fastest, farthest = abs(x[rate]).max(), abs(x[position]).max()
         if fastest > actuator.rate_limit or farthest > actuator.position_limit:
             actuator.limit(states[k, position], x[position], x[rate], step_s)
-    return Motion(rate_hz, states[:, :n_x], states[:, position], commands[:n_samples])
+    return SimulatedMotion(rate_hz, states[:, :n_x], states[:, position], commands[:n_samples])
 
 
 def _join(

@@ -43,7 +43,7 @@ def coherence(
 
 
 @dataclass(frozen=True, slots=True)
-class Combination:
+class RepeatedResponse:
     """Responses of several maneuvers as one.
 
     ``disagreement`` (n_omega, n_y, n_u) is the root mean square distance of the
@@ -56,7 +56,7 @@ class Combination:
     probability: float
 
 
-def combine(responses: Sequence[FrequencyResponse]) -> Combination:
+def combine(responses: Sequence[FrequencyResponse]) -> RepeatedResponse:
     """Average responses by inverse variance at the lines of the first.
 
     Parameters
@@ -96,7 +96,7 @@ def combine(responses: Sequence[FrequencyResponse]) -> Combination:
         total = 2.0 * float(np.median(distance)) / stats.chi2.median(2 * freedom)
         effective = 2 * freedom * omega.size
         probability = float(stats.chi2.sf(total * effective, effective))
-    return Combination(
+    return RepeatedResponse(
         FrequencyResponse(
             omega, mean, first.outputs, first.inputs, 1.0 / np.sqrt(np.sum(weight, axis=0))
         ),

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 from scipy.optimize import linear_sum_assignment
 
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.stability.flutter import Crossing, RootLocus
+from flexsid.sysid.stability.flutter import FlutterCrossing, RootLocus
 from flexsid.sysid.stability.speeds import (
     Aeroelastic,
     Modal,
@@ -136,7 +136,10 @@ class CrossingError:
 
 
 def crossing_error(
-    aircraft: Aeroelastic, crossing: Crossing, uncertain: Uncertain, density: float | None = None
+    aircraft: Aeroelastic,
+    crossing: FlutterCrossing,
+    uncertain: Uncertain,
+    density: float | None = None,
 ) -> CrossingError:
     """First-order standard error of a flutter speed.
 
@@ -169,7 +172,7 @@ def crossing_error(
 
 
 def frequency_slopes(
-    aircraft: Aeroelastic, crossing: Crossing, density: float | None = None
+    aircraft: Aeroelastic, crossing: FlutterCrossing, density: float | None = None
 ) -> Float[np.ndarray, " n_modes"]:
     """Change of a crossing's airspeed with the squared frequency of every mode. [m/s per rad2/s2]
 

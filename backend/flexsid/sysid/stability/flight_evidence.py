@@ -9,7 +9,7 @@ from enum import StrEnum
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.sysid.stability.flutter import Crossing, RootLocus
+from flexsid.sysid.stability.flutter import FlutterCrossing, RootLocus
 from flexsid.sysid.stability.speeds import Aeroelastic
 
 _SIGMAS = 2.0  # standard errors from zero at which the sign of a growth rate is determined
@@ -56,7 +56,7 @@ class Standing(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Instability:
+class FlownInstability:
     """Speeds between which one root of a model is unstable [m/s], and the motions that move."""
 
     words: str
@@ -67,7 +67,7 @@ class Instability:
 
 
 def compare_with_flight(
-    instability: Instability,
+    instability: FlownInstability,
     locus: RootLocus,
     aircraft: Aeroelastic,
     estimated: frozenset[str],
@@ -158,14 +158,14 @@ def compare_with_flight(
     )
 
 
-def instability_of(crossing: Crossing, words: str) -> Instability:
+def instability_of(crossing: FlutterCrossing, words: str) -> FlownInstability:
     """The unstable speeds that begin at a crossing."""
     high = np.inf if crossing.recovers_at is None else crossing.recovers_at
-    return Instability(words, crossing.airspeed, high, crossing.branch, crossing.participation)
+    return FlownInstability(words, crossing.airspeed, high, crossing.branch, crossing.participation)
 
 
 def _not_excited(
-    instability: Instability,
+    instability: FlownInstability,
     aircraft: Aeroelastic,
     estimated: frozenset[str],
     flown: Sequence[FlownPoint],
@@ -190,7 +190,7 @@ def _omega(aircraft: Aeroelastic, name: str) -> float:
     return float(aircraft.modes.omega[aircraft.modes.numbers.index(int(name))])
 
 
-def _model_root(instability: Instability, locus: RootLocus, point: FlownPoint) -> complex:
+def _model_root(instability: FlownInstability, locus: RootLocus, point: FlownPoint) -> complex:
     """The model's root at the speed of a run; between two speeds of the locus the nearer."""
     near = int(np.argmin(np.abs(locus.airspeed - point.airspeed)))
     return complex(locus.roots[near, instability.branch])
@@ -209,7 +209,7 @@ def _nearest(point: FlownPoint, root: complex) -> tuple[float, float]:
     return float(point.roots[place].real), std
 
 
-def _moving(instability: Instability, names: Mapping[str, str]) -> str:
+def _moving(instability: FlownInstability, names: Mapping[str, str]) -> str:
     shares = instability.participation
     leading = sorted(shares, key=shares.__getitem__)[::-1][:2]
     return " and ".join(names[name] for name in leading)

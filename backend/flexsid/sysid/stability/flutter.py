@@ -30,7 +30,7 @@ class Mechanism(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Crossing:
+class FlutterCrossing:
     """A root on the imaginary axis.
 
     ``frequency`` is zero for divergence [rad/s]; ``participation`` the share of every motion
@@ -57,10 +57,10 @@ class RootLocus:
     airspeed: Float[np.ndarray, " n_v"]
     roots: Complex[np.ndarray, "n_v n_branches"]
     names: tuple[str, ...]
-    crossings: tuple[Crossing, ...]
+    crossings: tuple[FlutterCrossing, ...]
 
     @property
-    def flutter(self) -> Crossing | None:
+    def flutter(self) -> FlutterCrossing | None:
         """The first crossing, of whatever mechanism."""
         return self.crossings[0] if self.crossings else None
 
@@ -130,7 +130,7 @@ def follow_family(
     values = np.take_along_axis(modal.values, order, axis=1)
     upper, branch_of = _pairs(values)
     names = _names(modal, order[0, upper], motions)
-    crossings: list[Crossing] = []
+    crossings: list[FlutterCrossing] = []
     for column, branch in enumerate(branch_of):
         crossings += _crossings(family, x, modal, order[:, column], int(branch), motions)
     # Both roots of a pair tell of the same crossing.
@@ -205,7 +205,7 @@ def _crossings(
     columns: np.ndarray,
     branch: int,
     motions: tuple[str, ...],
-) -> list[Crossing]:
+) -> list[FlutterCrossing]:
     growth = np.real(modal.values[np.arange(x.size), columns])
     entries = np.flatnonzero((growth[:-1] < 0.0) & (growth[1:] >= 0.0))
     exits = np.flatnonzero((growth[:-1] >= 0.0) & (growth[1:] < 0.0))
@@ -219,7 +219,7 @@ def _crossings(
         recovery = _refined(family, x, modal, int(later[0])) if later.size else None
         mechanism = Mechanism.FLUTTER if frequency > _STILL else Mechanism.DIVERGENCE
         shares = participation(there, 0, root, motions)
-        found.append(Crossing(at, max(frequency, 0.0), mechanism, branch, shares, recovery))
+        found.append(FlutterCrossing(at, max(frequency, 0.0), mechanism, branch, shares, recovery))
     return found
 
 

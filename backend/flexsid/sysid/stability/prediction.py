@@ -12,13 +12,13 @@ from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.stability.bands import Uncertain, crossing_error, frequency_slopes
 from flexsid.sysid.stability.flight_evidence import (
+    FlownInstability,
     FlownPoint,
-    Instability,
     Standing,
     compare_with_flight,
     instability_of,
 )
-from flexsid.sysid.stability.flutter import Crossing, RootLocus, follow_roots
+from flexsid.sysid.stability.flutter import FlutterCrossing, RootLocus, follow_roots
 from flexsid.sysid.stability.speeds import Aeroelastic
 
 _POINTS = 120
@@ -47,7 +47,7 @@ class StiffnessError:
 
 
 @dataclass(frozen=True, slots=True)
-class Identified:
+class IdentifiedModes:
     """What one run says: derivatives on a structure, and which of them it estimated.
 
     ``stiffness`` is None where the frequencies of the structure are exact.
@@ -59,7 +59,7 @@ class Identified:
 
 
 @dataclass(frozen=True, slots=True)
-class Prediction:
+class FlutterPrediction:
     """Where the aircraft loses stability, and how sure that is.
 
     ``crossing`` is None for an aircraft that stays stable up to the highest speed looked at;
@@ -70,7 +70,7 @@ class Prediction:
     """
 
     locus: RootLocus
-    crossing: Crossing | None
+    crossing: FlutterCrossing | None
     airspeed_std: float
     frequency_std: float
     spread: float
@@ -93,13 +93,13 @@ class Prediction:
 
 
 def predict_flutter(
-    found: Identified,
+    found: IdentifiedModes,
     band: tuple[float, float],
     density: float | None = None,
     spread: float = 0.0,
     called: Mapping[str, str] | None = None,
     flown: Sequence[FlownPoint] = (),
-) -> Prediction:
+) -> FlutterPrediction:
     """Follow the roots over a band of airspeeds and say where stability ends.
 
     Parameters
@@ -138,13 +138,13 @@ def predict_flutter(
     crossing, remark, refusal = _judged(found, locus, flown, names)
     if refusal:
         sentence = f"No flutter speed is predicted. {refusal}"
-        return Prediction(locus, None, np.nan, np.nan, spread, sentence, refusal=refusal)
+        return FlutterPrediction(locus, None, np.nan, np.nan, spread, sentence, refusal=refusal)
     already = ""
     if growing.size:
         name = names[locus.names[int(growing[0])]]
         already = f"Already unstable at {low:.1f} m/s in {name}; look at lower speeds."
         if crossing is None:
-            return Prediction(locus, None, np.nan, np.nan, spread, f"{already}{remark}")
+            return FlutterPrediction(locus, None, np.nan, np.nan, spread, f"{already}{remark}")
     if crossing is None:
         weakest = int(np.argmin(locus.damping().min(axis=0)))
         sentence = (
@@ -152,10 +152,10 @@ def predict_flutter(
             f"{100.0 * max(0.0, float(locus.damping()[:, weakest].min())):.1f} % in "
             f"{names[locus.names[weakest]]}.{remark}"
         )
-        return Prediction(locus, None, np.nan, np.nan, spread, sentence)
+        return FlutterPrediction(locus, None, np.nan, np.nan, spread, sentence)
     error = crossing_error(found.aircraft, crossing, found.uncertain, density)
     modal_std = _modal_std(found, crossing, density)
-    told = Prediction(
+    told = FlutterPrediction(
         locus, crossing, error.airspeed_std, error.frequency_std, spread, "", modal_std
     )
     reach = 2.0 * told.total_std
@@ -171,8 +171,8 @@ def predict_flutter(
 
 
 def _judged(
-    found: Identified, locus: RootLocus, flown: Sequence[FlownPoint], names: Mapping[str, str]
-) -> tuple[Crossing | None, str, str]:
+    found: IdentifiedModes, locus: RootLocus, flown: Sequence[FlownPoint], names: Mapping[str, str]
+) -> tuple[FlutterCrossing | None, str, str]:
     """The crossing that stands against the flights, a remark on it, and why there is none."""
     if not flown:
         return locus.flutter, "", ""
@@ -180,7 +180,7 @@ def _judged(
     free = {int(row) - 2 for row in found.uncertain.rows}
     estimated = frozenset(str(n) for k, n in enumerate(numbers) if k in free)
 
-    def compare(instability: Instability) -> tuple[Standing, str]:
+    def compare(instability: FlownInstability) -> tuple[Standing, str]:
         return compare_with_flight(instability, locus, found.aircraft, estimated, flown, names)
 
     remarks = ""
@@ -200,23 +200,23 @@ def _judged(
     return None, remarks, ""
 
 
-def _from_the_start(locus: RootLocus, branch: int, names: Mapping[str, str]) -> Instability:
+def _from_the_start(locus: RootLocus, branch: int, names: Mapping[str, str]) -> FlownInstability:
     """A root that is unstable at the lowest speed; its motion is that of its name."""
     stable = np.flatnonzero(np.real(locus.roots[:, branch]) <= 0.0)
     high = float(locus.airspeed[stable[0]]) if stable.size else np.inf
     low, name = float(locus.airspeed[0]), locus.names[branch]
     words = f"An instability of {names[name]} from {low:.1f} m/s on"
-    return Instability(words, low, high, branch, {name: 1.0})
+    return FlownInstability(words, low, high, branch, {name: 1.0})
 
 
-def _words(crossing: Crossing, names: Mapping[str, str]) -> str:
+def _words(crossing: FlutterCrossing, names: Mapping[str, str]) -> str:
     shares = crossing.participation
     leading = sorted(shares, key=shares.__getitem__)[::-1][:2]
     moving = " with ".join(names[name] for name in leading)
     return f"{crossing.mechanism.value.capitalize()} of {moving}"
 
 
-def _modal_std(found: Identified, crossing: Crossing, density: float | None) -> float:
+def _modal_std(found: IdentifiedModes, crossing: FlutterCrossing, density: float | None) -> float:
     """Standard deviation of a crossing's airspeed from that of the modal frequencies. [m/s]
 
     Notes
@@ -243,7 +243,7 @@ def _modal_std(found: Identified, crossing: Crossing, density: float | None) -> 
     return float(np.sqrt(np.sum((slopes * change) ** 2)))
 
 
-def fuse_identified(parts: Sequence[Identified], to: Aeroelastic) -> Identified:
+def fuse_identified(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> IdentifiedModes:
     """Weigh the derivatives that all parts estimated by their information.
 
     Parameters
@@ -280,7 +280,7 @@ def fuse_identified(parts: Sequence[Identified], to: Aeroelastic) -> Identified:
             )
     rows, columns = first.uncertain.rows, first.uncertain.columns
     if rows.size == 0:  # nothing was estimated: there is nothing to weigh
-        return Identified(to, first.uncertain, _stiffness_of(parts))
+        return IdentifiedModes(to, first.uncertain, _stiffness_of(parts))
     values = np.stack([part.aircraft.derivatives.values[rows, columns] for part in parts])
     covariances = [part.uncertain.covariance for part in parts]
     if not (np.all(np.isfinite(values)) and all(np.all(np.isfinite(C)) for C in covariances)):
@@ -292,14 +292,14 @@ def fuse_identified(parts: Sequence[Identified], to: Aeroelastic) -> Identified:
     table = to.derivatives.values.copy()
     table[rows, columns] = mean
     derivatives = DerivativeTable(to.modes.numbers, to.derivatives.inputs, table)
-    return Identified(
+    return IdentifiedModes(
         replace(to, derivatives=derivatives),
         Uncertain(rows, columns, covariance),
         _stiffness_of(parts),
     )
 
 
-def _stiffness_of(parts: Sequence[Identified]) -> StiffnessError | None:
+def _stiffness_of(parts: Sequence[IdentifiedModes]) -> StiffnessError | None:
     """The mean of the parts': errors of one modal table are the same in all of them."""
     known = [part.stiffness for part in parts if part.stiffness is not None]
     if not known:
@@ -310,7 +310,9 @@ def _stiffness_of(parts: Sequence[Identified]) -> StiffnessError | None:
     )
 
 
-def fuse_with_trend(parts: Sequence[Identified], to: Aeroelastic, pressure: float) -> Identified:
+def fuse_with_trend(
+    parts: Sequence[IdentifiedModes], to: Aeroelastic, pressure: float
+) -> IdentifiedModes:
     """Weigh derivatives that drift with dynamic pressure, and carry them to one.
 
     A straight line goes through every derivative: those of a model with too few modes hold
@@ -370,11 +372,11 @@ def fuse_with_trend(parts: Sequence[Identified], to: Aeroelastic, pressure: floa
 
 
 def at_own_crossing(
-    fuse: Callable[[float], Identified],
+    fuse: Callable[[float], IdentifiedModes],
     band: tuple[float, float],
     density: float,
     tested: float,
-) -> Identified:
+) -> IdentifiedModes:
     """The fused derivatives at the dynamic pressure where they themselves lose stability.
 
     Parameters

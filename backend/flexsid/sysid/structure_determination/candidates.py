@@ -19,7 +19,7 @@ from flexsid.sysid.structure_determination.likelihood import likelihood_evidence
 from flexsid.sysid.structure_determination.selection import (
     USUAL,
     Selection,
-    Step,
+    SelectionStep,
     Thresholds,
     Walk,
     selection_at,
@@ -35,7 +35,7 @@ _FAITHFUL = 3.0  # likelihood ratio over what the quadratic foretold: beyond, it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Candidate:
+class CandidateTerm:
     """A model that was fitted on the way.
 
     ``cost`` is the negative log likelihood of all maneuvers, ``bic`` Schwarz's criterion,
@@ -45,7 +45,7 @@ class Candidate:
 
     why: str
     chosen: tuple[str, ...]
-    changed: tuple[Step, ...]
+    changed: tuple[SelectionStep, ...]
     cost: float
     bic: float
     likelihood_ratio: float
@@ -62,8 +62,8 @@ class Candidate:
 class CandidatesFound:
     """All models that were fitted, the one to propose, and what it says of every term."""
 
-    candidates: tuple[Candidate, ...]
-    best: Candidate
+    candidates: tuple[CandidateTerm, ...]
+    best: CandidateTerm
     selection: Selection
     evidences: tuple[Evidence, ...]
 
@@ -122,10 +122,10 @@ def search_candidates(
     forced = np.arange(len(candidates.names)) >= candidates.rows.size
     chosen = _mask(candidates, start) | forced
     theta = list(values or [candidates.start] * len(maneuvers))
-    fitted: list[Candidate] = []
+    fitted: list[CandidateTerm] = []
     visited: set[bytes] = set()
     evidences: tuple[Evidence, ...] = ()
-    path: tuple[Step, ...] = ()
+    path: tuple[SelectionStep, ...] = ()
     why, foretold = "start", 0.0
     while len(fitted) < _ROUNDS and chosen.tobytes() not in visited:
         visited.add(chosen.tobytes())
@@ -170,7 +170,7 @@ def search_candidates(
     return CandidatesFound(tuple(fitted), best, selection, evidences)
 
 
-def _is_usable(candidate: Candidate) -> bool:
+def _is_usable(candidate: CandidateTerm) -> bool:
     return bool(
         np.isfinite(candidate.cost)
         and all(np.isfinite(one.corrected_covariance).all() for one in candidate.estimates)
@@ -228,14 +228,14 @@ def _candidate(
     why: str,
     candidates: Parameters,
     chosen: Bool[np.ndarray, " n_theta"],
-    path: tuple[Step, ...],
+    path: tuple[SelectionStep, ...],
     estimates: Sequence[Estimate],
-    before: Candidate | None,
+    before: CandidateTerm | None,
     foretold: float,
-) -> Candidate:
+) -> CandidateTerm:
     cost = float(sum(one.steps[-1].cost for one in estimates))
     n_data = [2.0 * sum(lines.measured.size for lines in one.lines) for one in estimates]
-    return Candidate(
+    return CandidateTerm(
         why=why,
         chosen=tuple(name for name, kept in zip(candidates.names, chosen, strict=True) if kept),
         changed=path,
@@ -256,7 +256,7 @@ def _foretold(
     return float(sum(look(e, after).rest - look(e, before).rest for e in evidences))
 
 
-def _in_words(path: Sequence[Step]) -> str:
+def _in_words(path: Sequence[SelectionStep]) -> str:
     words = []
     for action, said in (("drop", "dropped by Wald's test"), ("enter", "entered by the score")):
         terms = [step.term for step in path if step.action == action]

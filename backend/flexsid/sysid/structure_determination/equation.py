@@ -14,7 +14,7 @@ from flexsid.sysid.estimation.equation_error import (
     regressors,
 )
 from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.reconstruction import Motion
+from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
 from flexsid.sysid.estimation.regression import Disturbance, Weighing, compensate
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import coefficients
@@ -27,7 +27,10 @@ _TOLD_APART = 1e-3  # of the strongest direction: weaker ones are left out of th
 
 
 def equation_evidence(
-    model: AeroelasticModel, motion: Motion, inputs: FrequencyData, candidates: Parameters
+    model: AeroelasticModel,
+    motion: ReconstructedMotion,
+    inputs: FrequencyData,
+    candidates: Parameters,
 ) -> dict[str, Evidence]:
     """What one maneuver says about the candidate terms of every coefficient.
 

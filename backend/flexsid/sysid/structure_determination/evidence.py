@@ -78,7 +78,7 @@ class Evidence:
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class EvidenceAtStep:
     """Every term with a subset chosen: its value, or the one it would take as the next.
 
     ``variance`` is infinite for a term that the chosen ones already say; ``change`` is what
@@ -92,7 +92,7 @@ class Look:
     rest: float
 
 
-def look(evidence: Evidence, chosen: Bool[np.ndarray, " p"]) -> Look:
+def look(evidence: Evidence, chosen: Bool[np.ndarray, " p"]) -> EvidenceAtStep:
     """Estimate the chosen terms, and each other one as if it were the next to enter."""
     own = np.diag(evidence.information)
     moves = own > 0.0
@@ -118,7 +118,7 @@ def look(evidence: Evidence, chosen: Bool[np.ndarray, " p"]) -> Look:
     spread = np.sum((A @ S) * A, axis=2).max(axis=0)
     variance = np.where(free, np.maximum(spread, _SUREST), np.inf)
     values = np.where(free, A @ m, 0.0)
-    return Look(values / scale, variance / scale**2, values**2 * left, rest)
+    return EvidenceAtStep(values / scale, variance / scale**2, values**2 * left, rest)
 
 
 @dataclass(frozen=True, slots=True)

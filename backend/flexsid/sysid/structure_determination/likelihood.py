@@ -77,7 +77,7 @@ def likelihood_evidence(
     weighted = weights.times(residuals[:, :, None])[:, :, 0]
     left = 2.0 * np.real(np.sum(residuals.conj() * weighted, axis=1))
     comb = comb_of_lines(experiment.omega.size)
-    lines: _Lines
+    lines: _FrequencySums
     if experiment.edges_s:
         J = _freed(J, edges_of(model, response, theta), weights)
         lines = _WrittenOut(J, residuals)
@@ -122,7 +122,7 @@ def _step(
     return np.linalg.solve(scaled, g / size) / size
 
 
-class _Lines(Protocol):
+class _FrequencySums(Protocol):
     """Sums over lines that the evidence is made of."""
 
     def equations(self, weights: noise.LineMatrix) -> tuple[np.ndarray, np.ndarray]:

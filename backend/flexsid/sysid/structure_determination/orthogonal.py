@@ -10,7 +10,7 @@ from flexsid.sysid.structure_determination.evidence import Evidence, support
 from flexsid.sysid.structure_determination.selection import (
     USUAL,
     Selection,
-    Step,
+    SelectionStep,
     Thresholds,
     Walk,
     criteria_of,
@@ -42,7 +42,7 @@ def orthogonal_functions(
     chosen = np.zeros(len(names), dtype=bool)
     now = support(evidences, chosen)
     best, least = chosen.copy(), criteria_of(evidences, chosen, now.rest, thresholds).pse
-    path: list[Step] = []
+    path: list[SelectionStep] = []
     kept = 0
     while not chosen.all():
         gain = np.where(chosen, -1.0, now.gain)
@@ -53,7 +53,7 @@ def orthogonal_functions(
         chosen[entering] = True
         now = support(evidences, chosen)
         criteria = criteria_of(evidences, chosen, now.rest, thresholds)
-        path.append(Step("enter", names[entering], f, criteria))
+        path.append(SelectionStep("enter", names[entering], f, criteria))
         if criteria.pse < least:
             best, least, kept = chosen.copy(), criteria.pse, len(path)
     end = walk(evidences, Walk(best, tuple(path[:kept])), thresholds, enter=False)

@@ -17,7 +17,7 @@ _METHODS = {"stepwise": stepwise_regression, "orthogonal functions": orthogonal_
 
 
 @dataclass(frozen=True, slots=True)
-class StructureFound:
+class StructureSelection:
     """The selection of every coefficient, in the order of the candidates."""
 
     coefficients: dict[str, Selection]
@@ -39,7 +39,7 @@ def search_equations(
     maneuvers: Sequence[Mapping[str, Evidence]],
     method: SearchMethod = "stepwise",
     thresholds: Thresholds = USUAL,
-) -> StructureFound:
+) -> StructureSelection:
     """Choose the terms of every coefficient by equation error.
 
     Parameters
@@ -66,6 +66,6 @@ def search_equations(
                 "inputs and modes",
                 code="other-candidates",
             )
-    return StructureFound(
+    return StructureSelection(
         {name: _METHODS[method]([one[name] for one in maneuvers], thresholds) for name in first}
     )

@@ -57,7 +57,7 @@ class Criteria:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class SelectionStep:
     """One step of a path: ``enter`` or ``drop`` a term, its partial F, and what follows."""
 
     action: str
@@ -87,7 +87,7 @@ class Selection:
     """Which terms of one coefficient the data ask for, and how the search went."""
 
     method: str
-    path: tuple[Step, ...]
+    path: tuple[SelectionStep, ...]
     terms: tuple[Term, ...]
     criteria: Criteria
 
@@ -127,7 +127,7 @@ class Walk:
     """Where a walk over the terms stands, and the steps that led there."""
 
     chosen: Bool[np.ndarray, " p"]
-    path: tuple[Step, ...] = ()
+    path: tuple[SelectionStep, ...] = ()
 
 
 def walk(
@@ -177,7 +177,9 @@ def walk(
         chosen[moved] = action == "enter"
         now = support(evidences, chosen)
         path.append(
-            Step(action, names[moved], f, criteria_of(evidences, chosen, now.rest, thresholds))
+            SelectionStep(
+                action, names[moved], f, criteria_of(evidences, chosen, now.rest, thresholds)
+            )
         )
 
 

@@ -10,7 +10,7 @@ from flexsid.sysid.structure_determination.evidence import Evidence, support
 from flexsid.sysid.structure_determination.selection import (
     USUAL,
     Selection,
-    Step,
+    SelectionStep,
     Thresholds,
     Walk,
     criteria_of,
@@ -57,5 +57,5 @@ def _with_all(evidences: Sequence[Evidence], at: Walk, thresholds: Thresholds) -
         chosen[entering] = True
         now = support(evidences, chosen)
         criteria = criteria_of(evidences, chosen, now.rest, thresholds)
-        path.append(Step("enter", evidences[0].names[entering], f, criteria))
+        path.append(SelectionStep("enter", evidences[0].names[entering], f, criteria))
     return Walk(chosen, tuple(path))

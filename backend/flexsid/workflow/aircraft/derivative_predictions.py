@@ -7,14 +7,14 @@ from collections.abc import Iterable
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.prediction import Prediction
+from flexsid.records.prediction import DerivativePrediction
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import derivative_names
 from flexsid.sysid.modes.table import interpolate
 
 
 def prediction_at(
-    store: Store, prediction: Prediction, fuel: float
+    store: Store, prediction: DerivativePrediction, fuel: float
 ) -> dict[str, tuple[float, float | None]]:
     """Value and standard error (None where not given) of every predicted derivative."""
     at = np.array(prediction.fuel, dtype=float)
@@ -30,7 +30,7 @@ def prediction_at(
     }
 
 
-def predicted_modes(prediction: Prediction, known: Iterable[int]) -> tuple[int, ...]:
+def predicted_modes(prediction: DerivativePrediction, known: Iterable[int]) -> tuple[int, ...]:
     """Modes whose generalised force the prediction covers."""
     return tuple(mode for mode in known if f"CQ{mode}_alpha" in prediction.names)
 
@@ -41,7 +41,7 @@ def best_prediction(
     prediction_id: int | None,
     modes: tuple[int, ...],
     inputs: tuple[str, ...],
-) -> Prediction | None:
+) -> DerivativePrediction | None:
     """The prediction asked for, or the one that covers most of these derivatives.
 
     Raises

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from flexsid.records.comparison import Pair, Row, Setup, Source, SourceValue, Verdict
+from flexsid.records.comparison import AgreementCount, ComparedSource, Pair, Row, Setup, SourceValue
 from flexsid.records.run import EstimationRun
 from flexsid.sysid.estimation.trend import fit_trend
 
@@ -33,12 +33,14 @@ def largest_difference(
     return max((abs(one) for one in differences if one is not None), default=None)
 
 
-def runs_verdict(rows: Sequence[Row]) -> Verdict:
+def runs_verdict(rows: Sequence[Row]) -> AgreementCount:
     """Count the derivatives on which the runs agree among each other."""
     return _count(None, [row.consistent for row in rows])
 
 
-def prediction_verdicts(sources: Sequence[Source], rows: Sequence[Row]) -> tuple[Verdict, ...]:
+def prediction_verdicts(
+    sources: Sequence[ComparedSource], rows: Sequence[Row]
+) -> tuple[AgreementCount, ...]:
     """Count, for every prediction, the derivatives in which it agrees with all runs."""
     values = {
         source.key: [row.values[place] for row in rows]
@@ -51,9 +53,9 @@ def prediction_verdicts(sources: Sequence[Source], rows: Sequence[Row]) -> tuple
     )
 
 
-def _count(source: str | None, judgements: Sequence[bool | None]) -> Verdict:
+def _count(source: str | None, judgements: Sequence[bool | None]) -> AgreementCount:
     judged = [one for one in judgements if one is not None]
-    return Verdict(source=source, n_judged=len(judged), n_consistent=sum(judged))
+    return AgreementCount(source=source, n_judged=len(judged), n_consistent=sum(judged))
 
 
 def scatter(values: Sequence[SourceValue | None]) -> dict[str, float | None]:
@@ -71,7 +73,7 @@ def scatter(values: Sequence[SourceValue | None]) -> dict[str, float | None]:
     }
 
 
-def pairs(sources: Sequence[Source], rows: Sequence[Row]) -> tuple[Pair, ...]:
+def pairs(sources: Sequence[ComparedSource], rows: Sequence[Row]) -> tuple[Pair, ...]:
     """Judge every two sources by all derivatives that both estimated with an error.
 
     Notes
@@ -113,7 +115,9 @@ def normalised(a: SourceValue | None, b: SourceValue | None) -> float | None:
     return (a.value - b.value) / error if error > 0 else None
 
 
-def setup(sources: Sequence[Source], runs: Mapping[int, EstimationRun]) -> tuple[Setup, ...]:
+def setup(
+    sources: Sequence[ComparedSource], runs: Mapping[int, EstimationRun]
+) -> tuple[Setup, ...]:
     """Lay out the choices in which the compared runs differ."""
     columns = [
         None if source.run_id is None or source.is_prediction else _choices(runs[source.run_id])

@@ -8,9 +8,9 @@ from itertools import combinations
 
 from flexsid.errors import BadInput
 from flexsid.nomenclature import describe
-from flexsid.records.comparison import PREDICTED, Comparison, Row, Source, SourceValue
+from flexsid.records.comparison import PREDICTED, ComparedSource, Comparison, Row, SourceValue
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.prediction import Prediction
+from flexsid.records.prediction import DerivativePrediction
 from flexsid.records.run import EstimationRun, RunResult
 from flexsid.storage.content import changed_since
 from flexsid.storage.store import Store
@@ -29,7 +29,7 @@ from flexsid.workflow.model_structures.run_results import result_of
 
 @dataclass(frozen=True, slots=True)
 class _Column:
-    source: Source
+    source: ComparedSource
     values: dict[str, SourceValue]
 
 
@@ -130,7 +130,7 @@ def _of_run(
     # the maneuver is told only where there is more than one to tell apart
     where = f", {maneuvers[run.maneuver_id].label}" if len(maneuvers) > 1 else ""
     return _Column(
-        Source(
+        ComparedSource(
             key=key,
             label=f"{run.method.value} {run.id}{where}",
             kind=run.method.value,
@@ -146,10 +146,12 @@ def _of_run(
     )
 
 
-def _of_prediction(store: Store, prediction: Prediction, fuel: float) -> _Column:
+def _of_prediction(store: Store, prediction: DerivativePrediction, fuel: float) -> _Column:
     key = f"prediction-{prediction.id}"
     return _Column(
-        Source(key=key, label=prediction.source, kind=PREDICTED, prediction_id=prediction.id),
+        ComparedSource(
+            key=key, label=prediction.source, kind=PREDICTED, prediction_id=prediction.id
+        ),
         {
             name: SourceValue(key=key, value=value, std_error=error)
             for name, (value, error) in prediction_at(store, prediction, fuel).items()
@@ -158,7 +160,7 @@ def _of_prediction(store: Store, prediction: Prediction, fuel: float) -> _Column
 
 
 def _residualized(
-    finished: list[tuple[EstimationRun, RunResult]], predictions: list[Prediction]
+    finished: list[tuple[EstimationRun, RunResult]], predictions: list[DerivativePrediction]
 ) -> list[_Column]:
     """Residualised predictions that the runs kept; runs that share one show it once."""
     labels = {prediction.id: prediction.source for prediction in predictions}
@@ -174,7 +176,7 @@ def _residualized(
         of_run = f" for run {run.id}" if len(shown) > 1 else ""
         columns.append(
             _Column(
-                Source(
+                ComparedSource(
                     key=key,
                     label=f"{labels[result.prediction_id]}, residualized{of_run}",
                     kind=PREDICTED,

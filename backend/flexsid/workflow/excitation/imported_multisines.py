@@ -16,7 +16,7 @@ from flexsid.sysid.excitation import designer
 from flexsid.sysid.excitation.designer import InputWish, Wish, check_wish
 from flexsid.sysid.excitation.extrema import judged_peak_factor
 from flexsid.sysid.excitation.multisine import Tones
-from flexsid.sysid.excitation.norms import Lines
+from flexsid.sysid.excitation.norms import HarmonicLines
 from flexsid.sysid.excitation.recognition import recognise
 from flexsid.units import factor
 from flexsid.workflow.excitation.excitation_designs import check_amplitudes, create_design
@@ -136,7 +136,7 @@ def _design(group: Sequence[FlownInput], name: str, rate_hz: float) -> Excitatio
         phases={own: tuple(tones.phases.tolist()) for own, tones in made.tones.items()},
         peak_factors={
             own.name: judged_peak_factor(
-                Lines(own.tones.harmonics, own.tones.amplitudes), own.tones.phases
+                HarmonicLines(own.tones.harmonics, own.tones.amplitudes), own.tones.phases
             )
             for own in group
         },

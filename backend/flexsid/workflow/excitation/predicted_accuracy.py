@@ -16,7 +16,7 @@ from flexsid.records.views import ExpectedMode, ExpectedResponse
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.as_flown import (
     AsFlown,
-    Residuals,
+    RecordResiduals,
     Response,
     actuators_only,
     split_residuals,
@@ -38,7 +38,7 @@ from flexsid.workflow.excitation.excitation_designs import (
     multisine_of,
 )
 from flexsid.workflow.model_structures.run_results import result_of
-from flexsid.workflow.runs.computation import ManeuverData, Task
+from flexsid.workflow.runs.computation import EstimationTask, ManeuverData
 from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.identified_models import identified_with
 
@@ -253,7 +253,7 @@ def _surfaces(aircraft: Aircraft, data: ManeuverData) -> tuple[dict[str, Respons
     return actuators_only(perfect, inputs), "as commanded, actuators and feedback left out"
 
 
-def _residuals(store: Store, run: EstimationRun, task: Task) -> list[Residuals]:
+def _residuals(store: Store, run: EstimationRun, task: EstimationTask) -> list[RecordResiduals]:
     """What the fit left over in every maneuver, in the order of the model's outputs."""
     ids = tuple(dict.fromkeys((run.maneuver_id, *run.settings.together_with)))
     found = []
@@ -264,7 +264,7 @@ def _residuals(store: Store, run: EstimationRun, task: Task) -> list[Residuals]:
         owner, commands = data.measured.owner, data.measured.commands
         known = commands is not None and bool((owner >= 0).all())
         found.append(
-            Residuals(
+            RecordResiduals(
                 omega=arrays[block.arrays["omega"]],
                 values=left[:, order],
                 record_s=_transformed_s(store.maneuvers.get(number)),

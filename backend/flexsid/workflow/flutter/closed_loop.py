@@ -17,12 +17,12 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.instruments import Instrument
 from flexsid.sysid.stability.loop_sweep import Loop, LoopPoint, largest_growth, loop_point, lost_at
-from flexsid.sysid.stability.prediction import Identified, structure_spread
+from flexsid.sysid.stability.prediction import IdentifiedModes, structure_spread
 from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
 from flexsid.workflow.aircraft.flight_condition import complete_condition
 from flexsid.workflow.cache import contents_of_runs, remembered
 from flexsid.workflow.flutter.controllers import controller_at
-from flexsid.workflow.flutter.flutter_analysis import FusedModel, Question, fused_model
+from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, FusedModel, fused_model
 from flexsid.workflow.flutter.run_flutter import flown
 
 _SPEEDS = 20
@@ -31,7 +31,7 @@ _BAND = (0.6, 1.8)  # of the fastest point flown
 _FREQUENCIES = (0.3, 150.0)  # rad/s between which loops are looked at
 
 
-def closed_loop(store: Store, question: Question, controller_id: int) -> ClosedLoop:
+def closed_loop(store: Store, question: FlutterQuery, controller_id: int) -> ClosedLoop:
     """Say how far the loop of a controller is from instability, and how sure that is.
 
     Raises
@@ -46,7 +46,7 @@ def closed_loop(store: Store, question: Question, controller_id: int) -> ClosedL
 
 
 def find_closed_loop(
-    store: Store, question: Question, controller_id: int, report: Callable[[float, str], None]
+    store: Store, question: FlutterQuery, controller_id: int, report: Callable[[float, str], None]
 ) -> None:
     """Find the answer run by run, so that it is there when asked for.
 
@@ -65,7 +65,7 @@ def find_closed_loop(
     closed_loop(store, question, controller_id)
 
 
-def _closed_loop(store: Store, question: Question, controller: Controller) -> ClosedLoop:
+def _closed_loop(store: Store, question: FlutterQuery, controller: Controller) -> ClosedLoop:
     fused = fused_model(store, question)
     if controller.aircraft_id != fused.aircraft.id:
         raise BadInput("the controller is of another aircraft", code="wrong-aircraft")
@@ -77,7 +77,9 @@ def _closed_loop(store: Store, question: Question, controller: Controller) -> Cl
     _check_drives(controller, table.inputs)
     airspeeds = np.linspace(_BAND[0] * fused.tested_m_s, _BAND[1] * fused.tested_m_s, _SPEEDS)
 
-    def around(airspeed: float, found: Identified = fused.found) -> tuple[AeroelasticModel, Loop]:
+    def around(
+        airspeed: float, found: IdentifiedModes = fused.found
+    ) -> tuple[AeroelasticModel, Loop]:
         loop = Loop(
             law=controller_at(controller, airspeed),
             actuators=tuple(_servo(fused.aircraft, name) for name in controller.drives),
@@ -85,7 +87,7 @@ def _closed_loop(store: Store, question: Question, controller: Controller) -> Cl
         )
         return _model_at(fused, found, controller, airspeed), loop
 
-    def growth_at(airspeed: float, found: Identified = fused.found) -> float:
+    def growth_at(airspeed: float, found: IdentifiedModes = fused.found) -> float:
         model, loop = around(airspeed, found)
         return largest_growth(model, found.aircraft.derivatives, loop)
 
@@ -129,7 +131,7 @@ def _closed_loop(store: Store, question: Question, controller: Controller) -> Cl
     )
 
 
-def _beside(model: AeroelasticModel, loop: Loop, found: Identified) -> LoopPoint:
+def _beside(model: AeroelasticModel, loop: Loop, found: IdentifiedModes) -> LoopPoint:
     """What another structure says of the same airspeed, its own errors left out."""
     return loop_point(model, found.aircraft.derivatives, (), loop, _FREQUENCIES)
 
@@ -145,7 +147,7 @@ def _lost(airspeeds: np.ndarray, growth_at: Callable[[float], float]) -> float |
 
 
 def _model_at(
-    fused: FusedModel, found: Identified, controller: Controller, airspeed: float
+    fused: FusedModel, found: IdentifiedModes, controller: Controller, airspeed: float
 ) -> AeroelasticModel:
     condition = complete_condition(
         fused.aircraft,

@@ -20,10 +20,10 @@ from flexsid.records.flutter import (
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.stability.equivalent import separation
-from flexsid.sysid.stability.flutter import Crossing, follow_roots
+from flexsid.sysid.stability.flutter import FlutterCrossing, follow_roots
 from flexsid.sysid.stability.prediction import (
-    Identified,
-    Prediction,
+    FlutterPrediction,
+    IdentifiedModes,
 )
 from flexsid.sysid.stability.trackers import (
     TestPoint,
@@ -35,8 +35,8 @@ from flexsid.workflow.aircraft.flight_condition import standard_density
 from flexsid.workflow.flutter.flutter_models import (
     NEXT,
     Answered,
+    FlutterQuery,
     Group,
-    Question,
     models_of,
     named,
     remembered_of,
@@ -47,13 +47,13 @@ from flexsid.workflow.flutter.flutter_roots import (
     equivalent_points,
     flutter_roots,
 )
-from flexsid.workflow.flutter.run_flutter import Flown, Others, flown
+from flexsid.workflow.flutter.run_flutter import FlownRun, Others, flown
 from flexsid.workflow.flutter.test_point_margin import is_safe, margin_of
 
 __all__ = [
+    "FlutterQuery",
     "FusedModel",
     "Others",
-    "Question",
     "flutter",
     "flutter_map",
     "flutter_roots",
@@ -69,7 +69,7 @@ _TRACKERS = {
 }
 
 
-def flutter(store: Store, question: Question) -> Flutter:
+def flutter(store: Store, question: FlutterQuery) -> Flutter:
     """Say where the aircraft of these runs loses stability, and what the next point risks.
 
     Raises
@@ -80,7 +80,7 @@ def flutter(store: Store, question: Question) -> Flutter:
     return remembered_of(store, "flutter", question, lambda: _tell(store, question))
 
 
-def _tell(store: Store, question: Question) -> Flutter:
+def _tell(store: Store, question: FlutterQuery) -> Flutter:
     answer = models_of(store, question)
     best = answer.best.prediction
     tested = answer.at.tested
@@ -127,12 +127,12 @@ def _tell(store: Store, question: Question) -> Flutter:
     )
 
 
-def flutter_map(store: Store, question: Question) -> FlutterMap:
+def flutter_map(store: Store, question: FlutterQuery) -> FlutterMap:
     """Flutter speed over fuel and altitude from the preferred structure's runs."""
     return remembered_of(store, "map", question, lambda: _map(store, question))
 
 
-def _map(store: Store, question: Question) -> FlutterMap:
+def _map(store: Store, question: FlutterQuery) -> FlutterMap:
     answer = models_of(store, question)
     fuel, altitude = np.linspace(0.0, 1.0, 9), np.linspace(0.0, 6000.0, 7)
     speeds = np.full((altitude.size, fuel.size), np.nan)
@@ -147,7 +147,7 @@ def _map(store: Store, question: Question) -> FlutterMap:
     return FlutterMap(fuel=fuel, altitude_m=altitude, airspeed_m_s=speeds)
 
 
-def _is_passed(crossing: Crossing, answer: Answered) -> bool:
+def _is_passed(crossing: FlutterCrossing, answer: Answered) -> bool:
     """Whether an instability ends below the fastest speed flown."""
     return crossing.recovers_at is not None and crossing.recovers_at < answer.at.tested
 
@@ -160,14 +160,14 @@ class FusedModel:
     """
 
     aircraft: Aircraft
-    found: Identified
-    others: tuple[Identified, ...]
+    found: IdentifiedModes
+    others: tuple[IdentifiedModes, ...]
     fuel: float
     density: float
     tested_m_s: float
 
 
-def foretell(store: Store, question: Question, report: Callable[[float, str], None]) -> None:
+def foretell(store: Store, question: FlutterQuery, report: Callable[[float, str], None]) -> None:
     """Find everything that is asked of runs, run by run, so that it is there when asked for.
 
     Parameters
@@ -190,7 +190,7 @@ def foretell(store: Store, question: Question, report: Callable[[float, str], No
         find(store, question)
 
 
-def fused_model(store: Store, question: Question) -> FusedModel:
+def fused_model(store: Store, question: FlutterQuery) -> FusedModel:
     """Fuse the runs of a question as their flutter forecast does."""
     answer = models_of(store, question)
     others = tuple(group.found for group in answer.groups if group is not answer.best)
@@ -224,7 +224,7 @@ def _structure(group: Group, *, preferred: bool) -> StructureForecast:
     )
 
 
-def _single(store: Store, answer: Answered, part: Flown) -> RunForecast:
+def _single(store: Store, answer: Answered, part: FlownRun) -> RunForecast:
     found = answer.fused_at(store, [part], answer.fuel)
     prediction = answer.at.predict(found, [part], answer.fuel)
     crossing = prediction.crossing
@@ -253,7 +253,7 @@ def _progress(store: Store, answer: Answered) -> tuple[ProgressForecast, ...]:
 
 
 def _until(store: Store, answer: Answered, speed: float) -> ProgressForecast:
-    def predict(group: Group) -> Prediction | None:
+    def predict(group: Group) -> FlutterPrediction | None:
         parts = [p for p in group.parts if p.maneuver.condition.airspeed_m_s <= speed]
         if not parts:
             return None

@@ -14,8 +14,8 @@ from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.sysid.stability.flight_evidence import FlownPoint
 from flexsid.sysid.stability.prediction import (
-    Identified,
-    Prediction,
+    FlutterPrediction,
+    IdentifiedModes,
     at_own_crossing,
     fuse_identified,
     fuse_with_trend,
@@ -26,7 +26,14 @@ from flexsid.sysid.stability.speeds import Aeroelastic
 from flexsid.workflow.aircraft.aircraft_models import flight_condition
 from flexsid.workflow.aircraft.flight_condition import complete_condition, standard_density
 from flexsid.workflow.cache import contents_of_runs, remembered
-from flexsid.workflow.flutter.run_flutter import Flown, Others, at_fuel, flown, modes_of, with_fewer
+from flexsid.workflow.flutter.run_flutter import (
+    FlownRun,
+    Others,
+    at_fuel,
+    flown,
+    modes_of,
+    with_fewer,
+)
 from flexsid.workflow.modal_data.aligned_modes import AircraftModes
 from flexsid.workflow.model_structures.run_results import result_of
 
@@ -43,7 +50,7 @@ _CONTRADICTED = -0.5  # log likelihood a value: residuals of two thirds more pow
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Question:
+class FlutterQuery:
     """Runs, and the loading and air to answer for; the fastest maneuver's by default.
 
     Modes that a run left out are carried as predicted in a second fit around them, where a
@@ -64,9 +71,9 @@ class Question:
 class Group:
     """Runs of one structure, their derivatives fused, and where these lose stability."""
 
-    parts: list[Flown]
-    found: Identified
-    prediction: Prediction
+    parts: list[FlownRun]
+    found: IdentifiedModes
+    prediction: FlutterPrediction
 
     def told_apart(self, speed: float) -> float:
         """A flutter speed of these runs as it counts in the spread about ``speed``. [m/s]
@@ -97,14 +104,14 @@ class _At:
         return _BAND[0] * self.tested, _BAND[1] * self.tested
 
     def predict(
-        self, found: Identified, parts: Sequence[Flown], fuel: float, spread: float = 0.0
-    ) -> Prediction:
+        self, found: IdentifiedModes, parts: Sequence[FlownRun], fuel: float, spread: float = 0.0
+    ) -> FlutterPrediction:
         """Where fused runs lose stability, compared with what was flown."""
         called = {str(number): name for number, name in self.modes.names.items()}
         flown_points = [self._evidence(part, fuel) for part in parts]
         return predict_flutter(found, self.band, self.density, spread, called, flown_points)
 
-    def _evidence(self, part: Flown, fuel: float) -> FlownPoint:
+    def _evidence(self, part: FlownRun, fuel: float) -> FlownPoint:
         """What a run identified, at the airspeed of equal dynamic pressure in this air."""
         condition = part.maneuver.condition
         return replace(
@@ -123,17 +130,19 @@ class Answered:
     best: Group
     fuel: float
 
-    def predict(self, store: Store, parts: Sequence[Flown], spread: float = 0.0) -> Prediction:
+    def predict(
+        self, store: Store, parts: Sequence[FlownRun], spread: float = 0.0
+    ) -> FlutterPrediction:
         """Where some or all runs of one structure lose stability, as flight allows."""
         found = self.fused_at(store, parts, self.fuel)
         return self.at.predict(found, parts, self.fuel, spread)
 
-    def fused_at(self, store: Store, parts: Sequence[Flown], fuel: float) -> Identified:
+    def fused_at(self, store: Store, parts: Sequence[FlownRun], fuel: float) -> IdentifiedModes:
         """Runs of one structure, some or all, fused at a loading."""
         return _fused(store, parts, self.at, fuel)[0]
 
 
-def models_of(store: Store, question: Question) -> Answered:
+def models_of(store: Store, question: FlutterQuery) -> Answered:
     """Put runs together, carry them to one loading and fuse those of one structure.
 
     Raises
@@ -145,7 +154,7 @@ def models_of(store: Store, question: Question) -> Answered:
     return remembered_of(store, "models", anywhere, lambda: _models(store, anywhere))
 
 
-def _check(question: Question) -> None:
+def _check(question: FlutterQuery) -> None:
     """Refuse too many runs, percent taken as a fraction, feet as metres, impossible airspeeds."""
     if len(set(question.run_ids)) > _MOST_RUNS:
         raise BadInput(
@@ -164,14 +173,14 @@ def _check(question: Question) -> None:
             )
 
 
-def remembered_of(store: Store, what: str, question: Question, find: Callable[[], _T]) -> _T:
+def remembered_of(store: Store, what: str, question: FlutterQuery, find: Callable[[], _T]) -> _T:
     """What was found before for this question, or find it."""
     _check(question)
     return remembered((what, question, contents_of_runs(store, question.run_ids)), find)
 
 
 def loaded(
-    aircraft: Aircraft, modes: AircraftModes, parts: Sequence[Flown], fuel: float, density: float
+    aircraft: Aircraft, modes: AircraftModes, parts: Sequence[FlownRun], fuel: float, density: float
 ) -> Aeroelastic:
     """Structure and trim at a loading; derivatives of the last part, until they are replaced."""
     last = parts[-1]
@@ -191,7 +200,7 @@ def loaded(
     )
 
 
-def _structural(modes: AircraftModes, parts: Sequence[Flown]) -> dict[str, float]:
+def _structural(modes: AircraftModes, parts: Sequence[FlownRun]) -> dict[str, float]:
     """Factors on the table's frequencies and dampings that the parts found, on average."""
     found: dict[str, float] = {}
     for number in parts[-1].found.aircraft.modes.numbers:
@@ -210,7 +219,7 @@ def named(modes: AircraftModes, motion: str) -> str:
     return motion if not motion.isdigit() else modes.names.get(int(motion), f"mode {motion}")
 
 
-def _models(store: Store, question: Question) -> Answered:
+def _models(store: Store, question: FlutterQuery) -> Answered:
     if not question.run_ids:
         raise BadInput("choose at least one run that succeeded", code="no-run")
     parts = [
@@ -234,7 +243,7 @@ def _models(store: Store, question: Question) -> Answered:
     if len(structures) == 1:
         fewer = [check for part in parts if (check := with_fewer(store, part)) is not None]
         structures += _by_structure(fewer)
-    fused: list[tuple[list[Flown], Identified, str]] = []
+    fused: list[tuple[list[FlownRun], IdentifiedModes, str]] = []
     for same in structures:
         found, note = _fused(store, same, at, fuel)
         fused.append((same, found, f"{_of_others(same[-1])}{refused}{note}{_of_ends(same)}"))
@@ -242,15 +251,15 @@ def _models(store: Store, question: Question) -> Answered:
     return Answered(at, groups, groups[0], fuel)
 
 
-def _by_structure(parts: Sequence[Flown]) -> list[list[Flown]]:
-    found: dict[tuple[object, ...], list[Flown]] = {}
+def _by_structure(parts: Sequence[FlownRun]) -> list[list[FlownRun]]:
+    found: dict[tuple[object, ...], list[FlownRun]] = {}
     for part in parts:
         key = (part.found.aircraft.modes.numbers, part.source is None, *_free_places(part))
         found.setdefault(key, []).append(part)
     return list(found.values())
 
 
-def _likelier(parts: Sequence[Flown]) -> tuple[list[Flown], str]:
+def _likelier(parts: Sequence[FlownRun]) -> tuple[list[FlownRun], str]:
     """Second fits dropped where the data speak against the modes carried, and what to say.
 
     Where residuals are errors of either model rather than noise they differ little, and
@@ -267,18 +276,18 @@ def _likelier(parts: Sequence[Flown]) -> tuple[list[Flown], str]:
     return [part for part in parts if part.source is None], told
 
 
-def _once(parts: Sequence[Flown]) -> list[Flown]:
+def _once(parts: Sequence[FlownRun]) -> list[FlownRun]:
     """Second fits dropped where a run of the same maneuver carries the same modes itself."""
     known = {_content(part) for part in parts if part.source is None}
     return [part for part in parts if part.source is None or _content(part) not in known]
 
 
-def _content(part: Flown) -> tuple[int, frozenset[int]]:
+def _content(part: FlownRun) -> tuple[int, frozenset[int]]:
     return part.run.maneuver_id, frozenset(part.found.aircraft.modes.numbers)
 
 
 def _foretold(
-    fused: Sequence[tuple[list[Flown], Identified, str]], at: _At, fuel: float
+    fused: Sequence[tuple[list[FlownRun], IdentifiedModes, str]], at: _At, fuel: float
 ) -> list[Group]:
     """Predictions of all structures, the preferred one first and with the others' spread.
 
@@ -316,11 +325,11 @@ def spread_about(speed: float, groups: Sequence[Group]) -> float:
     return structure_spread(told, speed)
 
 
-def _noted(prediction: Prediction, note: str) -> Prediction:
+def _noted(prediction: FlutterPrediction, note: str) -> FlutterPrediction:
     return replace(prediction, sentence=prediction.sentence + note)
 
 
-def _of_others(part: Flown) -> str:
+def _of_others(part: FlownRun) -> str:
     """Sentence on the modes that the run itself did not identify."""
     free = {int(row) - 2 for row in part.found.uncertain.rows}
     held = [n for k, n in enumerate(part.found.aircraft.modes.numbers) if k not in free]
@@ -339,7 +348,7 @@ def _of_others(part: Flown) -> str:
     return told
 
 
-def _of_ends(parts: Sequence[Flown]) -> str:
+def _of_ends(parts: Sequence[FlownRun]) -> str:
     """Sentence on runs whose estimate did not end well."""
     ends: dict[str, list[int]] = {}
     for part in parts:
@@ -356,8 +365,8 @@ def _listed(numbers: Sequence[int]) -> str:
 
 
 def _fused(
-    store: Store, flown_parts: Sequence[Flown], at: _At, fuel: float
-) -> tuple[Identified, str]:
+    store: Store, flown_parts: Sequence[FlownRun], at: _At, fuel: float
+) -> tuple[IdentifiedModes, str]:
     """Derivatives of one structure at a loading, and what to say of how they were fused."""
     parts = [
         _weighing(at_fuel(store, part, fuel), shares)
@@ -386,18 +395,18 @@ def _fused(
     return found, f"{told}; held constant, they lose it at {held.crossing.airspeed:.2f}{error} m/s."
 
 
-def _shared(parts: Sequence[Flown]) -> list[int]:
+def _shared(parts: Sequence[FlownRun]) -> list[int]:
     """How many runs use the data of each, itself included."""
     used = [{part.run.maneuver_id, *part.run.settings.together_with} for part in parts]
     return [max(sum(m in other for other in used) for m in own) for own in used]
 
 
-def _weighing(found: Identified, shares: int) -> Identified:
+def _weighing(found: IdentifiedModes, shares: int) -> IdentifiedModes:
     """Runs of one maneuver repeat what it tells, so that each weighs its share only."""
     uncertain = found.uncertain
     return replace(found, uncertain=replace(uncertain, covariance=shares * uncertain.covariance))
 
 
-def _free_places(part: Flown) -> tuple[tuple[int, int], ...]:
+def _free_places(part: FlownRun) -> tuple[tuple[int, int], ...]:
     uncertain = part.found.uncertain
     return tuple(zip(uncertain.rows.tolist(), uncertain.columns.tolist(), strict=True))

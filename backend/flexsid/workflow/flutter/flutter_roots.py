@@ -19,24 +19,26 @@ from flexsid.storage.store import Store
 from flexsid.sysid.stability.bands import Bands, root_bands
 from flexsid.sysid.stability.equivalent import EquivalentMode, equivalent_modes, fit_in_vacuo
 from flexsid.sysid.stability.flutter import RootLocus, follow_family
-from flexsid.sysid.stability.prediction import Identified
+from flexsid.sysid.stability.prediction import IdentifiedModes
 from flexsid.sysid.stability.speeds import StateFamily, state_family
 from flexsid.workflow.flutter.flutter_models import (
     NEXT,
     Answered,
-    Question,
+    FlutterQuery,
     loaded,
     models_of,
     named,
     remembered_of,
 )
-from flexsid.workflow.flutter.run_flutter import Flown, at_fuel
+from flexsid.workflow.flutter.run_flutter import FlownRun, at_fuel
 
 _FUELS = 41
 _HZ = 1.0 / (2.0 * np.pi)
 
 
-def flutter_roots(store: Store, question: Question, along: Along = Along.AIRSPEED) -> FlutterRoots:
+def flutter_roots(
+    store: Store, question: FlutterQuery, along: Along = Along.AIRSPEED
+) -> FlutterRoots:
     """Follow the roots of the preferred model, with standard errors.
 
     Parameters
@@ -52,7 +54,7 @@ def flutter_roots(store: Store, question: Question, along: Along = Along.AIRSPEE
     return found if along is Along.AIRSPEED else _over_pressure(store, question, found)
 
 
-def _over_airspeed(store: Store, question: Question) -> FlutterRoots:
+def _over_airspeed(store: Store, question: FlutterQuery) -> FlutterRoots:
     answer = models_of(store, question)
     found, best = answer.best.found, answer.best.prediction
     locus = best.locus
@@ -85,7 +87,7 @@ def _over_airspeed(store: Store, question: Question) -> FlutterRoots:
     )
 
 
-def _over_pressure(store: Store, question: Question, roots: FlutterRoots) -> FlutterRoots:
+def _over_pressure(store: Store, question: FlutterQuery, roots: FlutterRoots) -> FlutterRoots:
     """The same over dynamic pressure in the air of the question."""
     half = 0.5 * models_of(store, question).at.density
 
@@ -105,13 +107,13 @@ def _over_pressure(store: Store, question: Question, roots: FlutterRoots) -> Flu
     )
 
 
-def _over_fuel(store: Store, question: Question) -> FlutterRoots:
+def _over_fuel(store: Store, question: FlutterQuery) -> FlutterRoots:
     answer = models_of(store, question)
     speed = question.next_m_s or NEXT * answer.at.tested
     at = np.linspace(0.0, 1.0, _FUELS)
-    known: dict[float, Identified] = {}
+    known: dict[float, IdentifiedModes] = {}
 
-    def model(fuel: float) -> Identified:
+    def model(fuel: float) -> IdentifiedModes:
         if fuel not in known:
             known[fuel] = answer.fused_at(store, answer.best.parts, fuel)
         return known[fuel]
@@ -197,7 +199,7 @@ def _branches(answer: Answered, locus: RootLocus, bands: Bands) -> tuple[RootBra
 class _InAir:
     """Equivalent modes of one run, those only that it estimated."""
 
-    part: Flown
+    part: FlownRun
     modes: tuple[EquivalentMode, ...]
 
 

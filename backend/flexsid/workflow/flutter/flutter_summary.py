@@ -8,7 +8,7 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
-from flexsid.importers.source import Source, Sources
+from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.modal_table import FlutterPoint, FlutterSummary, Instability
 from flexsid.storage.store import Store
@@ -216,7 +216,7 @@ def _root(arrays: dict[str, np.ndarray], number: int, method: str) -> _Root:
     )
 
 
-def _arrays(source: Source, speed: float) -> dict[str, np.ndarray]:
+def _arrays(source: SourceFile, speed: float) -> dict[str, np.ndarray]:
     found = {
         path.removeprefix("flutter/"): np.asarray(values)
         for path, values in source.arrays.items()
@@ -234,7 +234,7 @@ def _arrays(source: Source, speed: float) -> dict[str, np.ndarray]:
     }
 
 
-def _title(source: Source, number: int, with_file: bool) -> tuple[str, str]:
+def _title(source: SourceFile, number: int, with_file: bool) -> tuple[str, str]:
     """What an analysis is, in words, and its method."""
     found = source.arrays
     rows = np.asarray(found["flutter/analysis"]) == number

@@ -17,7 +17,7 @@ from flexsid.sysid.stability.bands import Uncertain
 from flexsid.sysid.stability.flight_evidence import FlownPoint
 from flexsid.sysid.stability.prediction import (
     MODAL_FREQUENCY,
-    Identified,
+    IdentifiedModes,
     StiffnessError,
 )
 from flexsid.sysid.stability.speeds import Aeroelastic
@@ -50,7 +50,7 @@ class Root:
 
 
 @dataclass(frozen=True, slots=True)
-class Flown:
+class FlownRun:
     """One run put together again.
 
     ``source`` names the prediction that modes were carried from in a second fit, None of
@@ -61,7 +61,7 @@ class Flown:
 
     run: EstimationRun
     maneuver: Maneuver
-    found: Identified
+    found: IdentifiedModes
     roots: Mapping[str, Root]
     evidence: FlownPoint
     source: str | None
@@ -75,13 +75,13 @@ class Flown:
         return {name: root.value for name, root in self.roots.items()}
 
 
-def flown(store: Store, run_id: int, others: Others) -> tuple[Flown, ...]:
+def flown(store: Store, run_id: int, others: Others) -> tuple[FlownRun, ...]:
     """A run as it is, and with the modes it left out as predicted where that is asked for."""
     contents = contents_of_runs(store, (run_id,))
     return remembered(("flown", others, contents), lambda: _put_together(store, run_id, others))
 
 
-def at_fuel(store: Store, part: Flown, fuel: float) -> Identified:
+def at_fuel(store: Store, part: FlownRun, fuel: float) -> IdentifiedModes:
     """A run's derivatives carried to another fuel weight by how the prediction changes.
 
     Mode shapes change with fuel, and with them every generalised force; what a prediction
@@ -114,14 +114,14 @@ def at_fuel(store: Store, part: Flown, fuel: float) -> Identified:
     )
 
 
-def _put_together(store: Store, run_id: int, others: Others) -> tuple[Flown, ...]:
+def _put_together(store: Store, run_id: int, others: Others) -> tuple[FlownRun, ...]:
     run = store.runs.get(run_id)
     maneuver = store.maneuvers.get(run.maneuver_id)
     model = identified(store, run)
     result = result_of(run)
     modes = modes_of(store, run, maneuver)
     own = model.model.modes.numbers
-    alone = Flown(
+    alone = FlownRun(
         run,
         maneuver,
         _identified(
@@ -147,7 +147,7 @@ def _put_together(store: Store, run_id: int, others: Others) -> tuple[Flown, ...
     return (replace(around, source=wider.source, left_out=()), alone)
 
 
-def with_fewer(store: Store, part: Flown) -> Flown | None:
+def with_fewer(store: Store, part: FlownRun) -> FlownRun | None:
     """The run fitted again with one mode fewer; None where that cannot be."""
     fewer = with_one_mode_fewer(part.run)
     if fewer is None:
@@ -157,7 +157,7 @@ def with_fewer(store: Store, part: Flown) -> Flown | None:
     return None if found is None else replace(found, check=True)
 
 
-def _again(store: Store, alone: Flown, run: EstimationRun) -> Flown | None:
+def _again(store: Store, alone: FlownRun, run: EstimationRun) -> FlownRun | None:
     """What a second fit of a run makes of its data."""
     again = fit_again(store, run)
     if again is None or not again[1].estimate.outcome.is_optimum:
@@ -213,7 +213,7 @@ def _identified(
     derivatives: DerivativeTable,
     names: tuple[str, ...],
     covariance: np.ndarray,
-) -> Identified:
+) -> IdentifiedModes:
     """Derivatives with the part of a covariance that belongs to them."""
     rows = coefficients(derivatives.modes)
     columns = variables(derivatives.modes, derivatives.inputs)
@@ -226,7 +226,7 @@ def _identified(
         else MODAL_FREQUENCY
         for number in derivatives.modes
     ]
-    return Identified(
+    return IdentifiedModes(
         Aeroelastic(model.condition, model.modes, derivatives),
         Uncertain(where[:, 0], where[:, 1], covariance[np.ix_(chosen, chosen)]),
         StiffnessError(np.array(relative_std), model.condition.dynamic_pressure),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexsid.sysid.stability.prediction import Prediction
+from flexsid.sysid.stability.prediction import FlutterPrediction
 from flexsid.workflow.flutter.flutter_models import Answered
 
 
@@ -54,7 +54,7 @@ def is_safe(answer: Answered, following: float) -> bool:
     return sure and not _grows_at(best, following)
 
 
-def _grows_at(prediction: Prediction, speed: float) -> bool:
+def _grows_at(prediction: FlutterPrediction, speed: float) -> bool:
     locus = prediction.locus
     near = int(np.argmin(np.abs(locus.airspeed - speed)))
     return bool((np.real(locus.roots[near]) > 0.0).any())

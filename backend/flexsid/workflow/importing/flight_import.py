@@ -18,10 +18,10 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.modal_table import ModalTable
-from flexsid.records.prediction import Prediction
+from flexsid.records.prediction import DerivativePrediction
 from flexsid.storage.arrays import describe
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.parsed_files import Upload, explain
+from flexsid.workflow.importing.parsed_files import ParsedUpload, explain
 from flexsid.workflow.importing.persistence import (
     Writing,
     check_axes,
@@ -48,12 +48,12 @@ class Imported:
     flight_channels: tuple[FlightChannel, ...] = ()
     maneuver: Maneuver | None = None
     modal_tables: tuple[ModalTable, ...] = ()
-    predictions: tuple[Prediction, ...] = ()
+    predictions: tuple[DerivativePrediction, ...] = ()
 
 
 def read_upload(
     files: Sequence[Path], mapping: Path | str | None = None, names: Sequence[str] | None = None
-) -> Upload:
+) -> ParsedUpload:
     """Read files and their mapping.
 
     Parameters
@@ -88,7 +88,7 @@ def read_upload(
     return explain(sources, parsed)
 
 
-def hashed(upload: Upload) -> Upload:
+def hashed(upload: ParsedUpload) -> ParsedUpload:
     """Hash the samples of an upload, unless that was done before."""
     if upload.rows or not upload.channels:
         return upload
@@ -98,7 +98,7 @@ def hashed(upload: Upload) -> Upload:
 
 def keep_upload(
     store: Store,
-    upload: Upload,
+    upload: ParsedUpload,
     aircraft_id: int | None = None,
     report: Callable[[float], None] = lambda fraction: None,
     bring_along: BringAlong | None = None,
@@ -205,7 +205,7 @@ def import_each(
     """
     text = _text(mapping)
 
-    def read(file: Path) -> Upload | FlexsidError:
+    def read(file: Path) -> ParsedUpload | FlexsidError:
         try:
             return hashed(read_upload([file], text))
         except FlexsidError as error:
@@ -217,7 +217,7 @@ def import_each(
             assert coming is not None
             upload = coming.result()
             coming = ahead.submit(read, files[number]) if number < len(files) else None
-            if isinstance(upload, Upload):
+            if isinstance(upload, ParsedUpload):
                 try:
                     yield (
                         file,

@@ -17,7 +17,7 @@ from flexsid.records.views import ChannelHistories, ChannelTrace
 from flexsid.storage.arrays import describe
 from flexsid.storage.channels import read_flight_channels
 from flexsid.storage.store import Store
-from flexsid.sysid.preparation.cutting import Excited, find_excitations, find_marked
+from flexsid.sysid.preparation.cutting import ExcitedInterval, find_excitations, find_marked
 from flexsid.units import si_unit, to_si
 from flexsid.workflow.aircraft.flight_condition import airspeed_ratio, complete_condition
 from flexsid.workflow.aircraft.thrust import TOTAL_TEMPERATURE
@@ -205,7 +205,7 @@ def _first_look(channels: Iterable[FlightChannel]) -> tuple[str, ...]:
 
 def _excitations(
     store: Store, flight_id: int, channels: list[FlightChannel]
-) -> tuple[tuple[Excited, ...], tuple[str, ...], FlightChannel, str]:
+) -> tuple[tuple[ExcitedInterval, ...], tuple[str, ...], FlightChannel, str]:
     """What ran, in which channels, on which clock, and what told it."""
     commands = [c for c in channels if c.role is Role.COMMAND]
     marker = _marker(channels)

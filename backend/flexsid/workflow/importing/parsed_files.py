@@ -16,7 +16,7 @@ from flexsid.storage.arrays import ArrayRow
 
 
 @dataclass(frozen=True, slots=True)
-class Upload:
+class ParsedUpload:
     """Files that were read and the mapping that explains them; nothing is stored yet.
 
     The channels have been taken out of the files and checked; those of a whole
@@ -36,7 +36,7 @@ class Upload:
         return part.name if part is not None and part.builtin else None
 
 
-def explain(sources: Sources, mapping: mappings.Mapping) -> Upload:
+def explain(sources: Sources, mapping: mappings.Mapping) -> ParsedUpload:
     """Take out of files what a mapping says that they hold.
 
     Raises
@@ -45,7 +45,7 @@ def explain(sources: Sources, mapping: mappings.Mapping) -> Upload:
         If the files do not hold what the mapping says.
     """
     if mapping.recording is None:
-        return Upload(sources, mapping)
+        return ParsedUpload(sources, mapping)
     raw = None
     if mapping.maneuver is None:
         channels = extract_recording(mapping.recording, sources)
@@ -53,7 +53,7 @@ def explain(sources: Sources, mapping: mappings.Mapping) -> Upload:
         raw = extract_maneuver(mapping.maneuver, mapping.recording, sources)
         channels = raw.channels
     _check_rates(channels)
-    return Upload(sources, mapping, channels, raw)
+    return ParsedUpload(sources, mapping, channels, raw)
 
 
 def _check_rates(channels: Sequence[RawChannel]) -> None:

@@ -21,7 +21,7 @@ from flexsid.records.axes import axis_in_name
 from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.maneuver import GROUND, Channel, Maneuver, Role
 from flexsid.records.modal_table import ModalTable
-from flexsid.records.prediction import Prediction
+from flexsid.records.prediction import DerivativePrediction
 from flexsid.storage.arrays import ArrayRow
 from flexsid.storage.repository import Repository
 from flexsid.storage.store import Store
@@ -38,7 +38,7 @@ from flexsid.workflow.measurements.symmetric_motion import settle_axis
 BYTES_AT_ONCE = 16 * 1024**2
 """Samples written by one statement."""
 
-_Named = TypeVar("_Named", ModalTable, Prediction)
+_Named = TypeVar("_Named", ModalTable, DerivativePrediction)
 
 
 def largest_correlation(inputs: Sequence[np.ndarray]) -> float | None:
@@ -277,12 +277,12 @@ def keep_modal_table(store: Store, aircraft: Aircraft, raw: RawModalTable) -> Mo
     return _keep_once(store.modal_tables, table, known, f"Modal table '{raw.name}'")
 
 
-def keep_prediction(store: Store, aircraft: Aircraft, raw: RawPrediction) -> Prediction:
+def keep_prediction(store: Store, aircraft: Aircraft, raw: RawPrediction) -> DerivativePrediction:
     """Add predicted derivatives, or find the same."""
     assert aircraft.id is not None
     for name in raw.names:
         Derivative.parse(name)
-    prediction = Prediction(
+    prediction = DerivativePrediction(
         aircraft_id=aircraft.id,
         source=raw.source,
         kind=raw.kind,

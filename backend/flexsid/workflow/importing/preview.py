@@ -22,7 +22,7 @@ from flexsid.records.maneuver import Role
 from flexsid.records.views import ChannelHistories, ChannelTrace
 from flexsid.storage.store import Store
 from flexsid.workflow.importing.flight_import import find_doubts
-from flexsid.workflow.importing.parsed_files import Upload, explain
+from flexsid.workflow.importing.parsed_files import ParsedUpload, explain
 from flexsid.workflow.importing.unconfirmed_values import Guess, find_guesses
 
 MOST_FIELDS = 500
@@ -44,7 +44,7 @@ class FoundField:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FoundFile:
+class UploadedFile:
     """One file of an upload."""
 
     name: str
@@ -78,7 +78,7 @@ class MappedChannel:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Problem:
+class MappingProblem:
     """Why a mapping does not do yet; ``key`` is its key or the channel meant."""
 
     code: str
@@ -98,13 +98,13 @@ class Checked:
     channels: tuple[MappedChannel, ...]
     questions: tuple[Doubt, ...]
     guesses: tuple[Guess, ...]
-    problem: Problem | None
+    problem: MappingProblem | None
 
 
-def describe_files(sources: Sources) -> list[FoundFile]:
+def describe_files(sources: Sources) -> list[UploadedFile]:
     """Name the files."""
     return [
-        FoundFile(name=source.name, sha256=source.sha256, n_fields=len(source.arrays))
+        UploadedFile(name=source.name, sha256=source.sha256, n_fields=len(source.arrays))
         for source in sources.items
     ]
 
@@ -168,7 +168,7 @@ def check_mapping(store: Store, sources: Sources, text: str) -> Checked:
         upload = explain(sources, parse_mapping(text))
     except BadInput as error:
         key = error.context.get("key") or error.context.get("column")
-        problem = Problem(
+        problem = MappingProblem(
             code=error.code, message=error.message, key=None if key is None else str(key)
         )
         return Checked(rules=rules, channels=(), questions=(), guesses=(), problem=problem)
@@ -191,7 +191,7 @@ def preview_channels(
     BadInput
         If the mapping does not fit the files.
     """
-    upload: Upload = explain(sources, parse_mapping(text))
+    upload: ParsedUpload = explain(sources, parse_mapping(text))
     chosen = [c for c in upload.channels if not names or c.name in names][:MOST_DRAWN]
     return ChannelHistories(
         maneuver_id=0,  # none yet

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexsid.importers.channels import RawChannel
 from flexsid.records.maneuver import Excitation, Role
-from flexsid.sysid.preparation.cutting import Excited, find_excitations
+from flexsid.sysid.preparation.cutting import ExcitedInterval, find_excitations
 
 COMMAND = "_command"
 """Ends the name of the channel that holds the excitation of an input."""
@@ -29,7 +29,7 @@ def recorded_excitation(channels: Sequence[RawChannel]) -> Excitation | None:
 
 
 def excitation_of(
-    one: Excited, channels: Sequence[str], rate_hz: float, start_s: float
+    one: ExcitedInterval, channels: Sequence[str], rate_hz: float, start_s: float
 ) -> Excitation | None:
     """The excitation that was found in channels on one clock; None for no multisine."""
     names = [name.removesuffix(COMMAND) for name in channels]

@@ -15,7 +15,7 @@ from flexsid.importers.clock import Clock
 from flexsid.importers.table import Guessed
 from flexsid.records.aircraft import Aircraft
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.parsed_files import Upload
+from flexsid.workflow.importing.parsed_files import ParsedUpload
 
 _SHOWN: dict[str, tuple[str, ...]] = {
     "angle": ("deg", "rad"),
@@ -52,12 +52,12 @@ class Guess:
     consequence: str
 
 
-def find_guesses(store: Store, upload: Upload) -> tuple[Guess, ...]:
+def find_guesses(store: Store, upload: ParsedUpload) -> tuple[Guess, ...]:
     """List what nobody has confirmed in the mapping of an upload, with the consequences."""
     return tuple(_guess(store, upload, own) for own in upload.mapping.guessed)
 
 
-def refuse_guesses(store: Store, upload: Upload) -> None:
+def refuse_guesses(store: Store, upload: ParsedUpload) -> None:
     """Refuse to import what is guessed.
 
     Raises
@@ -79,7 +79,7 @@ def refuse_guesses(store: Store, upload: Upload) -> None:
         )
 
 
-def check_builtin(aircraft: Aircraft, upload: Upload) -> None:
+def check_builtin(aircraft: Aircraft, upload: ParsedUpload) -> None:
     """Refuse files of a known form whose channels are not those of the aircraft of that form.
 
     Raises
@@ -100,7 +100,7 @@ def check_builtin(aircraft: Aircraft, upload: Upload) -> None:
         )
 
 
-def _guess(store: Store, upload: Upload, guessed: Guessed) -> Guess:
+def _guess(store: Store, upload: ParsedUpload, guessed: Guessed) -> Guess:
     table, _, key = guessed.path.rpartition(".")
     channels = [channel for channel in upload.channels if channel.rule == table]
     if table == "aircraft":
@@ -122,7 +122,7 @@ def _guess(store: Store, upload: Upload, guessed: Guessed) -> Guess:
     return Guess(kind=kind, key=guessed.path, value=str(value)[:80], consequence=consequence)
 
 
-def _of_aircraft(store: Store, upload: Upload) -> str:
+def _of_aircraft(store: Store, upload: ParsedUpload) -> str:
     part = upload.mapping.aircraft
     known = store.aircraft.find(name=part.name) if part is not None else []
     if not known:
@@ -135,7 +135,7 @@ def _of_aircraft(store: Store, upload: Upload) -> str:
     )
 
 
-def _of_flight(store: Store, upload: Upload) -> str:
+def _of_flight(store: Store, upload: ParsedUpload) -> str:
     aircraft, flight = upload.mapping.aircraft, upload.mapping.flight
     known = store.aircraft.find(name=aircraft.name) if aircraft is not None else []
     flights = (
@@ -146,7 +146,7 @@ def _of_flight(store: Store, upload: Upload) -> str:
     return "added to the flight that is there already" if flights else "a new flight"
 
 
-def _of_condition(upload: Upload, key: str) -> str:
+def _of_condition(upload: ParsedUpload, key: str) -> str:
     value = None if upload.maneuver is None else upload.maneuver.condition.get(key)
     quantity = None if upload.mapping.maneuver is None else upload.mapping.maneuver.condition[key]
     if value is None or quantity is None:

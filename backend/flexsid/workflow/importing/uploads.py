@@ -47,7 +47,7 @@ class UploadState(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Upload:
+class UploadProgress:
     """An upload and what became of it; ``progress`` is the fraction that is written."""
 
     id: str
@@ -93,10 +93,10 @@ class Uploads:
             self._cancelled.update(self._progress)
         self._worker.shutdown(wait=True, cancel_futures=True)
 
-    def read(self, files: Sequence[Path], names: Sequence[str]) -> Upload:
+    def read(self, files: Sequence[Path], names: Sequence[str]) -> UploadProgress:
         """Read files into a new upload; those of long ago are forgotten meanwhile."""
         self._forget_old()
-        upload = Upload(id=f"u{secrets.token_hex(8)}")
+        upload = UploadProgress(id=f"u{secrets.token_hex(8)}")
         folder = self._folder / upload.id
         close_folder(self._folder)
         folder.mkdir(mode=0o700)
@@ -108,14 +108,14 @@ class Uploads:
         self._save(upload)
         return upload
 
-    def get(self, identity: str) -> Upload:
+    def get(self, identity: str) -> UploadProgress:
         """Return an upload with its present progress."""
         upload = _load(self._at(identity) / _STATE)
         if upload.state is UploadState.IMPORTING:
             return replace(upload, progress=self._progress.get(identity, 0.0))
         return upload
 
-    def under_way(self) -> list[Upload]:
+    def under_way(self) -> list[UploadProgress]:
         """What is being imported, or waits for it."""
         with self._lock:
             waiting = list(self._progress)
@@ -132,7 +132,7 @@ class Uploads:
         aircraft_id: int | None = None,
         *,
         confirmed: bool = False,
-    ) -> Upload:
+    ) -> UploadProgress:
         """Begin to import an upload through a mapping.
 
         Raises
@@ -150,7 +150,7 @@ class Uploads:
             upload = self.get(identity)
             if upload.state is UploadState.IMPORTING:
                 raise Conflict("These files are being imported already.", code="importing")
-            begun = Upload(id=identity, state=UploadState.IMPORTING)
+            begun = UploadProgress(id=identity, state=UploadState.IMPORTING)
             self._save(begun)
             self._progress[identity] = 0.0
             self._cancelled.discard(identity)
@@ -191,12 +191,12 @@ class Uploads:
             )
             ended = _ended(identity, imported)
         except FlexsidError as error:
-            ended = Upload(
+            ended = UploadProgress(
                 id=identity, state=UploadState.FAILED, code=error.code, message=error.message
             )
         except Exception as error:  # what nobody foresaw must still end the import in words
             _log.exception("the import of %s failed", identity)
-            ended = Upload(
+            ended = UploadProgress(
                 id=identity,
                 state=UploadState.FAILED,
                 code="internal-error",
@@ -215,7 +215,7 @@ class Uploads:
             )
         return folder
 
-    def _save(self, upload: Upload) -> None:
+    def _save(self, upload: UploadProgress) -> None:
         path = self._folder / upload.id / _STATE
         new = path.with_suffix(".new")
         new.write_text(json.dumps(asdict(upload)), encoding="utf-8")
@@ -223,15 +223,15 @@ class Uploads:
         new.replace(path)
 
 
-def _load(path: Path) -> Upload:
+def _load(path: Path) -> UploadProgress:
     values: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     values["state"] = UploadState(values["state"])
-    return Upload(**values)
+    return UploadProgress(**values)
 
 
-def _ended(identity: str, imported: Imported) -> Upload:
+def _ended(identity: str, imported: Imported) -> UploadProgress:
     maneuver, flight = imported.maneuver, imported.flight
-    return Upload(
+    return UploadProgress(
         id=identity,
         state=UploadState.IMPORTED,
         progress=1.0,

@@ -15,11 +15,11 @@ from flexsid.workflow.aircraft.aircraft_models import (
     input_correction,
     output_instrument,
 )
-from flexsid.workflow.measurements.recording import Lines, Recording
+from flexsid.workflow.measurements.recording import Recording, SpectrumFrequencies
 
 
 @dataclass(frozen=True, slots=True)
-class Excited:
+class ExcitationData:
     """What excited a maneuver, whether a model has it for an input or not.
 
     ``owner`` is the input that owns each line, -1 for none of them.
@@ -46,7 +46,7 @@ class MeasuredLines:
 
     owner: np.ndarray
     inputs: FrequencyData
-    excited: Excited
+    excited: ExcitationData
     outputs: FrequencyData
     instruments: np.ndarray
     commands: FrequencyData | None
@@ -98,7 +98,7 @@ class MeasuredLines:
 
 
 @dataclass(frozen=True, slots=True)
-class Measurement:
+class ManeuverMeasurement:
     """What ``MeasuredLines`` are made of: samples as read, and how to transform them.
 
     ``lines`` are owned by the inputs, ``excited`` are the same lines owned by the inputs and
@@ -109,8 +109,8 @@ class Measurement:
     aircraft: Aircraft
     inputs: tuple[str, ...]
     outputs: tuple[OutputDefinition, ...]
-    lines: Lines
-    excited: Lines
+    lines: SpectrumFrequencies
+    excited: SpectrumFrequencies
     has_commands: bool
 
     @property
@@ -153,7 +153,7 @@ class Measurement:
         return MeasuredLines(
             owner=lines.owner,
             inputs=deflections.pick(inputs),
-            excited=Excited(deflections, commands, self.excited.owner),
+            excited=ExcitationData(deflections, commands, self.excited.owner),
             outputs=self.recording.spectra(tuple(o.name for o in self.outputs), lines),
             instruments=np.reshape(np.array(responses, dtype=complex), shape).T,
             commands=None if commands is None else commands.pick(inputs),

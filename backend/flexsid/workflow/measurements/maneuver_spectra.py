@@ -11,8 +11,12 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.storage.store import Store
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
-from flexsid.workflow.measurements.maneuver_data import MeasuredLines, Measurement, command_names
-from flexsid.workflow.measurements.recording import Lines, maneuver_lines
+from flexsid.workflow.measurements.maneuver_data import (
+    ManeuverMeasurement,
+    MeasuredLines,
+    command_names,
+)
+from flexsid.workflow.measurements.recording import SpectrumFrequencies, maneuver_lines
 from flexsid.workflow.measurements.transforms import read_recording
 
 
@@ -23,7 +27,7 @@ def read_measurement(
     inputs: tuple[str, ...],
     outputs: tuple[OutputDefinition, ...],
     band_hz: tuple[float, float] | None = None,
-) -> Measurement:
+) -> ManeuverMeasurement:
     """Read the inputs, outputs and recorded excitation of a maneuver.
 
     Inputs that were excited besides those named are read, too.
@@ -46,7 +50,7 @@ def read_measurement(
     recording = read_recording(store, maneuver, aircraft, names)
     own = _owned_by(lines, inputs)
     recording.check(own)
-    return Measurement(
+    return ManeuverMeasurement(
         recording, aircraft, inputs, outputs, own, _owned_by(lines, every), has_commands
     )
 
@@ -83,8 +87,8 @@ def _check_inputs(names: tuple[str, ...], roles: Mapping[str, Role]) -> None:
         raise BadInput("the maneuver has no recorded input", code="no-input")
 
 
-def _owned_by(lines: Lines, inputs: tuple[str, ...]) -> Lines:
+def _owned_by(lines: SpectrumFrequencies, inputs: tuple[str, ...]) -> SpectrumFrequencies:
     """Owners counted in the chosen inputs; -1 for the lines of inputs left out."""
     index = [inputs.index(name) if name in inputs else -1 for name in lines.inputs]
     owner = np.array([index[k] if k >= 0 else -1 for k in lines.owner], dtype=int)
-    return Lines(lines.omega, owner, inputs)
+    return SpectrumFrequencies(lines.omega, owner, inputs)

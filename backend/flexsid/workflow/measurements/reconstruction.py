@@ -11,7 +11,7 @@ from flexsid.errors import BadInput
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.reconstruction import ReconstructedTrace, Reconstruction
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.reconstruction import Motion, observability
+from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, observability
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import coefficients
 from flexsid.sysid.preparation.motion_filter import Deflections, FilteredMotion, filter_motion
@@ -79,7 +79,7 @@ def reconstruct(
 
 
 def smooth(
-    store: Store, sensing: Sensing, model: AeroelasticModel, motion: Motion
+    store: Store, sensing: Sensing, model: AeroelasticModel, motion: ReconstructedMotion
 ) -> tuple[np.ndarray, FilteredMotion]:
     """Filter and smooth all sensors of a maneuver on one clock; its times come first. [s]"""
     maneuver = sensing.maneuver
@@ -184,7 +184,7 @@ def _offered(model: AeroelasticModel) -> tuple[str, ...]:
 
 
 def _trace(
-    name: str, model: AeroelasticModel, motion: Motion, smoothed: FilteredMotion
+    name: str, model: AeroelasticModel, motion: ReconstructedMotion, smoothed: FilteredMotion
 ) -> ReconstructedTrace:
     column = smoothed.names.index({"normal_acceleration": "normal"}.get(name, name))
     row = _row(name, model, motion)
@@ -201,7 +201,7 @@ def _trace(
     )
 
 
-def _row(name: str, model: AeroelasticModel, motion: Motion) -> np.ndarray:
+def _row(name: str, model: AeroelasticModel, motion: ReconstructedMotion) -> np.ndarray:
     """What makes a quantity of the motion at every line, (n_omega, n_r)."""
     s = 1j * motion.omega
     n_r = motion.values.shape[1]

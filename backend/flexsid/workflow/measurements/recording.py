@@ -22,7 +22,7 @@ _NO_TAPER = 0.625  # of the sampling rate: a pass band that ends beyond the Nyqu
 
 
 @dataclass(frozen=True, slots=True)
-class Lines:
+class SpectrumFrequencies:
     """Frequencies of an analysis and, for each, the index of the input that owns it.
 
     ``owner`` is -1 where no input's excitation has the line.
@@ -32,7 +32,7 @@ class Lines:
     owner: np.ndarray
     inputs: tuple[str, ...]
 
-    def within(self, band_hz: tuple[float, float] | None) -> Lines:
+    def within(self, band_hz: tuple[float, float] | None) -> SpectrumFrequencies:
         """The lines inside a band."""
         if band_hz is None:
             return self
@@ -45,10 +45,12 @@ class Lines:
                 code="empty-band",
                 band_hz=list(band_hz),
             )
-        return Lines(self.omega[keep], self.owner[keep], self.inputs)
+        return SpectrumFrequencies(self.omega[keep], self.owner[keep], self.inputs)
 
 
-def maneuver_lines(maneuver: Maneuver, band_hz: tuple[float, float] | None = None) -> Lines:
+def maneuver_lines(
+    maneuver: Maneuver, band_hz: tuple[float, float] | None = None
+) -> SpectrumFrequencies:
     """The excited harmonics, or all multiples of 1/duration where none are known.
 
     Raises
@@ -67,7 +69,7 @@ def maneuver_lines(maneuver: Maneuver, band_hz: tuple[float, float] | None = Non
         first = max(1, int(np.ceil(band_hz[0] * maneuver.duration_s - 1e-9)))
         last = int(np.floor(band_hz[1] * maneuver.duration_s + 1e-9))
         omega = unit_lines(np.arange(first, last + 1), maneuver.duration_s)
-        lines = Lines(omega, np.full(omega.size, -1), ())
+        lines = SpectrumFrequencies(omega, np.full(omega.size, -1), ())
         return lines.within(band_hz)
     inputs = tuple(excitation.harmonics)
     pairs = sorted(
@@ -77,7 +79,9 @@ def maneuver_lines(maneuver: Maneuver, band_hz: tuple[float, float] | None = Non
     )
     harmonics = np.array([h for h, _ in pairs])
     owner = np.array([i for _, i in pairs])
-    return Lines(unit_lines(harmonics, excitation.period_s), owner, inputs).within(band_hz)
+    return SpectrumFrequencies(unit_lines(harmonics, excitation.period_s), owner, inputs).within(
+        band_hz
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +125,7 @@ class Recording:
     attitudes: frozenset[str]
     conditioning: dict[str, Conditioning]
 
-    def check(self, lines: Lines) -> None:
+    def check(self, lines: SpectrumFrequencies) -> None:
         """Refuse lines that a channel was sampled too slowly for.
 
         Raises
@@ -138,7 +142,7 @@ class Recording:
                     code="beyond-nyquist",
                 )
 
-    def spectra(self, names: tuple[str, ...], lines: Lines) -> FrequencyData:
+    def spectra(self, names: tuple[str, ...], lines: SpectrumFrequencies) -> FrequencyData:
         """Transform channels and combinations, in SI."""
         self.check(lines)
         needed = {part for name in names for part, _ in self.parts[name]}
@@ -173,7 +177,7 @@ def _transform(
     rate_hz: float,
     start_s: float,
     maneuver: Maneuver,
-    lines: Lines,
+    lines: SpectrumFrequencies,
     settles: np.ndarray,
 ) -> np.ndarray:
     """Whole record of one period, or the whole periods after the first of several."""

@@ -12,7 +12,7 @@ from flexsid.records.aircraft import Aircraft, SensorKind
 from flexsid.records.axes import symmetry_of
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.reconstruction import Motion, reconstruct_motion
+from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.preparation.redundancy import strong_lines
@@ -200,7 +200,9 @@ def moved_band(store: Store, maneuver: Maneuver, aircraft: Aircraft) -> tuple[fl
     return float(min(max(hz[0], _LOWEST_HZ), 0.5 * hz[top])), float(hz[top])
 
 
-def motion_of(sensing: Sensing, modes: Sequence[int] = ()) -> tuple[AeroelasticModel, Motion]:
+def motion_of(
+    sensing: Sensing, modes: Sequence[int] = ()
+) -> tuple[AeroelasticModel, ReconstructedMotion]:
     """Reconstruct the motion line by line with as many modes as move.
 
     Parameters
@@ -228,7 +230,7 @@ def motion_of(sensing: Sensing, modes: Sequence[int] = ()) -> tuple[AeroelasticM
     return model, _reconstruct(sensing, model, motion.noise)
 
 
-def _as_many_as_move(sensing: Sensing) -> tuple[AeroelasticModel, Motion]:
+def _as_many_as_move(sensing: Sensing) -> tuple[AeroelasticModel, ReconstructedMotion]:
     numbers = sensing.model.modes.numbers
     model = sensing.model
     while True:
@@ -255,15 +257,15 @@ def _as_many_as_move(sensing: Sensing) -> tuple[AeroelasticModel, Motion]:
     return _fewest(sensing, tried)
 
 
-def _disagreement(sensing: Sensing, motion: Motion) -> np.ndarray:
+def _disagreement(sensing: Sensing, motion: ReconstructedMotion) -> np.ndarray:
     """Disagreement over noise, of the sensors whose noise is known."""
     known = np.isfinite(sensing.noise)
     return motion.noise[known] / sensing.noise[known]
 
 
 def _fewest(
-    sensing: Sensing, tried: Sequence[tuple[AeroelasticModel, Motion]]
-) -> tuple[AeroelasticModel, Motion]:
+    sensing: Sensing, tried: Sequence[tuple[AeroelasticModel, ReconstructedMotion]]
+) -> tuple[AeroelasticModel, ReconstructedMotion]:
     """The fewest modes from which on more explain nothing.
 
     A sensor that is at fault disagrees however many modes there are, and those that only
@@ -285,7 +287,7 @@ def _transformed(maneuver: Maneuver) -> float:
 
 def _reconstruct(
     sensing: Sensing, model: AeroelasticModel, guess: np.ndarray | None = None
-) -> Motion:
+) -> ReconstructedMotion:
     """Weight sensors by their noise, or by their disagreement where that is larger.
 
     Disagreement alone may find that one sensor is fitted exactly; a sensor has noise.

@@ -14,7 +14,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyData
 from flexsid.units import to_si
 from flexsid.workflow.measurements.conditioning import conditioning_of
-from flexsid.workflow.measurements.recording import Lines, Recording
+from flexsid.workflow.measurements.recording import Recording, SpectrumFrequencies
 
 
 def load_channels(
@@ -54,7 +54,7 @@ def spectra_of(
     maneuver: Maneuver,
     aircraft: Aircraft,
     names: tuple[str, ...],
-    lines: Lines,
+    lines: SpectrumFrequencies,
 ) -> FrequencyData:
     """Transform channels and combinations of a loaded maneuver, conditioned."""
     return read_recording(store, maneuver, aircraft, names).spectra(names, lines)

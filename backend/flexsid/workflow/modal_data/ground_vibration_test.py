@@ -21,7 +21,7 @@ from flexsid.sysid.modes.naming import ModeName
 from flexsid.sysid.modes.polyreference import (
     Cluster,
     MeasuredModes,
-    Pole,
+    StabilizationPole,
     find_columns,
     fit_shapes,
     stabilisation,
@@ -49,7 +49,7 @@ class _Search:
     record: MeasuredResponses
     omega: np.ndarray
     responses: np.ndarray
-    poles: tuple[Pole, ...]
+    poles: tuple[StabilizationPole, ...]
     columns: tuple[Cluster, ...]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import inf
 
-from flexsid.records.decision import Limits, Quantity
+from flexsid.records.decision import LimitedQuantity, Limits
 from flexsid.records.maneuver import Maneuver
 
 _ALL = (-inf, inf)
@@ -14,12 +14,12 @@ _ALL = (-inf, inf)
 def lies_in(maneuver: Maneuver, limits: Limits) -> bool:
     """Whether a maneuver lies in a range; what is not known of it lies in no limits."""
     condition = maneuver.condition
-    values: dict[Quantity, float | None] = {
-        Quantity.DYNAMIC_PRESSURE: condition.dynamic_pressure_pa,
-        Quantity.FUEL: condition.fuel_fraction,
-        Quantity.AIRSPEED: condition.airspeed_m_s,
-        Quantity.AIRSPEED_RATIO: maneuver.airspeed_ratio,
-        Quantity.ALPHA: condition.alpha_rad,
+    values: dict[LimitedQuantity, float | None] = {
+        LimitedQuantity.DYNAMIC_PRESSURE: condition.dynamic_pressure_pa,
+        LimitedQuantity.FUEL: condition.fuel_fraction,
+        LimitedQuantity.AIRSPEED: condition.airspeed_m_s,
+        LimitedQuantity.AIRSPEED_RATIO: maneuver.airspeed_ratio,
+        LimitedQuantity.ALPHA: condition.alpha_rad,
     }
     for quantity, (low, high) in limits.items():
         value = values[quantity]

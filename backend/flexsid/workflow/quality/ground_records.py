@@ -8,7 +8,7 @@ from flexsid.errors import BadInput, Conflict
 from flexsid.records.aircraft import SensorKind
 from flexsid.records.axes import symmetry_of
 from flexsid.records.flight import Flight
-from flexsid.records.ground_test import GroundTest, PeakChange, Verdict
+from flexsid.records.ground_test import GroundTest, GroundTestVerdict, PeakChange
 from flexsid.records.maneuver import GROUND, Maneuver, Role
 from flexsid.records.views import GroundSpectra, ModeMarker
 from flexsid.storage.store import Store
@@ -75,7 +75,7 @@ def ground_test(store: Store, flight_id: int) -> GroundTest:
         _change(place, near_hz, later, ratios, sizes, modes, known)
         for place, near_hz in sorted(found.items())
     )
-    worst = max((p.verdict for p in peaks), key=list(Verdict).index)
+    worst = max((p.verdict for p in peaks), key=list(GroundTestVerdict).index)
     return GroundTest(
         flight_id=flight_id,
         flight_number=flight.number,
@@ -240,7 +240,7 @@ def _described(
     std: float | None,
 ) -> PeakChange:
     left = total = amplitude = spread = None
-    verdict = Verdict.ALARM  # a peak that is gone
+    verdict = GroundTestVerdict.ALARM  # a peak that is gone
     if second is not None and change is not None and std is not None:
         left = (1.0 + change) / (1.0 + explained) - 1.0
         total = float(np.hypot(std, _TREND_ERROR))
@@ -249,11 +249,11 @@ def _described(
             np.hypot(first.amplitude_std / first.amplitude, second.amplitude_std / second.amplitude)
         )
         off = abs((1.0 + amplitude) / (1.0 + louder) - 1.0)
-        verdict = Verdict.HEALTHY
+        verdict = GroundTestVerdict.HEALTHY
         if off > _SIGMAS * np.hypot(spread, _AMPLITUDE_ERROR):
-            verdict = Verdict.WATCH
+            verdict = GroundTestVerdict.WATCH
         if abs(left) > _SIGMAS * total:
-            verdict = Verdict.ALARM
+            verdict = GroundTestVerdict.ALARM
     return PeakChange(
         mode=number,
         name=known.names[number],
@@ -272,7 +272,7 @@ def _described(
     )
 
 
-def _message(flight: Flight, verdict: Verdict, peaks: tuple[PeakChange, ...]) -> str:
+def _message(flight: Flight, verdict: GroundTestVerdict, peaks: tuple[PeakChange, ...]) -> str:
     worst = next(peak for peak in peaks if peak.verdict is verdict)
     if worst.unexplained is None or worst.unexplained_std is None:
         return (
@@ -280,12 +280,12 @@ def _message(flight: Flight, verdict: Verdict, peaks: tuple[PeakChange, ...]) ->
             "not found after it. Inspect the structure before the next flight."
         )
     left = f"{worst.unexplained:+.1%} ± {2.0 * worst.unexplained_std:.1%}"
-    if verdict is Verdict.ALARM:
+    if verdict is GroundTestVerdict.ALARM:
         return (
             f"{worst.name} changed by {left} beyond what the fuel burnt in flight {flight.number} "
             "explains. Inspect the structure before the next flight."
         )
-    if verdict is Verdict.WATCH:
+    if verdict is GroundTestVerdict.WATCH:
         return (
             f"The amplitude of {worst.name} changed in flight {flight.number} by "
             f"{worst.amplitude_change:+.0%}, its frequency did not; repeat the record."

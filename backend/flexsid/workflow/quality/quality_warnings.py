@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from flexsid.records.maneuver import Maneuver, Role
-from flexsid.records.quality import ChannelQuality, Finding, QualityReport, Verdict
+from flexsid.records.quality import ChannelQuality, QualityReport, QualityVerdict, QualityWarning
 from flexsid.workflow.measurements.condition_spread import MOST_DRIFT, MOST_FUEL
 
 _QUIET_DB = (12.0, 3.0)  # median of all outputs: doubtful below, bad below
@@ -25,12 +25,12 @@ _UNDECAYED = 0.1  # of the motion while excited
 
 _LEAST_CHECKED = 0.5  # of the outputs: with fewer nothing is concluded of the record
 
-_GOOD, _DOUBTFUL, _BAD = Verdict.GOOD, Verdict.DOUBTFUL, Verdict.BAD
+_GOOD, _DOUBTFUL, _BAD = QualityVerdict.GOOD, QualityVerdict.DOUBTFUL, QualityVerdict.BAD
 
 
 def findings_of(
     maneuver: Maneuver, report: QualityReport, decay: tuple[str, float] | None
-) -> tuple[Finding, ...]:
+) -> tuple[QualityWarning, ...]:
     """Sentences for an analyst, the gravest first.
 
     Parameters
@@ -54,7 +54,7 @@ def findings_of(
     return tuple(sorted(found, key=lambda finding: order[finding.severity]))
 
 
-def verdict_of(report: QualityReport) -> tuple[Verdict, str]:
+def verdict_of(report: QualityReport) -> tuple[QualityVerdict, str]:
     """The verdict, and one sentence that says why."""
     bad = [f for f in report.findings if f.severity is _BAD]
     doubtful = [f for f in report.findings if f.severity is _DOUBTFUL]
@@ -66,7 +66,7 @@ def verdict_of(report: QualityReport) -> tuple[Verdict, str]:
     open_ = [c for c in outputs if c.not_checked is not None]
     checked = len(outputs) - len(open_)
     if checked == 0 or checked < _LEAST_CHECKED * len(outputs):
-        return Verdict.UNCHECKED, _unchecked(outputs, open_)
+        return QualityVerdict.UNCHECKED, _unchecked(outputs, open_)
     heard = [c.signal_to_noise_db for c in report.channels if c.signal_to_noise_db is not None]
     words = [f"signals stand {sorted(heard)[len(heard) // 2]:.0f} dB above noise"] if heard else []
     words.append(f"{checked} of {len(outputs)} sensors agree with the others")
@@ -91,17 +91,19 @@ def _unchecked(outputs: Sequence[ChannelQuality], left: Sequence[ChannelQuality]
     )
 
 
-def _joined(begin: str, findings: Sequence[Finding]) -> str:
+def _joined(begin: str, findings: Sequence[QualityWarning]) -> str:
     shown = " ".join(finding.text for finding in findings[:2])
     more = len(findings) - 2
     return f"{begin}. {shown}" + (f" And {more} more." if more > 0 else "")
 
 
-def _finding(severity: Verdict, about: str, text: str, channel: str | None = None) -> Finding:
-    return Finding(severity=severity, about=about, channel=channel, text=text)
+def _finding(
+    severity: QualityVerdict, about: str, text: str, channel: str | None = None
+) -> QualityWarning:
+    return QualityWarning(severity=severity, about=about, channel=channel, text=text)
 
 
-def _of_samples(channels: Sequence[ChannelQuality]) -> Iterator[Finding]:
+def _of_samples(channels: Sequence[ChannelQuality]) -> Iterator[QualityWarning]:
     for channel in channels:
         kinds = [stretch.kind for stretch in channel.stretches]
         if channel.saturated > 0.0:
@@ -116,7 +118,7 @@ def _of_samples(channels: Sequence[ChannelQuality]) -> Iterator[Finding]:
             yield _finding(_BAD, "dropouts", text, channel.name)
 
 
-def _of_signal(channels: Sequence[ChannelQuality]) -> Iterator[Finding]:
+def _of_signal(channels: Sequence[ChannelQuality]) -> Iterator[QualityWarning]:
     outputs = [c for c in channels if c.role == Role.OUTPUT and c.signal_to_noise_db is not None]
     if outputs:
         ratios = sorted(c.signal_to_noise_db or 0.0 for c in outputs)
@@ -137,7 +139,9 @@ def _of_signal(channels: Sequence[ChannelQuality]) -> Iterator[Finding]:
             yield _finding(severity, "signal", text, channel.name)
 
 
-def _of_redundancy(channels: Sequence[ChannelQuality], reference: str | None) -> Iterator[Finding]:
+def _of_redundancy(
+    channels: Sequence[ChannelQuality], reference: str | None
+) -> Iterator[QualityWarning]:
     for c in channels:
         if c.role == Role.OUTPUT and c.not_checked is not None:
             yield from _of_departure(c)
@@ -176,7 +180,7 @@ def _of_redundancy(channels: Sequence[ChannelQuality], reference: str | None) ->
             yield _finding(_GOOD, "bias", text, c.name)
 
 
-def _of_departure(c: ChannelQuality) -> Iterator[Finding]:
+def _of_departure(c: ChannelQuality) -> Iterator[QualityWarning]:
     """An output that disagrees with the others in a way that is no delay and no scale factor."""
     text = f"{c.name} cannot be checked: {c.not_checked}."
     if c.scale is not None and c.scale < 0.0:
@@ -185,7 +189,7 @@ def _of_departure(c: ChannelQuality) -> Iterator[Finding]:
         yield _finding(_DOUBTFUL, "coherence", text, c.name)
 
 
-def _of_inputs(report: QualityReport) -> Iterator[Finding]:
+def _of_inputs(report: QualityReport) -> Iterator[QualityWarning]:
     for pair in report.inputs:
         size = abs(pair.correlation)
         if size > _CORRELATED[0]:
@@ -194,7 +198,7 @@ def _of_inputs(report: QualityReport) -> Iterator[Finding]:
             yield _finding(severity, "inputs", text)
 
 
-def _of_condition(report: QualityReport) -> Iterator[Finding]:
+def _of_condition(report: QualityReport) -> Iterator[QualityWarning]:
     condition = report.condition
     if condition.fuel_change is not None and condition.fuel_change > MOST_FUEL:
         text = f"{condition.fuel_change:.1%} of the fuel burnt: the structure changed meanwhile."
@@ -206,7 +210,7 @@ def _of_condition(report: QualityReport) -> Iterator[Finding]:
         yield _finding(severity, "condition", text)
 
 
-def _of_record(maneuver: Maneuver, decay: tuple[str, float] | None) -> Iterator[Finding]:
+def _of_record(maneuver: Maneuver, decay: tuple[str, float] | None) -> Iterator[QualityWarning]:
     excitation = maneuver.excitation
     if excitation is None:
         text = "Which harmonics the inputs were given is not known: FRE needs that."

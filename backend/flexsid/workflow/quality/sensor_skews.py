@@ -10,7 +10,7 @@ from flexsid.errors import NotIdentifiable
 from flexsid.records.aircraft import Sensor, SensorKind
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.reconstruction import Motion, reconstruct_motion
+from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.preparation.biases import Bias, climb_angle, gyro_bias, vane_bias
 from flexsid.sysid.preparation.fault_detection import Detection, detect_faults
@@ -269,7 +269,9 @@ def _faults(sensing: Sensing) -> SensorFaults:
     )
 
 
-def _input_skews(sensing: Sensing, motion: Motion, timed_s: float) -> InputSkews | None:
+def _input_skews(
+    sensing: Sensing, motion: ReconstructedMotion, timed_s: float
+) -> InputSkews | None:
     """Skews of the surfaces; a mode less or more widens their errors.
 
     Where nobody says what was excited, regressors are mostly noise, and their bias a delay.

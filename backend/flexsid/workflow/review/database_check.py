@@ -25,7 +25,7 @@ _REPAIR = "restore a backup from before"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+class DatabaseProblem:
     """Something that is not as it should be: a stable code, and what to do about it.
 
     ``is_damage`` is False for what is noted only.
@@ -37,7 +37,7 @@ class Finding:
     is_damage: bool = True
 
 
-def check_database(store: Store) -> list[Finding]:
+def check_database(store: Store) -> list[DatabaseProblem]:
     """Look for damage: pages, references, samples, results, decisions, and the clock."""
     return [
         *_pages(store.database),
@@ -49,12 +49,12 @@ def check_database(store: Store) -> list[Finding]:
     ]
 
 
-def _pages(database: Database) -> Iterator[Finding]:
+def _pages(database: Database) -> Iterator[DatabaseProblem]:
     with database.reading() as connection:
         if connection.dialect.name == "sqlite":
             found = connection.exec_driver_sql("PRAGMA integrity_check(20)").scalars().all()
             for text in (one for one in found if one != "ok"):
-                yield Finding(
+                yield DatabaseProblem(
                     code="damaged-page",
                     record="database",
                     text=f"The database file is damaged: {text}. Stop the server and {_REPAIR}.",
@@ -65,14 +65,14 @@ def _pages(database: Database) -> Iterator[Finding]:
             "SELECT conname FROM pg_constraint WHERE contype = 'f' AND NOT convalidated"
         )
         for name in loose.scalars():
-            yield Finding(
+            yield DatabaseProblem(
                 code="unchecked-reference",
                 record=name,
                 text=f"The foreign key {name} is not enforced for rows that were there before it;"
                 f" ALTER TABLE ... VALIDATE CONSTRAINT {name} checks them.",
             )
         if checksums != "on":
-            yield Finding(
+            yield DatabaseProblem(
                 code="no-checksums",
                 record="database",
                 text="This PostgreSQL keeps no checksums of its pages, so it notices no damaged"
@@ -81,7 +81,7 @@ def _pages(database: Database) -> Iterator[Finding]:
             )
 
 
-def _references(database: Database) -> Iterator[Finding]:
+def _references(database: Database) -> Iterator[DatabaseProblem]:
     """Compare every foreign key with what it refers to, whatever the database enforces."""
     with database.reading() as connection:
         for table in tables.metadata.sorted_tables:
@@ -93,7 +93,7 @@ def _references(database: Database) -> Iterator[Finding]:
                 )
                 count, example = connection.execute(query).one()
                 if count:
-                    yield Finding(
+                    yield DatabaseProblem(
                         code="broken-reference",
                         record=table.name,
                         text=f"{count} rows of {table.name} refer by {key.parent.name} to rows of"
@@ -102,7 +102,7 @@ def _references(database: Database) -> Iterator[Finding]:
                     )
 
 
-def _arrays(database: Database) -> Iterator[Finding]:
+def _arrays(database: Database) -> Iterator[DatabaseProblem]:
     arrays = tables.arrays.c
     columns = (arrays.hash, arrays.dtype, arrays.shape, arrays.unit, arrays.data)
     with database.reading() as connection:
@@ -113,7 +113,7 @@ def _arrays(database: Database) -> Iterator[Finding]:
             for row in connection.execute(sa.select(*columns).where(arrays.hash.in_(some))):
                 if content_hash(row.dtype, row.shape, row.unit, row.data) != row.hash:
                     owner = owners.get(row.hash, "an array that no record names")
-                    yield Finding(
+                    yield DatabaseProblem(
                         code="damaged-data",
                         record=owner,
                         text=f"The samples of {owner} are not those that were stored (their hash"
@@ -121,7 +121,7 @@ def _arrays(database: Database) -> Iterator[Finding]:
                         f" {_REPAIR}.",
                     )
         for name in sorted(owners.keys() - set(names)):
-            yield Finding(
+            yield DatabaseProblem(
                 code="missing-data",
                 record=owners[name],
                 text=f"The samples of {owners[name]} are gone; import the file again, or"
@@ -129,7 +129,7 @@ def _arrays(database: Database) -> Iterator[Finding]:
             )
         orphans = set(names) - owners.keys()
         if orphans:
-            yield Finding(
+            yield DatabaseProblem(
                 code="orphaned-data",
                 record="arrays",
                 text=f"{len(orphans)} arrays belong to no record; they take space and do no harm.",
@@ -137,21 +137,21 @@ def _arrays(database: Database) -> Iterator[Finding]:
             )
 
 
-def _results(database: Database) -> Iterator[Finding]:
+def _results(database: Database) -> Iterator[DatabaseProblem]:
     runs = tables.runs
     columns = (runs.c[name] for name in ("id", "state", "result_hash", *SEALED))
     with database.reading() as connection:
         for row in connection.execute(sa.select(*columns).order_by(runs.c.id)).mappings():
             number = row["id"]
             if is_altered({name: row[name] for name in ("result_hash", *SEALED)}):
-                yield Finding(
+                yield DatabaseProblem(
                     code="result-altered",
                     record=f"run {number}",
                     text=f"The result of run {number}, or what was asked for, was altered after it"
                     f" finished; estimate again, or {_REPAIR}.",
                 )
             elif row["state"] == RunState.SUCCEEDED.value and row["result_hash"] is None:
-                yield Finding(
+                yield DatabaseProblem(
                     code="result-not-sealed",
                     record=f"run {number}",
                     text=f"Run {number} has succeeded, but no hash of a result is kept;"
@@ -159,12 +159,12 @@ def _results(database: Database) -> Iterator[Finding]:
                 )
 
 
-def _decisions(store: Store) -> Iterator[Finding]:
+def _decisions(store: Store) -> Iterator[DatabaseProblem]:
     for decision in store.decisions.find():
         name = f"decision {decision.id}"
         events = store.decision_events.find(decision_id=decision.id)
         if not events or not chain_is_whole(events) or replay(decision, events) != decision:
-            yield Finding(
+            yield DatabaseProblem(
                 code="broken-chain",
                 record=name,
                 text=f"The record of {name} was changed: its events and their hashes do not fit"
@@ -172,7 +172,7 @@ def _decisions(store: Store) -> Iterator[Finding]:
             )
             continue
         if decision.superseded_by == decision.id:
-            yield Finding(
+            yield DatabaseProblem(
                 code="superseded-by-itself",
                 record=name,
                 text=f"{name.capitalize()} was superseded by itself, when the clock had been set"
@@ -182,13 +182,13 @@ def _decisions(store: Store) -> Iterator[Finding]:
         yield from _evidence(store, decision, events[-1].data)
 
 
-def _evidence(store: Store, decision: Decision, then: dict[str, str]) -> Iterator[Finding]:
+def _evidence(store: Store, decision: Decision, then: dict[str, str]) -> Iterator[DatabaseProblem]:
     """Compare what a decision rests on with what it was at the last event."""
     name = f"decision {decision.id}"
     try:
         now = data_of(store, decision.proposal)
     except FlexsidError as error:
-        yield Finding(
+        yield DatabaseProblem(
             code="evidence-gone",
             record=name,
             text=f"What {name} rests on cannot be read: {error.message}; {_REPAIR}.",
@@ -198,7 +198,7 @@ def _evidence(store: Store, decision: Decision, then: dict[str, str]) -> Iterato
         if now.get(what) == content:
             continue
         gone = now.get(what, GONE) == GONE
-        yield Finding(
+        yield DatabaseProblem(
             code="evidence-gone" if gone else "evidence-changed",
             record=name,
             text=f"{what.capitalize()}, on which {name} rests, "
@@ -211,7 +211,7 @@ def _evidence(store: Store, decision: Decision, then: dict[str, str]) -> Iterato
         )
 
 
-def _clock(store: Store) -> Iterator[Finding]:
+def _clock(store: Store) -> Iterator[DatabaseProblem]:
     text = find_clock_error(store)
     if text is not None:
-        yield Finding(code="clock-behind", record="clock", text=text, is_damage=False)
+        yield DatabaseProblem(code="clock-behind", record="clock", text=text, is_damage=False)

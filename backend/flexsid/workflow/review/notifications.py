@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
-from flexsid.records.decision import Decision, DecisionState, EventKind, Look
+from flexsid.records.decision import Decision, DecisionState, EventKind, SeenEvents
 from flexsid.records.model_structure import StructureVersion
 from flexsid.storage.store import Store
 from flexsid.workflow.review.decision_review import OPEN, rules_of
@@ -80,12 +80,12 @@ def mark_seen(store: Store, analyst: str, subject: str, number: int) -> None:
     with store.transaction():
         found = store.looks.find(analyst=key, subject=subject)
         if not found:
-            store.looks.add(Look(analyst=key, subject=subject, seen=number))
+            store.looks.add(SeenEvents(analyst=key, subject=subject, seen=number))
             return
         look = found[0]
         if number > look.seen:
             assert look.id is not None
-            store.looks.replace(Look(analyst=key, subject=subject, seen=number, id=look.id))
+            store.looks.replace(SeenEvents(analyst=key, subject=subject, seen=number, id=look.id))
 
 
 def mark_all_seen(store: Store, analyst: str) -> None:

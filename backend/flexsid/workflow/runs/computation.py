@@ -26,12 +26,12 @@ from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.limits import LONGEST_DELAY_S, at_limits
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
-from flexsid.sysid.estimation.reconstruction import Motion, reconstruct_motion
+from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.estimation.record_edges import settle_edges
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.stability.poles import NamedPole, named_poles
-from flexsid.workflow.measurements.maneuver_data import MeasuredLines, Measurement
+from flexsid.workflow.measurements.maneuver_data import ManeuverMeasurement, MeasuredLines
 from flexsid.workflow.runs.out_of_band_modes import calmed, remarks_on, strayed
 from flexsid.workflow.runs.result_warnings import warning_of_limits, warning_of_priors, warnings_of
 
@@ -59,13 +59,13 @@ class ManeuverData:
 
 
 @dataclass(frozen=True, slots=True)
-class Flown:
+class ManeuverTask:
     """A maneuver as it is sent to a worker, which does the transforms too."""
 
     label: str
     model: AeroelasticModel
     companions: AeroelasticModel
-    measurement: Measurement
+    measurement: ManeuverMeasurement
 
     def measured(self) -> ManeuverData:
         """Return what the fit sees."""
@@ -73,7 +73,7 @@ class Flown:
 
 
 @dataclass(frozen=True)
-class Task:
+class EstimationTask:
     """All that a worker needs: numbers and choices, no database.
 
     Maneuvers share the nondimensional derivatives. ``starts`` are starting tables
@@ -84,7 +84,7 @@ class Task:
     method: Method
     settings: RunSettings
     structure: Structure
-    flown: tuple[Flown, ...]
+    flown: tuple[ManeuverTask, ...]
     mode_names: tuple[str, ...]
     starts: dict[str, DerivativeTable]
     predicted: DerivativeTable | None
@@ -125,7 +125,7 @@ class Task:
 
 
 @dataclass(frozen=True, slots=True)
-class Computed:
+class ComputedRun:
     """What a worker sends back.
 
     ``held`` are the derivatives that were not free, ``at_limit`` the parameters that ended
@@ -145,7 +145,7 @@ class Computed:
     at_limit: tuple[str, ...] = ()
 
 
-def compute(task: Task, report: Report) -> Computed:
+def compute(task: EstimationTask, report: Report) -> ComputedRun:
     """Carry out one estimation.
 
     Parameters
@@ -182,7 +182,7 @@ def compute(task: Task, report: Report) -> Computed:
     poles = _poles(task, parameters, estimate)
     warnings += remarks_on(_strayed(task, poles), task.highest)
     table = parameters.table(estimate.values).named()
-    return Computed(
+    return ComputedRun(
         estimate=estimate,
         poles=poles,
         start=start,
@@ -198,7 +198,7 @@ def compute(task: Task, report: Report) -> Computed:
 
 
 def settled(
-    task: Task,
+    task: EstimationTask,
     experiments: list[Experiment],
     parameters: Parameters,
     estimate: Estimate,
@@ -232,7 +232,7 @@ def versions() -> dict[str, str]:
     }
 
 
-def experiments_of(task: Task) -> list[Experiment]:
+def experiments_of(task: EstimationTask) -> list[Experiment]:
     """Lines of OE or FRE, one experiment for each maneuver."""
     several = len(task.maneuvers) > 1
     result = []
@@ -269,14 +269,16 @@ def experiments_of(task: Task) -> list[Experiment]:
     return result
 
 
-def any_start(task: Task) -> DerivativeTable:
+def any_start(task: EstimationTask) -> DerivativeTable:
     """The first starting table; zeros where there is none."""
     if task.starts:
         return next(iter(task.starts.values()))
     return DerivativeTable.from_names(task.model.modes.numbers, task.model.inputs, {})
 
 
-def parameters_of(task: Task, start: DerivativeTable, extras: tuple[str, ...]) -> Parameters:
+def parameters_of(
+    task: EstimationTask, start: DerivativeTable, extras: tuple[str, ...]
+) -> Parameters:
     """What the structure frees, started at a table."""
     return select_parameters(
         start, task.structure.free, task.model.outputs, extras, task.structure.fixed
@@ -284,7 +286,7 @@ def parameters_of(task: Task, start: DerivativeTable, extras: tuple[str, ...]) -
 
 
 def _equation_error(
-    task: Task, parameters: Parameters
+    task: EstimationTask, parameters: Parameters
 ) -> tuple[Estimate, tuple[int, ...], list[str]]:
     """Estimate of all maneuvers, the companion modes that sensors allowed, and remarks."""
     estimates, companions, remarks = [], (), []
@@ -295,7 +297,7 @@ def _equation_error(
     return fuse(estimates, [data.label for data in task.maneuvers]), companions, remarks
 
 
-def motion_of(data: ManeuverData) -> tuple[Motion, tuple[int, ...]]:
+def motion_of(data: ManeuverData) -> tuple[ReconstructedMotion, tuple[int, ...]]:
     """Motion of the model's modes, with as many companions as leave every sensor checked.
 
     A companion takes redundancy: where the noise of a sensor is then told by none of the
@@ -314,11 +316,11 @@ def motion_of(data: ManeuverData) -> tuple[Motion, tuple[int, ...]]:
     return _reconstruct(data.model, lines), ()
 
 
-def _reconstruct(model: AeroelasticModel, lines: MeasuredLines) -> Motion:
+def _reconstruct(model: AeroelasticModel, lines: MeasuredLines) -> ReconstructedMotion:
     return reconstruct_motion(model, lines.outputs, lines.instruments, guess=lines.output_noise)
 
 
-def remarks_on_motion(data: ManeuverData, motion: Motion) -> list[str]:
+def remarks_on_motion(data: ManeuverData, motion: ReconstructedMotion) -> list[str]:
     """What had to be assumed of the sensors of a maneuver, and how they disagree."""
     remarks = []
     if motion.assumed:
@@ -344,14 +346,14 @@ def remarks_on_motion(data: ManeuverData, motion: Motion) -> list[str]:
     return remarks
 
 
-def fit_settings(task: Task) -> FitSettings:
+def fit_settings(task: EstimationTask) -> FitSettings:
     """How to maximise the likelihood of a task."""
     asked = task.settings
     return FitSettings(max_iterations=asked.max_iterations, noise=asked.noise, priors=task.priors)
 
 
 def likeliest(
-    task: Task, experiments: list[Experiment], report: Report
+    task: EstimationTask, experiments: list[Experiment], report: Report
 ) -> tuple[Parameters, str, Estimate]:
     """Maximise from every starting point and keep the best end.
 
@@ -412,7 +414,7 @@ def _best(
     return min(same, key=lambda end: end[2].outcome is not Outcome.CONVERGED)
 
 
-def starting_points(task: Task, report: Report) -> dict[str, Parameters]:
+def starting_points(task: EstimationTask, report: Report) -> dict[str, Parameters]:
     """Candidates by name.
 
     Raises
@@ -445,7 +447,9 @@ def starting_points(task: Task, report: Report) -> dict[str, Parameters]:
     return candidates
 
 
-def _calmed(task: Task, parameters: Parameters, values: np.ndarray) -> tuple[str, DerivativeTable]:
+def _calmed(
+    task: EstimationTask, parameters: Parameters, values: np.ndarray
+) -> tuple[str, DerivativeTable]:
     """Name and table of the start by equation error, modes beyond the band set aside."""
     if not task.beyond:
         return EQUATION_ERROR, parameters.table(values)
@@ -455,19 +459,21 @@ def _calmed(task: Task, parameters: Parameters, values: np.ndarray) -> tuple[str
     return f"{EQUATION_ERROR}, {names} as {source}", table
 
 
-def _poles(task: Task, parameters: Parameters, estimate: Estimate) -> tuple[NamedPole, ...]:
+def _poles(
+    task: EstimationTask, parameters: Parameters, estimate: Estimate
+) -> tuple[NamedPole, ...]:
     return named_poles(
         task.model, parameters, estimate.values, estimate.corrected_covariance, task.mode_names
     )
 
 
-def _strayed(task: Task, poles: tuple[NamedPole, ...]) -> tuple[NamedPole, ...]:
+def _strayed(task: EstimationTask, poles: tuple[NamedPole, ...]) -> tuple[NamedPole, ...]:
     beyond = [(task.mode_names[k], float(task.model.modes.omega[k])) for k in task.beyond]
     return strayed(poles, beyond, task.highest)
 
 
 def _with_delays(
-    task: Task, candidates: dict[str, Parameters], delayed: list[int]
+    task: EstimationTask, candidates: dict[str, Parameters], delayed: list[int]
 ) -> dict[str, Parameters]:
     """Start the free delays where the sensors' redundancy puts them, where it can."""
     first = task.maneuvers[0]
@@ -489,7 +495,7 @@ def _with_delays(
 
 
 def _input_noise_share(
-    task: Task, experiments: list[Experiment], parameters: Parameters, estimate: Estimate
+    task: EstimationTask, experiments: list[Experiment], parameters: Parameters, estimate: Estimate
 ) -> list[str]:
     noise = task.maneuvers[0].measured.input_noise
     if noise is None or len(experiments) > 1:

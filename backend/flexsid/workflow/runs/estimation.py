@@ -51,7 +51,7 @@ from flexsid.workflow.modal_data.aligned_modes import (
     load_modes,
 )
 from flexsid.workflow.model_structures.model_structures import brought_to
-from flexsid.workflow.runs.computation import Computed, Flown, Task, compute
+from flexsid.workflow.runs.computation import ComputedRun, EstimationTask, ManeuverTask, compute
 from flexsid.workflow.runs.request_warnings import check_extras, doubts
 from flexsid.workflow.runs.run_identity import provenance_of
 from flexsid.workflow.runs.starts import (
@@ -64,7 +64,7 @@ from flexsid.workflow.runs.starts import (
 __all__ = ["compute", "keep", "prepare"]
 
 
-def prepare(store: Store, run: EstimationRun) -> Task:
+def prepare(store: Store, run: EstimationRun) -> EstimationTask:
     """Read all that a run needs.
 
     Raises
@@ -77,7 +77,7 @@ def prepare(store: Store, run: EstimationRun) -> Task:
         return _prepared(store, run)
 
 
-def _prepared(store: Store, run: EstimationRun) -> Task:
+def _prepared(store: Store, run: EstimationRun) -> EstimationTask:
     settings = run.settings
     ids = tuple(dict.fromkeys((run.maneuver_id, *settings.together_with)))
     maneuvers = [store.maneuvers.get(number) for number in ids]
@@ -109,7 +109,7 @@ def _prepared(store: Store, run: EstimationRun) -> Task:
     check_extras(run.method, structure.also_free)
     free = _check_names(data[0].model, starts, structure, settings)
     assumed = modes.warnings if structure.modes else ()
-    return Task(
+    return EstimationTask(
         method=run.method,
         settings=settings,
         structure=structure,
@@ -151,7 +151,7 @@ def inputs_and_outputs(
 
 
 def keep(
-    store: Store, run_id: int, attempt: int, computed: Computed, worker: str = ""
+    store: Store, run_id: int, attempt: int, computed: ComputedRun, worker: str = ""
 ) -> EstimationRun:
     """Store a result, all of it or nothing, unless the attempt no longer counts."""
     estimate = computed.estimate
@@ -207,7 +207,7 @@ def _maneuver_data(
     inputs: tuple[str, ...],
     outputs: tuple[OutputDefinition, ...],
     settings: RunSettings,
-) -> Flown:
+) -> ManeuverTask:
     require_symmetric_motion(store, maneuver, aircraft, inputs, outputs)
     measurement = read_measurement(store, maneuver, aircraft, inputs, outputs, settings.band_hz)
     fuel = maneuver.condition.fuel_fraction
@@ -215,7 +215,7 @@ def _maneuver_data(
     companions = companion_modes(modes, fuel, own, measurement.highest, len(outputs))
     shapes = modes.table.at(fuel).select((*own, *companions))
     extended = build_model(aircraft, maneuver.condition, shapes, inputs, outputs)
-    return Flown(maneuver.label, extended.with_modes(len(own)), extended, measurement)
+    return ManeuverTask(maneuver.label, extended.with_modes(len(own)), extended, measurement)
 
 
 def _check_names(
@@ -240,7 +240,7 @@ def _check_names(
     return parameters.names
 
 
-def _parameter_rows(computed: Computed) -> tuple[ParameterEstimate, ...]:
+def _parameter_rows(computed: ComputedRun) -> tuple[ParameterEstimate, ...]:
     estimate = computed.estimate
 
     def why(name: str, error: float) -> str | None:
@@ -266,7 +266,7 @@ def _parameter_rows(computed: Computed) -> tuple[ParameterEstimate, ...]:
     )
 
 
-def _fit(computed: Computed) -> Fit:
+def _fit(computed: ComputedRun) -> Fit:
     estimate = computed.estimate
     return Fit(
         outcome=estimate.outcome.value,

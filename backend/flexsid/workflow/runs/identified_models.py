@@ -16,7 +16,7 @@ from flexsid.workflow.runs.estimation import prepare
 
 
 @dataclass(frozen=True, slots=True)
-class Identified:
+class IdentifiedModel:
     """A model with its derivatives; ``delays`` [s] and ``scales`` belong to the outputs.
 
     Its modes have the frequencies and dampings that were estimated.
@@ -36,7 +36,7 @@ class Identified:
         )
 
 
-def identified(store: Store, run: EstimationRun, maneuver_id: int | None = None) -> Identified:
+def identified(store: Store, run: EstimationRun, maneuver_id: int | None = None) -> IdentifiedModel:
     """The estimate of a run at the condition of its maneuver, or of another one.
 
     Raises
@@ -51,12 +51,12 @@ def identified(store: Store, run: EstimationRun, maneuver_id: int | None = None)
     return identified_with(task.model, run)
 
 
-def identified_with(model: AeroelasticModel, run: EstimationRun) -> Identified:
+def identified_with(model: AeroelasticModel, run: EstimationRun) -> IdentifiedModel:
     """The estimate of a run that succeeded, with the model that its task prepared."""
     result = result_of(run)
     values = run.structure.fixed | result.held
     values |= {parameter.name: parameter.value for parameter in result.parameters}
-    return Identified(
+    return IdentifiedModel(
         model=replace(model, modes=model.modes.tuned(values)),
         derivatives=DerivativeTable.from_names(model.modes.numbers, model.inputs, values),
         delays=np.array([values.get(f"delay_{name}", 0.0) for name in model.outputs]),

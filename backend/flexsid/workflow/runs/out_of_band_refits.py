@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from flexsid.errors import FlexsidError
-from flexsid.records.prediction import Prediction
+from flexsid.records.prediction import DerivativePrediction
 from flexsid.records.run import EstimationRun, Method, Start
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -17,9 +17,9 @@ from flexsid.workflow.aircraft.derivative_predictions import (
 )
 from flexsid.workflow.modal_data.aligned_modes import AircraftModes
 from flexsid.workflow.model_structures.run_results import result_of
-from flexsid.workflow.runs.computation import Computed, compute
+from flexsid.workflow.runs.computation import ComputedRun, compute
 from flexsid.workflow.runs.estimation import prepare
-from flexsid.workflow.runs.identified_models import Identified
+from flexsid.workflow.runs.identified_models import IdentifiedModel
 
 _OF_MODES = ("omega_", "zeta_", "shape_")  # what may be free beyond derivatives, of one mode
 
@@ -34,7 +34,7 @@ class Wider:
 
 
 def carrying(
-    store: Store, run: EstimationRun, model: Identified, modes: AircraftModes
+    store: Store, run: EstimationRun, model: IdentifiedModel, modes: AircraftModes
 ) -> Wider | None:
     """The run with the further symmetric modes that a prediction covers, held as predicted.
 
@@ -100,7 +100,7 @@ def with_one_mode_fewer(run: EstimationRun) -> EstimationRun | None:
     return replace(run, structure=structure, settings=settings)
 
 
-def fit_again(store: Store, run: EstimationRun) -> tuple[AeroelasticModel, Computed] | None:
+def fit_again(store: Store, run: EstimationRun) -> tuple[AeroelasticModel, ComputedRun] | None:
     """Fit what was asked for, with the model fitted; None where that cannot be done."""
     try:
         task = prepare(store, run)
@@ -125,7 +125,7 @@ def _widest(
     modes: AircraftModes,
     own: tuple[int, ...],
     inputs: tuple[str, ...],
-) -> Prediction | None:
+) -> DerivativePrediction | None:
     """The prediction of the run where it knows further modes, else that which knows most."""
     used = run.prediction_id or result_of(run).prediction_id
     first = best_prediction(store, aircraft_id, used, own, inputs)
@@ -135,6 +135,8 @@ def _widest(
     return max(known, key=lambda p: len(_others(p, modes, own)), default=None)
 
 
-def _others(prediction: Prediction, modes: AircraftModes, own: tuple[int, ...]) -> tuple[int, ...]:
+def _others(
+    prediction: DerivativePrediction, modes: AircraftModes, own: tuple[int, ...]
+) -> tuple[int, ...]:
     covered = predicted_modes(prediction, modes.table.numbers)
     return tuple(n for n in covered if n not in own and modes.symmetric[n])

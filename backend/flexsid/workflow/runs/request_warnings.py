@@ -10,7 +10,7 @@ from flexsid.errors import BadInput
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun, Method
 from flexsid.workflow.modal_data.aligned_modes import AircraftModes
-from flexsid.workflow.runs.computation import Flown
+from flexsid.workflow.runs.computation import ManeuverTask
 
 
 def check_extras(method: Method, extras: Iterable[str]) -> None:
@@ -30,7 +30,9 @@ def check_extras(method: Method, extras: Iterable[str]) -> None:
             )
 
 
-def doubts(run: EstimationRun, maneuver: Maneuver, flown: Flown, modes: AircraftModes) -> list[str]:
+def doubts(
+    run: EstimationRun, maneuver: Maneuver, flown: ManeuverTask, modes: AircraftModes
+) -> list[str]:
     """Say what to read a result with: modes that the lines do not reach, inputs left out."""
     numbers = flown.model.modes.numbers
     held = run.method is Method.EE and run.structure.free_delays
@@ -46,7 +48,7 @@ def doubts(run: EstimationRun, maneuver: Maneuver, flown: Flown, modes: Aircraft
     ]
 
 
-def _out_of_band(flown: Flown, modes: AircraftModes) -> tuple[str, ...]:
+def _out_of_band(flown: ManeuverTask, modes: AircraftModes) -> tuple[str, ...]:
     highest = flown.measurement.highest
     return tuple(
         f"{modes.names[number]} ({omega / 2 / np.pi:.3g} Hz in vacuo) lies above the highest line "

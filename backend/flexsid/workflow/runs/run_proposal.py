@@ -27,7 +27,7 @@ from flexsid.workflow.aircraft.derivative_predictions import (
     prediction_at,
 )
 from flexsid.workflow.aircraft.longitudinal import require_longitudinal
-from flexsid.workflow.measurements.recording import Lines, maneuver_lines
+from flexsid.workflow.measurements.recording import SpectrumFrequencies, maneuver_lines
 from flexsid.workflow.measurements.sensor_responses import moved_band
 from flexsid.workflow.modal_data.aligned_modes import AircraftModes, find_modal_tables, load_modes
 from flexsid.workflow.model_structures.baselines import Baseline, baseline_of, baseline_of_run
@@ -51,7 +51,7 @@ class _Found:
 
     maneuver: Maneuver
     aircraft: Aircraft
-    lines: Lines
+    lines: SpectrumFrequencies
     modes: tuple[ModeInBand, ...]
 
     @property

@@ -7,7 +7,7 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.prediction import Prediction
+from flexsid.records.prediction import DerivativePrediction
 from flexsid.records.run import EstimationRun, RunSettings, Start
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import DerivativeTable, derivative_names
@@ -69,7 +69,7 @@ def _of_run(
 
 def predicted_tables(
     store: Store,
-    prediction: Prediction | None,
+    prediction: DerivativePrediction | None,
     run: EstimationRun,
     maneuver: Maneuver,
     aircraft: Aircraft,

@@ -16,7 +16,7 @@ from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.structure_determination.equation import equation_evidence
 from flexsid.sysid.structure_determination.evidence import Evidence
 from flexsid.sysid.structure_determination.likelihood import reduced
-from flexsid.sysid.structure_determination.search import StructureFound, search_equations
+from flexsid.sysid.structure_determination.search import StructureSelection, search_equations
 from flexsid.sysid.structure_determination.selection import Selection
 from flexsid.sysid.structure_determination.stability import selection_frequency
 from flexsid.workflow.runs.computation import any_start, motion_of, parameters_of, remarks_on_motion
@@ -46,7 +46,7 @@ class EquationSearch:
         report(Progress(fraction=0.4, message="Choosing terms"))
         self.found = self._search(task.settings.algorithm)
 
-    def _search(self, algorithm: Algorithm) -> StructureFound:
+    def _search(self, algorithm: Algorithm) -> StructureSelection:
         return search_equations(self.evidences, algorithm.value, self.task.thresholds)
 
     def groups(self, report: Report) -> tuple[TermGroup, ...]:

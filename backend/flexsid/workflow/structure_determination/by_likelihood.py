@@ -14,8 +14,8 @@ from flexsid.sysid.estimation.likelihood import FitSettings
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.record_edges import settle_edges
 from flexsid.sysid.structure_determination.candidates import (
-    Candidate,
     CandidatesFound,
+    CandidateTerm,
     search_candidates,
 )
 from flexsid.sysid.structure_determination.evidence import Evidence
@@ -91,7 +91,7 @@ def search_by_likelihood(
     )
 
 
-def _of_candidate(number: int, one: Candidate, proposed: bool) -> Fitted:
+def _of_candidate(number: int, one: CandidateTerm, proposed: bool) -> Fitted:
     first = number == 0
     return Fitted(
         name=f"{number + 1}: {len(one.chosen)} parameters",

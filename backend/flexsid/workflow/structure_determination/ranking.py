@@ -17,10 +17,10 @@ from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.likelihood import FitSettings
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.stability.bands import Uncertain
-from flexsid.sysid.stability.prediction import Identified, predict_flutter, weighted_mean
+from flexsid.sysid.stability.prediction import IdentifiedModes, predict_flutter, weighted_mean
 from flexsid.sysid.stability.speeds import Aeroelastic
 from flexsid.sysid.structure_determination.validation import cross_validate
-from flexsid.workflow.runs.computation import Task, experiments_of
+from flexsid.workflow.runs.computation import EstimationTask, experiments_of
 from flexsid.workflow.structure_determination.task import Fitted, Report, SearchTask, derivatives_of
 
 _FLUTTER_BAND = (0.35, 2.0)  # of the fastest maneuver
@@ -69,7 +69,7 @@ def ranked(
     )
 
 
-def _lines(task: SearchTask, maneuvers: Sequence[Task]) -> list[Experiment]:
+def _lines(task: SearchTask, maneuvers: Sequence[EstimationTask]) -> list[Experiment]:
     """Lines to predict; those of output error for a search by equation error."""
     method = Method.OE if task.method is Method.EE else task.method
     return [
@@ -108,7 +108,7 @@ def _flutter(
         theta[: len(names)][kept] = mean
         fastest = max(t.model.condition.airspeed for t in task.maneuvers)
         found = predict_flutter(
-            Identified(
+            IdentifiedModes(
                 Aeroelastic(first.model.condition, first.model.modes, candidates.table(theta)),
                 Uncertain(candidates.rows[kept], candidates.columns[kept], covariance),
             ),

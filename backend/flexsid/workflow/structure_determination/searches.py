@@ -18,7 +18,7 @@ from flexsid.storage.store import Store
 from flexsid.workflow.measurements.recording import trim_removed
 from flexsid.workflow.measurements.transforms import load_channels
 from flexsid.workflow.model_structures.model_structures import check_structure
-from flexsid.workflow.runs.computation import Task, versions
+from flexsid.workflow.runs.computation import EstimationTask, versions
 from flexsid.workflow.runs.estimation import prepare as prepare_run
 from flexsid.workflow.runs.run_identity import identified
 from flexsid.workflow.structure_determination.computation import search
@@ -237,7 +237,7 @@ def open_as_run(store: Store, search_id: int, number: int, author: str) -> Estim
     return run
 
 
-def _task(store: Store, wanted: StructureSearch, maneuver_id: int) -> Task:
+def _task(store: Store, wanted: StructureSearch, maneuver_id: int) -> EstimationTask:
     asked = wanted.settings
     return prepare_run(
         store,
@@ -256,7 +256,7 @@ def _task(store: Store, wanted: StructureSearch, maneuver_id: int) -> Task:
 
 
 def _still_moving(
-    store: Store, wanted: StructureSearch, tasks: tuple[Task, ...]
+    store: Store, wanted: StructureSearch, tasks: tuple[EstimationTask, ...]
 ) -> tuple[str, ...]:
     """Warn of records that end before the motion has died away; OE takes that into account."""
     said = []

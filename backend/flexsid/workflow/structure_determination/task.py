@@ -12,7 +12,7 @@ from flexsid.records.search import SearchSettings
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.structure_determination.selection import Thresholds
-from flexsid.workflow.runs.computation import Task
+from flexsid.workflow.runs.computation import EstimationTask
 
 Report = Callable[[Progress], None]
 
@@ -24,8 +24,8 @@ class SearchTask:
     method: Method
     settings: SearchSettings
     structure: Structure
-    maneuvers: tuple[Task, ...]
-    unseen: tuple[Task, ...]
+    maneuvers: tuple[EstimationTask, ...]
+    unseen: tuple[EstimationTask, ...]
     warnings: tuple[str, ...]
 
     @property
@@ -39,7 +39,7 @@ def thresholds_of(asked: SearchSettings) -> Thresholds:
     return Thresholds(f_in=asked.f_in, f_out=asked.f_out, pse_noise=asked.pse_noise)
 
 
-def check_same_candidates(tasks: Sequence[Task]) -> None:
+def check_same_candidates(tasks: Sequence[EstimationTask]) -> None:
     """Refuse maneuvers that cannot share one structure.
 
     Raises

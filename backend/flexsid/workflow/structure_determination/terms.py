@@ -10,7 +10,7 @@ from flexsid.records.finite import finite_or_none
 from flexsid.records.search import SearchStep, SearchTerm, TermDependency, TermGroup
 from flexsid.sysid.spectra.collinearity import near_dependencies
 from flexsid.sysid.structure_determination.evidence import Evidence
-from flexsid.sysid.structure_determination.selection import Selection, Step
+from flexsid.sysid.structure_determination.selection import Selection, SelectionStep
 
 
 def term_group(
@@ -53,7 +53,7 @@ def term_group(
     )
 
 
-def _step(step: Step) -> SearchStep:
+def _step(step: SelectionStep) -> SearchStep:
     return SearchStep(
         action=step.action,
         term=step.term,

@@ -13,7 +13,7 @@ from flexsid.records.views import ChannelHistories, Spectra
 from flexsid.storage.store import Store
 from flexsid.sysid.spectra.scatter import noise_about_responses
 from flexsid.workflow.measurements.excitation_interval import excitation_interval
-from flexsid.workflow.measurements.recording import Lines, maneuver_lines
+from flexsid.workflow.measurements.recording import SpectrumFrequencies, maneuver_lines
 from flexsid.workflow.measurements.transforms import spectra_of
 from flexsid.workflow.views.channels import input_names, read_channels, sampling
 
@@ -74,7 +74,7 @@ def spectrum(
     values = np.full((lines.omega.size, len(rates)), np.nan, dtype=complex)
     for rate_hz in {rate_hz for rate_hz, _ in rates.values()}:
         seen = lines.omega <= np.pi * rate_hz
-        below = Lines(lines.omega[seen], lines.owner[seen], lines.inputs)
+        below = SpectrumFrequencies(lines.omega[seen], lines.owner[seen], lines.inputs)
         alike = tuple(name for name, (rate, _) in rates.items() if rate == rate_hz)
         columns = [place for place, name in enumerate(rates) if name in alike]
         found = spectra_of(store, maneuver, aircraft, alike, below).values
@@ -126,7 +126,9 @@ def signal_to_noise(store: Store, maneuver_id: int, channels: Sequence[str] = ()
     )
 
 
-def _noise(store: Store, maneuver: Maneuver, lines: Lines, values: np.ndarray) -> np.ndarray | None:
+def _noise(
+    store: Store, maneuver: Maneuver, lines: SpectrumFrequencies, values: np.ndarray
+) -> np.ndarray | None:
     """Noise of every line, from how responses to the excitation scatter; None if unknown."""
     recorded = {c.name: c.rate_hz for c in store.channels.find(maneuver_id=maneuver.id)}
     names = [f"{n}_command" if f"{n}_command" in recorded else n for n in lines.inputs]
@@ -159,7 +161,7 @@ def _background(
     return 0.5 * (edges[1:] + edges[:-1]), found
 
 
-def _lines(maneuver: Maneuver, rate_hz: float) -> Lines:
+def _lines(maneuver: Maneuver, rate_hz: float) -> SpectrumFrequencies:
     """The excited lines; without known excitation those that the record length gives."""
     if maneuver.excitation is not None:
         return maneuver_lines(maneuver)

@@ -12,7 +12,7 @@ from flexsid.records.aircraft import SensorKind
 from flexsid.records.axes import symmetric_surfaces
 from flexsid.records.modal_table import ModalTable
 from flexsid.records.modal_views import ModelOrder, OrderStep, ReducedResponses
-from flexsid.records.prediction import Prediction
+from flexsid.records.prediction import DerivativePrediction
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
@@ -188,7 +188,10 @@ def _full_model(store: Store, question: OrderQuestion) -> _Full:
 
 
 def _left_out(
-    prediction: Prediction, modal: ModalTable, symmetric: tuple[int, ...], covered: tuple[int, ...]
+    prediction: DerivativePrediction,
+    modal: ModalTable,
+    symmetric: tuple[int, ...],
+    covered: tuple[int, ...],
 ) -> tuple[str, ...]:
     """What the prediction and the table do not share, in words."""
     known = {

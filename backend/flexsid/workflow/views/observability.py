@@ -6,7 +6,7 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, Sensor, SensorKind
-from flexsid.records.modal_views import Candidate, Observability, SensorRow
+from flexsid.records.modal_views import Observability, SensorCandidate, SensorRow
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.observability import (
     Information,
@@ -172,7 +172,7 @@ def _best(
     shapes: np.ndarray,
     omega: np.ndarray,
     names: tuple[str, ...],
-) -> tuple[Candidate, ...]:
+) -> tuple[SensorCandidate, ...]:
     if places.shape[0] == 0:
         return ()
     known = [s.noise_std for s in aircraft.sensors if _is_accelerometer(s) and s.noise_std]
@@ -186,7 +186,7 @@ def _best(
         found += [(float(gains[p]), p, axis, shrink[p]) for p in range(places.shape[0])]
     found.sort(key=lambda one: -one[0])
     extent = float(np.linalg.norm(np.ptp(places, axis=0)))
-    told: list[Candidate] = []
+    told: list[SensorCandidate] = []
     for gain, place, axis, shrink in found:
         at = places[place]
         near = (
@@ -198,7 +198,7 @@ def _best(
             continue
         mode = int(np.argmin(shrink))
         told.append(
-            Candidate(
+            SensorCandidate(
                 node=place + 1,
                 axis=axis,
                 place_m=(float(at[0]), float(at[1]), float(at[2])),

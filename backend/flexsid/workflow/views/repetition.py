@@ -20,7 +20,7 @@ from flexsid.workflow.aircraft.aircraft_models import (
     input_correction,
     output_instrument,
 )
-from flexsid.workflow.measurements.recording import Lines
+from flexsid.workflow.measurements.recording import SpectrumFrequencies
 from flexsid.workflow.views.channels import input_names, on_one_clock, read_channels
 
 _STILL = 1e-3  # of the busiest surface: one that moves less was not flown
@@ -78,7 +78,7 @@ def measure_windows(
 
 
 def period_coherence(
-    store: Store, maneuver: Maneuver, outputs: tuple[str, ...], lines: Lines
+    store: Store, maneuver: Maneuver, outputs: tuple[str, ...], lines: SpectrumFrequencies
 ) -> np.ndarray | None:
     """Share of each output that repeats from period to period; None without repetitions.
 

@@ -17,7 +17,7 @@ from flexsid.sysid.spectra.repeated import combine
 from flexsid.workflow.aircraft.aircraft_models import define_outputs
 from flexsid.workflow.measurements.maneuver_spectra import measure
 from flexsid.workflow.measurements.recording import maneuver_lines
-from flexsid.workflow.runs.identified_models import Identified, identified
+from flexsid.workflow.runs.identified_models import IdentifiedModel, identified
 from flexsid.workflow.views.channels import input_names, sampling
 from flexsid.workflow.views.modes import identified_markers, mode_markers
 from flexsid.workflow.views.repetition import measure_windows, period_coherence
@@ -125,7 +125,7 @@ def bode(
 
 
 @dataclass(frozen=True, slots=True)
-class Measurement:
+class MeasuredResponses:
     """Responses by input, and the coherence of every output at the lines of each input."""
 
     columns: dict[str, FrequencyResponse]
@@ -140,20 +140,20 @@ class Measurement:
 
 def measured_responses(
     store: Store, maneuver: Maneuver, outputs: tuple[str, ...], *, windowed: bool = False
-) -> Measurement:
+) -> MeasuredResponses:
     """Responses to every excited input: at its own lines, or from windows without lines."""
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     definitions = define_outputs(aircraft, outputs)
     if maneuver.excitation is None or windowed:
         found = measure_windows(store, maneuver, aircraft, definitions)
-        return Measurement(found.columns, dict.fromkeys(found.columns, found.coherence))
+        return MeasuredResponses(found.columns, dict.fromkeys(found.columns, found.coherence))
     inputs = tuple(maneuver.excitation.harmonics)
     columns = measure(store, maneuver, aircraft, inputs, definitions).responses()
     lines = maneuver_lines(maneuver)
     repeated = period_coherence(store, maneuver, outputs, lines)
     if repeated is None:
-        return Measurement(columns, {})
-    return Measurement(
+        return MeasuredResponses(columns, {})
+    return MeasuredResponses(
         columns,
         {
             name: repeated[np.isin(lines.omega, column.omega) & (lines.owner == number)]
@@ -172,13 +172,13 @@ def _check_excited(names: Sequence[str], columns: dict[str, FrequencyResponse]) 
         )
 
 
-def _blind(model: Identified) -> Identified:
+def _blind(model: IdentifiedModel) -> IdentifiedModel:
     """The same motion seen by sensors that do not flex."""
     return replace(model, model=replace(model.model, sensors=model.model.sensors.rigid_only()))
 
 
 def _curves(
-    model: Identified,
+    model: IdentifiedModel,
     pairs: Sequence[tuple[str, str]],
     band_hz: tuple[float, float],
     units: dict[str, str],

@@ -21,7 +21,7 @@ from flexsid.workflow.aircraft.aircraft_models import (
 from flexsid.workflow.aircraft.instruments import with_instruments
 from flexsid.workflow.measurements.recording import trim_removed
 from flexsid.workflow.measurements.transforms import load_channels
-from flexsid.workflow.runs.identified_models import Identified, identified
+from flexsid.workflow.runs.identified_models import IdentifiedModel, identified
 
 _SHOWN_FIRST = 4
 
@@ -71,7 +71,7 @@ def time_check(
 
 
 def _simulate(
-    store: Store, maneuver: Maneuver, aircraft: Aircraft, found: Identified
+    store: Store, maneuver: Maneuver, aircraft: Aircraft, found: IdentifiedModel
 ) -> tuple[np.ndarray, np.ndarray]:
     """Outputs as recorded would be, on the clock of the inputs."""
     inputs = _channels(store, maneuver, found.model.inputs)

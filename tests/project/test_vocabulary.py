@@ -1,0 +1,32 @@
+"""Words of the field: those that were replaced do not come back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from vocabulary import ROOT, checked_files, find_words, read_vocabulary
+
+
+def test_replaced_words_do_not_return() -> None:
+    vocabulary = read_vocabulary()
+    found = [
+        f"{path.relative_to(ROOT)}:{line}: {word!r}; use: {new}"
+        for path in checked_files()
+        for line, word, new in find_words(path.read_text(), vocabulary)
+    ]
+    assert not found, f"{len(found)} replaced words:\n" + "\n".join(found[:50])
+
+
+def test_a_replaced_word_is_found_in_prose_and_in_names(tmp_path: Path) -> None:
+    file = tmp_path / "vocabulary.txt"
+    file.write_text(
+        "foretold: predicted\nleft out: omitted\n`as_flown`: flight noise\nallow: isForetold\n"
+    )
+    vocabulary = read_vocabulary(file)
+    text = "Flutter is foretold.\nwasForetold = left_out()\nas_flown.isForetold\n"
+    assert find_words(text, vocabulary) == [
+        (1, "foretold", "predicted"),
+        (2, "foretold", "predicted"),
+        (2, "left out", "omitted"),
+        (3, "as_flown", "flight noise"),
+    ]

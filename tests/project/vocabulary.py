@@ -1,0 +1,76 @@
+"""The project's vocabulary: words that were replaced, and where they still are."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+VOCABULARY = ROOT / "vocabulary.txt"
+CHECKED = {".py", ".md", ".ts", ".tsx", ".css", ".html", ".toml"}
+# Migrations and the changelog name what once was; the rest is installed or generated.
+PASSED_OVER = {
+    *("node_modules", ".venv", ".git", ".cache", "dist", "frontend_dist", "var", "versions"),
+    *("schema.gen.ts", "CHANGELOG.md", "vocabulary.txt", "vocabulary.py"),
+}
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
+_NAME = re.compile(r"[A-Za-z_]\w*")
+
+
+@dataclass(frozen=True, slots=True)
+class Vocabulary:
+    """Replacements by phrase (words in lower case) and by name, and names that are passed over."""
+
+    phrases: dict[tuple[str, ...], str]
+    names: dict[str, str]
+    allowed: frozenset[str]
+
+
+def read_vocabulary(path: Path = VOCABULARY) -> Vocabulary:
+    """Read ``old, old: new`` lines."""
+    phrases: dict[tuple[str, ...], str] = {}
+    names: dict[str, str] = {}
+    allowed: set[str] = set()
+    for line in path.read_text().splitlines():
+        if not line or line.startswith("#"):
+            continue
+        old, _, new = line.partition(": ")
+        for entry in old.split(", "):
+            if entry == "allow":
+                allowed.update(new.split(", "))
+            elif entry.startswith("`"):
+                names[entry.strip("`")] = new
+            else:
+                phrases[tuple(entry.split())] = new
+    return Vocabulary(phrases, names, frozenset(allowed))
+
+
+def checked_files(folder: Path = ROOT) -> Iterator[Path]:
+    """Text files of the project below a folder, or the file itself."""
+    for path in [folder] if folder.is_file() else sorted(folder.rglob("*")):
+        parts = path.resolve().relative_to(ROOT).parts
+        if path.suffix in CHECKED and path.is_file() and not PASSED_OVER.intersection(parts):
+            yield path
+
+
+def find_words(text: str, vocabulary: Vocabulary) -> list[tuple[int, str, str]]:
+    """Find replaced words: number of the line, the word, and the one to use."""
+    longest = max(map(len, vocabulary.phrases))
+    found: list[tuple[int, str, str]] = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        words: list[str] = []
+        for name in _NAME.findall(line):
+            if name in vocabulary.names:
+                found.append((number, name, vocabulary.names[name]))
+            if name in vocabulary.allowed:
+                words.append("")
+            else:
+                words += [word.lower() for word in _WORD.findall(name)]
+        for place in range(len(words)):
+            for length in range(1, longest + 1):
+                phrase = tuple(words[place : place + length])
+                if len(phrase) == length and phrase in vocabulary.phrases:
+                    found.append((number, " ".join(phrase), vocabulary.phrases[phrase]))
+    return found
