@@ -1,7 +1,7 @@
-"""What can go wrong, in words that an analyst can act on.
+"""Errors that are reported to the user.
 
-Every error carries a stable ``code`` (the API and the CLI show it) and a
-sentence that says what was found, what was expected and what to do.
+Every error has a stable ``code`` (the API and the CLI show it) and a
+message: what was found, what was expected, what to do.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ class FlexsidError(Exception):
 
 
 class BadInput(FlexsidError):
-    """A request, setting or value is not what it must be."""
+    """A request, setting or value is not valid."""
 
     code = "bad-input"
 
 
 class UnreadableFile(BadInput):
-    """A file is not what it says; the message names row, column or field."""
+    """A file does not have its stated format; the message names row, column or field."""
 
     code = "unreadable-file"
 
@@ -45,12 +45,12 @@ class Conflict(FlexsidError):
 
 
 class NotIdentifiable(FlexsidError):
-    """The data carry too little information for the parameters asked for."""
+    """The data have too little information for the requested parameters."""
 
     code = "not-identifiable"
 
 
 class Cancelled(FlexsidError):
-    """The user asked to stop."""
+    """The user cancelled the job."""
 
     code = "cancelled"

@@ -1,10 +1,10 @@
-"""The one glossary: symbols, units and labels of everything that is shown.
+"""Glossary: symbols, units and labels of everything that is displayed.
 
-Axis titles, tables, the API and the in-app glossary all read it, so that a
-quantity has one name, one unit and one definition. Values are SI and radians
-(``unit``); people read them in ``display_unit`` after multiplication by
-``display_factor``. Names of channels and derivatives follow flight-test habit
-and are read by pattern; see :func:`describe`.
+Axis titles, tables, the API and the in-app glossary use it, so that a quantity has
+one name, one unit and one definition. Values are SI and radians (``unit``) and are
+displayed in ``display_unit`` after multiplication by ``display_factor``. Names of
+channels and derivatives follow flight-test practice and are parsed by pattern; see
+:func:`describe`.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from math import pi
 
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """One quantity: how it is written, in which unit, and what it means."""
+    """One quantity: symbol, unit and meaning."""
 
     symbol: str
     """Name in code, files and addresses."""
     unit: str
     """SI unit of stored and computed values; empty where nothing is known."""
     display_unit: str
-    """Unit that people read."""
+    """Unit of displayed values."""
     display_factor: float
     """Displayed value = factor * SI value."""
     label: str
@@ -37,7 +37,7 @@ class Symbol:
 
     @property
     def axis_title(self) -> str:
-        """Label and displayed unit, as an axis says it."""
+        """Label and displayed unit, as in the title of an axis."""
         if self.display_unit in ("", "1"):
             return self.html
         return f"{self.html} [{self.display_unit}]"
@@ -67,7 +67,7 @@ def _symbol(symbol: str, unit: str, label: str, html: str, meaning: str) -> Symb
 
 
 def _circular(symbol: str, label: str, html: str, meaning: str) -> Symbol:
-    """Angular frequency, which people read in hertz."""
+    """Angular frequency, displayed in hertz."""
     return Symbol(symbol, "rad/s", "Hz", 0.5 / pi, label, html, meaning)
 
 
@@ -136,13 +136,13 @@ GLOSSARY: tuple[Symbol, ...] = (
         "max_input_correlation", "1", "max |r|", "max |r|", "largest correlation of any two inputs"
     ),
     # Estimation
-    _symbol("cost", "1", "J", "J", "negative log-likelihood that a fit makes small"),
-    _symbol("r_squared", "1", "R²", "R<sup>2</sup>", "share of an output that the model explains"),
+    _symbol("cost", "1", "J", "J", "negative log-likelihood minimised by a fit"),
+    _symbol("r_squared", "1", "R²", "R<sup>2</sup>", "share of an output explained by the model"),
     _symbol("std_error", "1", "σ", "σ", "standard error of an estimate"),
     _symbol("residual", "1", "ν", "ν", "measured minus modelled output"),
     _symbol("delay", "s", "τ", "τ", "time delay of a channel"),
 )
-"""Everything with a fixed name; families of names are read by :func:`describe`."""
+"""Quantities with a fixed name; families of names are parsed by :func:`describe`."""
 
 _BY_NAME = {entry.symbol: entry for entry in GLOSSARY}
 
@@ -191,7 +191,7 @@ _ANGLES = {"m45": "−45°", "0": "0°", "p45": "+45°"}
 
 @lru_cache(maxsize=4096)
 def describe(name: str, unit: str = "") -> Symbol:
-    """Tell how a quantity, channel or derivative is written and shown.
+    """Return symbol, units and label of a quantity, channel or derivative.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def describe(name: str, unit: str = "") -> Symbol:
         ``s_bend1r``, ``wf4s``, ``bfs_command``), a modal coordinate (``eta9``),
         a derivative (``CZ_alpha``, ``CQ7_etadot9``) or a delay (``tau_az_ofs``).
     unit
-        SI unit of the values; decides for names that nobody has described.
+        SI unit of the values; used for names that are not in the glossary.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Text: which names and notes are accepted, and how they are written into other formats."""
+"""Text: validation of names and notes, and escaping for other formats."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def check_line(text: str, longest: int = LONGEST_NAME) -> str:
     ------
     ValueError
         If it is too long, nothing but blanks, or holds a line break, a control character, an
-        override of the writing direction or another character that nobody sees.
+        override of the writing direction or another invisible character.
     """
     return _check(text, _NOT_IN_A_LINE, longest)
 
@@ -63,12 +63,12 @@ def _check(text: str, unwanted: re.Pattern[str], longest: int) -> str:
             "write it with visible characters"
         )
     if text and not text.strip():
-        raise ValueError("holds nothing but blanks; leave it out or write a name")
+        raise ValueError("holds nothing but blanks; delete it or write a name")
     return unicodedata.normalize("NFC", text)
 
 
-def spreadsheet_cell(text: str) -> str:
-    """Text that no spreadsheet takes for a formula.
+def escape_spreadsheet_cell(text: str) -> str:
+    """Escape text that a spreadsheet would evaluate as a formula.
 
     Notes
     -----
@@ -78,12 +78,12 @@ def spreadsheet_cell(text: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """Text of a record, whatever it holds, as one line of a file of fixed form."""
+    """Return text on one line, without control characters."""
     return " ".join(_NOT_IN_A_LINE.sub(" ", text).split())
 
 
-def c_identifiers(names: tuple[str, ...], longest: int = 48) -> tuple[str, ...]:
-    """Identifiers of C and MATLAB for names: letters of ASCII, digits, ``_``; each only once."""
+def make_c_identifiers(names: tuple[str, ...], longest: int = 48) -> tuple[str, ...]:
+    """Make unique identifiers of C and MATLAB from names: letters of ASCII, digits, ``_``."""
     made: list[str] = []
     for name in names:
         plain = re.sub(r"[^A-Za-z0-9_]", "_", name)

@@ -1,7 +1,7 @@
 """Units: an exact table of the symbols that recorders and tables use.
 
-Everything inside the mathematics is SI and radians; this table is the door. A
-short table of our own is safer than a general parser: ``g`` must be the
+All computations are in SI and radians; this table converts on import. A short
+table is safer than a general parser: ``g`` must be the
 standard acceleration of gravity here, not gram, and a text from an uploaded
 file must never be evaluated.
 """
@@ -132,10 +132,10 @@ LARGEST: dict[str, float] = {
     "temperature": 1e6,
     "voltage": 1e9,
 }
-"""Size in SI beyond which a number is no quantity of a flight or ground test.
+"""Size in SI above which a number is not a quantity of a flight or ground test.
 
-Far above what any aircraft reaches: it keeps computations from overflowing, while
-``importers.plausibility`` asks about values that are merely unusual.
+Far above the range of any aircraft: the limit prevents overflow, while
+``importers.plausibility`` warns of values that are merely unusual.
 """
 
 _SI_UNITS = {
@@ -155,7 +155,7 @@ def is_known(unit: str) -> bool:
 
 
 def lookup(unit: str) -> Unit:
-    """Find a unit by its symbol; ``^`` and spaces may be written or left out.
+    """Find a unit by its symbol; ``^`` and spaces are optional.
 
     Raises
     ------
@@ -183,7 +183,7 @@ def lookup(unit: str) -> Unit:
 
 
 def dimension(unit: str) -> str:
-    """Name what a unit measures, such as ``length``."""
+    """Return the dimension of a unit, such as ``length``."""
     return lookup(unit).dimension
 
 
@@ -193,14 +193,14 @@ def si_unit(unit: str) -> str:
 
 
 def factor(unit: str, dimension: str) -> float:
-    """Give the factor that turns values in ``unit`` into SI.
+    """Return the factor that converts values in ``unit`` to SI.
 
     Parameters
     ----------
     unit
         Symbol, such as ``slug*ft2``.
     dimension
-        What the value must be, such as ``inertia``.
+        Expected dimension, such as ``inertia``.
 
     Raises
     ------
@@ -236,8 +236,8 @@ def check_size(value: float, dimension: str) -> float:
     largest = LARGEST[dimension]
     if not abs(value) <= largest:
         raise BadInput(
-            f"{value:.3g} {_SI_UNITS.get(dimension, '')} is no {dimension}; at most {largest:g} is "
-            "accepted. Is the unit right?",
+            f"{value:.3g} {_SI_UNITS.get(dimension, '')} is not a {dimension}; at most"
+            f" {largest:g} is accepted. Check the unit.",
             code="out-of-range",
         )
     return value

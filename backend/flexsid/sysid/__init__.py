@@ -1,7 +1,7 @@
 """The mathematics of flexsid: arrays and frozen values, free of web, database and plots.
 
-What a script needs most can be had from here by name, e.g. ``from flexsid.sysid import
-maximize``; a module is loaded when its name is first asked for.
+The main names can be imported from here, e.g. ``from flexsid.sysid import maximize``; a
+module is loaded on first use of its name.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexsid.sysid.estimation.likelihood import FitSettings, maximize
     from flexsid.sysid.estimation.output_error import output_error
     from flexsid.sysid.estimation.parameters import select_parameters
-    from flexsid.sysid.excitation.multisine import allot_harmonics, design_multisine
+    from flexsid.sysid.excitation.multisine import assign_harmonics, design_multisine
     from flexsid.sysid.model.aeroelastic import AeroelasticModel, StateSpace
     from flexsid.sysid.model.condition import FlightCondition
     from flexsid.sysid.model.derivatives import DerivativeTable
@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from flexsid.sysid.modes.shapes import StructuralModes
     from flexsid.sysid.signals import FrequencyData, FrequencyResponse, TimeHistory
     from flexsid.sysid.spectra.fourier import finite_fourier_transform
-    from flexsid.sysid.spectra.response import bare_airframe_responses
-    from flexsid.sysid.stability.flutter import follow_roots
+    from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
+    from flexsid.sysid.stability.flutter import track_roots
     from flexsid.sysid.stability.speeds import Aeroelastic
 
 _PLACES = {
@@ -45,7 +45,7 @@ _PLACES = {
     "maximize": "estimation.likelihood",
     "output_error": "estimation.output_error",
     "select_parameters": "estimation.parameters",
-    "allot_harmonics": "excitation.multisine",
+    "assign_harmonics": "excitation.multisine",
     "design_multisine": "excitation.multisine",
     "AeroelasticModel": "model.aeroelastic",
     "StateSpace": "model.aeroelastic",
@@ -64,8 +64,8 @@ _PLACES = {
     "FrequencyResponse": "signals",
     "TimeHistory": "signals",
     "finite_fourier_transform": "spectra.fourier",
-    "bare_airframe_responses": "spectra.response",
-    "follow_roots": "stability.flutter",
+    "estimate_bare_airframe_responses": "spectra.response",
+    "track_roots": "stability.flutter",
     "Aeroelastic": "stability.speeds",
 }
 
@@ -83,13 +83,12 @@ __all__ = [
     "StructuralModes",
     "TimeHistory",
     "accelerometer_row",
-    "allot_harmonics",
+    "assign_harmonics",
     "attitude_row",
-    "bare_airframe_responses",
     "design_multisine",
     "equation_error",
+    "estimate_bare_airframe_responses",
     "finite_fourier_transform",
-    "follow_roots",
     "frequency_response_error",
     "gyro_row",
     "maximize",
@@ -98,6 +97,7 @@ __all__ = [
     "stack_rows",
     "strain_row",
     "time_response",
+    "track_roots",
     "vane_row",
 ]
 

@@ -1,4 +1,4 @@
-"""The data nouns: samples by channel on one clock, and spectra by channel on one set of lines."""
+"""Data types: samples by channel on one clock, and spectra by channel at common frequencies."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class TimeHistory:
 
 @dataclass(frozen=True, slots=True)
 class FrequencyData:
-    """Complex spectra of channels at common lines; axis 0 is frequency."""
+    """Complex spectra of channels at common frequencies; axis 0 is frequency."""
 
     omega: Float[np.ndarray, " n_omega"]
     values: Complex[np.ndarray, "n_omega n_channels"]
@@ -46,9 +46,9 @@ class FrequencyResponse:
     """Measured or modelled responses; axis 0 is frequency, then outputs, then inputs.
 
     ``std`` is the standard deviation of the complex error, root of E|error|^2, where
-    known: magnitudes scatter by std / sqrt(2). ``noise_gain`` says how the noise of
-    each line of the spectra enters each response, for errors are shared by neighbours.
-    ``condition`` (n_omega) is how far the inputs could be told apart at each line.
+    known: magnitudes scatter by std / sqrt(2). ``noise_gain`` is the gain from the noise of
+    the spectra at each frequency to each response, by which neighbours share errors.
+    ``condition`` (n_omega) is the condition number of the inputs' responses at each frequency.
     """
 
     omega: Float[np.ndarray, " n_omega"]
@@ -61,7 +61,7 @@ class FrequencyResponse:
 
 
 def check_signal(values: np.ndarray, names: tuple[str, ...]) -> None:
-    """Refuse channels without signal or with numbers that are none.
+    """Raise BadInput for channels without signal or with values that are not finite.
 
     Raises
     ------
@@ -74,14 +74,14 @@ def check_signal(values: np.ndarray, names: tuple[str, ...]) -> None:
     for column, name in enumerate(names):
         if not values[:, column].any():
             raise BadInput(
-                f"channel '{name}' carries no signal at the lines of the fit; leave it out",
+                f"channel '{name}' has no signal at the frequencies of the fit; exclude it",
                 code="no-signal",
                 channel=name,
             )
 
 
 def check_finite(values: np.ndarray, names: tuple[str, ...]) -> None:
-    """Refuse channels with numbers that are none, naming the first (BadInput)."""
+    """Raise BadInput for the first channel with values that are not finite."""
     finite = np.isfinite(values).all(axis=0)
     if not finite.all():
         name = names[int(np.argmin(finite))]

@@ -1,4 +1,4 @@
-"""Covariance of a likelihood estimate: for white residuals, and for those there are."""
+"""Covariance of a likelihood estimate, for white residuals and for the observed ones."""
 
 from __future__ import annotations
 
@@ -11,20 +11,21 @@ from scipy.linalg import lapack
 
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.frequency_domain_model import Sensitivity
 from flexsid.sysid.estimation.kronecker import NormalForm
-from flexsid.sysid.estimation.left_out import left_out
-from flexsid.sysid.estimation.line_model import Sensitivity
+from flexsid.sysid.estimation.leave_one_out import compute_leave_one_out_residuals
 
-_WEAKEST = 1e-13  # of the strongest direction of the scaled information
-_PART = 1e-3  # least share of a parameter in a direction; rounding leaves less
-_SAFE = 1e11  # condition number up to which no direction is weak
+_WEAKEST = 1e-13  # of the largest eigenvalue of the scaled information: singular below
+_PART = 1e-3  # least component of a parameter in a direction; smaller ones are rounding
+_NAMED = 0.2  # least component of a parameter in a singular direction that is reported
+_SAFE = 1e11  # condition number below which the information has no singular direction
 
 
 @dataclass(frozen=True, slots=True)
 class Covariance:
     """``plain`` for white residuals independent between outputs, ``corrected`` in general.
 
-    ``lacking`` holds, in columns, the directions in which the information is singular.
+    The columns of ``lacking`` are the directions in which the information is singular.
     """
 
     plain: Float[np.ndarray, "n_theta n_theta"]
@@ -32,78 +33,80 @@ class Covariance:
     lacking: Float[np.ndarray, "n_theta n_lacking"]
 
     def weak_directions(self, names: tuple[str, ...]) -> list[str]:
-        """The parameters that each singular direction trades against each other."""
+        """List the parameters that are not separately identifiable, by singular direction."""
         words = []
         for direction in self.lacking.T:
             leading = np.argsort(-np.abs(direction))[:3]
-            share = np.abs(direction[leading]) > 0.2
+            share = np.abs(direction[leading]) > _NAMED
             words.append(" with ".join(names[i] for i in leading[share]))
         return words
 
 
 @dataclass(frozen=True, slots=True)
-class FinalLines:
-    """The lines of one maneuver at the estimate."""
+class FinalSpectra:
+    """Sensitivities, residuals and weights of one maneuver at the estimate."""
 
     form: NormalForm
     sensitivity: Sensitivity
     residuals: np.ndarray
-    weights: noise.LineMatrix
+    weights: noise.SpectralMatrix
 
     @property
     def shares_noise(self) -> bool:
-        """Whether lines were computed from others."""
+        """Whether these data points were computed from other ones."""
         return self.form.model.experiment.source is not None
 
-    def left_out(self, inverse: Float[np.ndarray, "n_theta n_theta"]) -> FinalLines:
-        """The same with what residuals would be if their line had taken no part."""
-        residuals = left_out(
+    def with_leave_one_out_residuals(
+        self, inverse: Float[np.ndarray, "n_theta n_theta"]
+    ) -> FinalSpectra:
+        """Return the same with leave-one-out residuals."""
+        residuals = compute_leave_one_out_residuals(
             self.form.model, self.sensitivity, self.residuals, self.weights, inverse
         )
         return replace(self, residuals=residuals)
 
 
-def covariance(
-    lines: Sequence[FinalLines],
+def compute_covariance(
+    lines: Sequence[FinalSpectra],
     information: Float[np.ndarray, "n_theta n_theta"],
     prior_information: Float[np.ndarray, " n_theta"],
     inflation: float,
 ) -> Covariance:
-    """Invert the information, and weigh it against how residuals really scatter.
+    """Compute the Cramer-Rao covariance and the one corrected for coloured residuals.
 
     Parameters
     ----------
     lines
-        Of every maneuver, weighted with the density corrected for the parameters fitted.
+        Data of every maneuver; weights from the density corrected for fitted parameters.
     information
-        Normal matrix with these weights, priors included.
+        Normal matrix N = Re sum J^H W J with these weights, priors included.
     prior_information
-        Share of the priors on its diagonal.
+        Diagonal of the priors in N, 1/(2 sigma^2).
     inflation
-        What fitting took off the residuals' variance: data over data less parameters.
+        Correction of the residual variance for the fit: n_data / (n_data - n_theta).
 
     Notes
     -----
-    For circular residuals Cov = 1/2 N^-1. The corrected form is the sandwich
-    1/2 N^-1 [Re sum J^H W S W J] N^-1 with S from neighbouring residuals: it stays right
-    for coloured residuals and for those that noise on the inputs makes alike on all
-    outputs, where the plain form is too small by half. Each line's residuals are those
-    against the fit to the other lines. Where the information is singular residuals tell
-    nothing: there the floor of the information is the only bound.
+    The cost of ``noise.compute_residual_density`` has the expected curvature 2 N, so that
+    Cov = (2 N)^-1 = 1/2 N^-1 for circular residuals. The corrected form is the sandwich
+    1/2 N^-1 [Re sum J^H W S W J] N^-1 with S from neighbouring residuals. It also holds for
+    coloured residuals and for noise on the inputs, which is correlated between outputs; the
+    plain form is then half too small. Residuals are leave-one-out residuals. Along singular
+    directions of the information its floor is the only bound.
     """
     own = np.diag(information)
     scale = np.sqrt(np.where(own > np.finfo(float).tiny, own, 1.0))
     outer = np.outer(scale, scale)
-    known, unknown, lacking = _invert(information / outer)
-    known, unknown = known / outer, unknown / outer
+    resolved, unresolved, lacking = _invert(information / outer)
+    resolved, unresolved = resolved / outer, unresolved / outer
     middle = np.diag(prior_information)
     for final in lines:
         if final.shares_noise:
             middle = middle + inflation * score_covariance(final)
         else:
-            middle = middle + score_covariance(final.left_out(known))
-    plain = 0.5 * (known + unknown)
-    corrected = 0.5 * (known @ middle @ known + unknown)
+            middle = middle + score_covariance(final.with_leave_one_out_residuals(resolved))
+    plain = 0.5 * (resolved + unresolved)
+    corrected = 0.5 * (resolved @ middle @ resolved + unresolved)
     return Covariance(_symmetric(plain), _symmetric(corrected), lacking)
 
 
@@ -114,46 +117,46 @@ def _invert(
     Float[np.ndarray, "n_theta n_theta"],
     Float[np.ndarray, "n_theta n_lacking"],
 ]:
-    """Inverse of an information matrix of unit diagonal: what is told, and what it lacks.
+    """Invert an information matrix of unit diagonal in its resolved and singular directions.
 
-    The second part is the inverse in the directions, given third, where the information is
-    below its floor.
+    The second part is the inverse along the directions, returned third, in which the
+    information is below its floor.
     """
     factor, info = lapack.dpotrf(scaled, lower=False)
     if info == 0:
         upper = lapack.dpotri(factor, lower=False, overwrite_c=True)[0]
-        inverse = upper + upper.T  # below the diagonal LAPACK leaves the zeros that it found
+        inverse = upper + upper.T  # LAPACK leaves the zeros below the diagonal
         np.fill_diagonal(inverse, np.diag(upper))
         if np.abs(scaled).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max() < _SAFE:
             return inverse, np.zeros_like(inverse), np.empty((scaled.shape[0], 0))
     values, vectors = np.linalg.eigh(scaled)
     floor = _WEAKEST * max(values[-1], 1.0)
     lacks = values < floor
-    told, lacking = vectors[:, ~lacks], vectors[:, lacks]
-    lost = np.where(np.abs(lacking) < _PART, 0.0, lacking)
-    return (told / values[~lacks]) @ told.T, lost @ lost.T / floor, lacking
+    resolved, lacking = vectors[:, ~lacks], vectors[:, lacks]
+    cleaned = np.where(np.abs(lacking) < _PART, 0.0, lacking)
+    return (resolved / values[~lacks]) @ resolved.T, cleaned @ cleaned.T / floor, lacking
 
 
-def score_covariance(final: FinalLines) -> Float[np.ndarray, "n_theta n_theta"]:
-    """Twice the covariance of Re sum J^H W nu for the residuals as they are."""
+def score_covariance(final: FinalSpectra) -> Float[np.ndarray, "n_theta n_theta"]:
+    """Compute Re sum J^H W S W J, twice the covariance of Re sum J^H W nu, for any residuals."""
     experiment = final.form.model.experiment
     if experiment.source is not None and experiment.gain is not None:
-        return _shared(final, experiment.source, experiment.gain)
-    middle = _density(experiment, final.residuals).between(final.weights)
+        return _compute_shared(final, experiment.source, experiment.gain)
+    middle = _smooth_residuals(experiment, final.residuals).between(final.weights)
     return final.form.matrix(final.sensitivity, middle)
 
 
-def _shared(
-    final: FinalLines, source: Experiment, gain: np.ndarray
+def _compute_shared(
+    final: FinalSpectra, source: Experiment, gain: np.ndarray
 ) -> Float[np.ndarray, "n_theta n_theta"]:
-    """The same where lines share the noise of source lines.
+    """Compute the same for data points that share the noise of source data points.
 
     Notes
     -----
-    A residual of a response, times the deflection of its input at the same line, is what
-    the outputs there depart from the model when the motion due to all other inputs has
-    been taken off. Source lines of inputs that the model does not have take the density
-    of the lines about them.
+    The residual of a frequency response times the deflection of its input at the same
+    frequency is the residual of the outputs after subtraction of the response to all other
+    inputs. Source frequencies of inputs that are not in the model take the density of
+    neighbouring frequencies.
     """
     experiment = final.form.model.experiment
     weighted = final.weights.times(final.form.model.jacobian(final.sensitivity))
@@ -163,14 +166,14 @@ def _shared(
     omega = experiment.omega[order]
     deflections = source.inputs[np.searchsorted(source.omega, omega)]
     own = np.sum(experiment.inputs[order] * deflections, axis=1, keepdims=True)
-    found = noise.smoothed_density(final.residuals[order] * own, np.zeros(omega.size, int), 1)
+    found = noise.smooth_density(final.residuals[order] * own, np.zeros(omega.size, int), 1)
     nearest = np.searchsorted(0.5 * (omega[1:] + omega[:-1]), source.omega)
-    S = noise.LineMatrix(found.blocks, found.block[nearest])
+    S = noise.SpectralMatrix(found.blocks, found.block[nearest])
     return np.real(A.reshape(-1, n_theta).conj().T @ S.times(A).reshape(-1, n_theta))
 
 
-def _density(experiment: Experiment, residuals: np.ndarray) -> noise.LineMatrix:
-    return noise.smoothed_density(residuals, experiment.group, len(experiment.group_names))
+def _smooth_residuals(experiment: Experiment, residuals: np.ndarray) -> noise.SpectralMatrix:
+    return noise.smooth_density(residuals, experiment.group, len(experiment.group_names))
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:

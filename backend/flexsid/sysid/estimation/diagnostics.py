@@ -1,4 +1,4 @@
-"""Diagnostics of an estimate: what an analyst asks before believing it."""
+"""Diagnostics of an estimate: fit of outputs and quality of parameters."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ import numpy as np
 from jaxtyping import Complex, Float
 from scipy import linalg, stats
 
-from flexsid.sysid.estimation.estimate import Estimate, FittedLines, standard_errors
+from flexsid.sysid.estimation.estimate import Estimate, FittedSpectra, standard_errors
 
-_RIDGE = 1e-6  # of the power of a line
+_RIDGE = 1e-6  # of the residual power at one frequency
 
 
 @dataclass(frozen=True, slots=True)
 class OutputFit:
     """Fit of one output.
 
-    ``theil`` is Theil's inequality coefficient (0 perfect, 1 none); ``whiteness``
-    the probability that white noise in the record would leave residuals as much alike from
-    line to line, beyond what lines of one record are alike anyway.
+    ``theil`` is Theil's inequality coefficient (0 perfect, 1 none); ``whiteness`` is the
+    p-value of the Ljung-Box test of the residuals over frequency, after whitening by the
+    known correlation between the frequencies of one record.
     """
 
     output: str
@@ -30,7 +30,7 @@ class OutputFit:
 
 @dataclass(frozen=True, slots=True)
 class ParameterQuality:
-    """How well one parameter is held by the data.
+    """Uncertainty of one parameter.
 
     ``cramer_rao`` is the bound for white independent residuals; ``insensitivity``
     the standard error if all other parameters were known. Both in the
@@ -43,10 +43,10 @@ class ParameterQuality:
     insensitivity: float
 
 
-def output_quality(lines: FittedLines) -> tuple[OutputFit, ...]:
-    """Judge every output of a block of lines."""
+def compute_output_fit(lines: FittedSpectra) -> tuple[OutputFit, ...]:
+    """Compute the fit of every output of a block of spectra."""
     residuals = lines.measured - lines.fitted
-    white = whitened(residuals, lines.correlation)
+    white = whiten(residuals, lines.correlation)
     error = np.sqrt(np.mean(np.abs(residuals) ** 2, axis=0))
     size = np.sqrt(np.mean(np.abs(lines.measured) ** 2, axis=0)) + np.sqrt(
         np.mean(np.abs(lines.fitted) ** 2, axis=0)
@@ -64,8 +64,8 @@ def output_quality(lines: FittedLines) -> tuple[OutputFit, ...]:
     )
 
 
-def parameter_quality(estimate: Estimate) -> tuple[ParameterQuality, ...]:
-    """Standard error, Cramer-Rao bound and insensitivity of every parameter; NaN for none."""
+def compute_parameter_quality(estimate: Estimate) -> tuple[ParameterQuality, ...]:
+    """Compute standard error, Cramer-Rao bound and insensitivity by parameter, NaN for none."""
     bound = standard_errors(estimate.covariance)
     known = np.isfinite(bound)
     scale = bound[known]
@@ -80,17 +80,17 @@ def parameter_quality(estimate: Estimate) -> tuple[ParameterQuality, ...]:
     )
 
 
-def whitened(
+def whiten(
     residuals: Complex[np.ndarray, "n_omega n_y"],
     correlation: Complex[np.ndarray, "n_omega n_omega"] | None,
 ) -> Complex[np.ndarray, "n_omega n_y"]:
-    """Residuals in a combination in which white noise of the record is independent.
+    """Transform residuals so that white noise of the record is independent.
 
     Notes
     -----
-    With the known correlation C = L L^H between lines these are L^-1 nu, of unit correlation
-    where the noise was white. Lines closer than the record resolves add next to nothing: a
-    ridge keeps them from being blown up.
+    With the known correlation C = L L^H between frequencies the result is L^-1 nu, of unit
+    correlation for white noise. A ridge regularises frequencies closer than the resolution
+    of the record.
     """
     if correlation is None:
         return residuals
@@ -99,7 +99,7 @@ def whitened(
 
 
 def whiteness(residual: Complex[np.ndarray, " n_omega"], lags: int = 10) -> float:
-    """Ljung-Box test over lines; circular residuals have unit-variance complex correlations.
+    """Compute the p-value of the Ljung-Box test of complex residuals over frequency.
 
     Notes
     -----

@@ -1,4 +1,4 @@
-"""Inverses of one small matrix per line, by elimination at all lines at once."""
+"""Inverses of one small matrix per frequency, by elimination at all frequencies at once."""
 
 from __future__ import annotations
 
@@ -6,37 +6,37 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 _LARGEST = 6  # rows, and
-_FEWEST = 150  # lines: beyond these LAPACK is as fast, one line after the other
-_LOST = 1e6  # change of a squared pivot that costs three digits which pivoting would keep
+_FEWEST = 150  # frequencies: outside these limits LAPACK is as fast
+_LARGEST_CHANGE = 1e6  # of a squared pivot: a loss of three digits without pivoting
 
 
 class Elimination:
-    """Gauss and Jordan's elimination without pivoting, in memory that it keeps.
+    """Gauss-Jordan elimination without pivoting, in memory that is reserved once.
 
-    Each step is a few operations on the rows of all lines, up to three times as fast as a
-    call of LAPACK for every line. A pivot that elimination has shrunk or blown up betrays
-    lost digits; such lines are inverted again with pivoting.
+    Each step is a few operations on the rows of all frequencies, up to three times as fast
+    as a call of LAPACK for every frequency. A large change of a pivot indicates a loss of
+    digits; such frequencies are inverted again with pivoting.
     """
 
     def __init__(self, n_omega: int, n_r: int) -> None:
-        self._worth = n_r <= _LARGEST and n_omega >= _FEWEST
+        self._is_faster = n_r <= _LARGEST and n_omega >= _FEWEST
         self._rows = np.empty((n_r, n_r, n_omega), dtype=complex)
         self._taken = np.empty_like(self._rows)
 
     def inverse(
         self, K: Complex[np.ndarray, "n_omega n_r n_r"]
     ) -> Complex[np.ndarray, "n_omega n_r n_r"]:
-        """Invert the matrix of every line."""
-        if not self._worth:
-            return _pivoted(K)
+        """Invert the matrix of every frequency."""
+        if not self._is_faster:
+            return _invert_with_pivoting(K)
         rows, taken = self._rows, self._taken
         rows[:] = K.transpose(1, 2, 0)
-        kept = np.ones(len(K), dtype=bool)
-        original = [_squared(rows[p, p]) for p in range(len(rows))]
+        accurate = np.ones(len(K), dtype=bool)
+        original = [_square(rows[p, p]) for p in range(len(rows))]
         with np.errstate(all="ignore"):
             for p, before in enumerate(original):
-                change = _squared(rows[p, p]) / before
-                kept &= (change > 1.0 / _LOST) & (change < _LOST)
+                change = _square(rows[p, p]) / before
+                accurate &= (change > 1.0 / _LARGEST_CHANGE) & (change < _LARGEST_CHANGE)
                 column = rows[:, p].copy()
                 rows[p, p] = 1.0
                 row = rows[p] * (1.0 / column[p])
@@ -46,15 +46,15 @@ class Elimination:
                 np.multiply(column[:, None], row, out=taken)
                 np.subtract(rows, taken, out=rows)
         inverse = np.ascontiguousarray(rows.transpose(2, 0, 1))
-        if not kept.all():
-            inverse[~kept] = _pivoted(K[~kept])
+        if not accurate.all():
+            inverse[~accurate] = _invert_with_pivoting(K[~accurate])
         return inverse
 
 
-def _pivoted(
+def _invert_with_pivoting(
     K: Complex[np.ndarray, "n_omega n_r n_r"],
 ) -> Complex[np.ndarray, "n_omega n_r n_r"]:
-    """Inverses; not a number where a pole without damping lies on a line."""
+    """Invert with LAPACK; not a number where an undamped pole is at a frequency."""
     try:
         return np.linalg.inv(K)
     except np.linalg.LinAlgError:
@@ -64,5 +64,5 @@ def _pivoted(
         return inverse
 
 
-def _squared(values: Complex[np.ndarray, " n_omega"]) -> Float[np.ndarray, " n_omega"]:
+def _square(values: Complex[np.ndarray, " n_omega"]) -> Float[np.ndarray, " n_omega"]:
     return np.real(values) ** 2 + np.imag(values) ** 2

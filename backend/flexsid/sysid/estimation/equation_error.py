@@ -6,27 +6,27 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.errors import BadInput
-from flexsid.sysid.estimation.estimate import Estimate, FittedLines, Outcome
+from flexsid.sysid.estimation.estimate import Estimate, FittedSpectra, Outcome
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
-from flexsid.sysid.estimation.regression import Disturbance, regress
+from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import coefficients
 from flexsid.sysid.signals import FrequencyData, check_finite
 
 
-def aerodynamic_coefficients(
+def compute_aerodynamic_coefficients(
     model: AeroelasticModel, motion: ReconstructedMotion
 ) -> Complex[np.ndarray, "n_omega n_rows"]:
-    """Spectra of C_Z, C_m and C_Qi that cause the motion. [s]"""
+    """Compute the spectra of C_Z, C_m and C_Qi from the motion. [s]"""
     K = model.known_dynamics(motion.omega)
     return np.matmul(K, motion.values[:, :, None])[:, :, 0] / model.row_factors()
 
 
-def regressors(
+def build_regressors(
     model: AeroelasticModel, motion: ReconstructedMotion, inputs: FrequencyData
 ) -> Complex[np.ndarray, "n_omega n_w"]:
-    """Spectra of alpha, q c/2V, eta, etadot c/2V and the inputs. [s]"""
+    """Compute the spectra of alpha, q c/2V, eta, etadot c/2V and the inputs. [s]"""
     rates = 1j * motion.omega[:, None] * motion.values[:, 2:]
     u = inputs.pick(model.inputs).values
     return np.concatenate([motion.values, rates, u], axis=1) * model.column_factors()
@@ -51,24 +51,24 @@ def equation_error(
     inputs
         Surface deflections, instrument dynamics removed. [rad s]
     parameters
-        Which derivatives are free; the others contribute with their held value.
+        The free derivatives; the others contribute with their fixed value.
     compensate
-        Weight the lines by the uncertainty of the reconstructed motion and take
-        the bias of its noise out of the normal equations; without it, the plain
+        Weight the frequencies by the uncertainty of the reconstructed motion and remove
+        the bias due to its noise from the normal equations; without it, the plain
         least squares of Eq. 24.
 
     Raises
     ------
     BadInput
-        If something else than a derivative is free.
+        If a parameter other than a derivative is free.
     NotIdentifiable
         If a coefficient has more free derivatives than data, or collinear ones.
 
     Notes
     -----
     Departure: Eq. 24 takes the regressors as exact. Higher modes are reconstructed
-    with little signal, and plain least squares then pulls their derivatives
-    towards zero with error bars that do not tell.
+    with little signal, and plain least squares then biases their derivatives
+    towards zero with standard errors that are too small.
     """
     if parameters.extras:
         raise BadInput(
@@ -77,9 +77,9 @@ def equation_error(
             code="not-in-method",
         )
     check_finite(inputs.pick(model.inputs).values, model.inputs)
-    X = regressors(model, motion, inputs)
-    z = aerodynamic_coefficients(model, motion)
-    disturbances = MotionNoise(model, motion.coloured()) if compensate else None
+    X = build_regressors(model, motion, inputs)
+    z = compute_aerodynamic_coefficients(model, motion)
+    motion_noise = MotionNoise(model, motion.with_coloured_errors()) if compensate else None
     held = parameters.base.values.copy()
     held[parameters.rows, parameters.columns] = 0.0
     size = parameters.start.size
@@ -88,22 +88,26 @@ def equation_error(
     corrected = np.zeros((size, size))
     lines = []
     for row, name in enumerate(coefficients(model.modes.numbers)):
-        place = np.flatnonzero(parameters.rows == row)
+        own = np.flatnonzero(parameters.rows == row)
         fitted = X @ held[row]
-        if place.size:
-            columns = parameters.columns[place]
-            noise = None if disturbances is None else disturbances.of_row(row, held[row], columns)
+        if own.size:
+            columns = parameters.columns[own]
+            errors = None
+            if motion_noise is not None:
+                errors = motion_noise.compute_row_errors(row, held[row], columns)
             result = regress(
                 X[:, columns],
                 z[:, row] - fitted,
-                tuple(parameters.names[i] for i in place),
-                noise,
+                tuple(parameters.names[i] for i in own),
+                errors,
             )
-            values[place] = result.values
-            covariance[np.ix_(place, place)] = result.covariance
-            corrected[np.ix_(place, place)] = result.corrected_covariance
+            values[own] = result.values
+            covariance[np.ix_(own, own)] = result.covariance
+            corrected[np.ix_(own, own)] = result.corrected_covariance
             fitted = fitted + X[:, columns] @ result.values
-        lines.append(FittedLines(name, (name,), motion.omega, z[:, row : row + 1], fitted[:, None]))
+        lines.append(
+            FittedSpectra(name, (name,), motion.omega, z[:, row : row + 1], fitted[:, None])
+        )
     return Estimate(
         names=parameters.names,
         values=values,
@@ -118,7 +122,7 @@ def equation_error(
 
 
 class MotionNoise:
-    """How the error of the reconstructed motion enters regressors and coefficients."""
+    """Propagation of the error of the reconstructed motion to regressors and coefficients."""
 
     def __init__(self, model: AeroelasticModel, motion: ReconstructedMotion) -> None:
         n = len(model.modes.numbers)
@@ -132,23 +136,25 @@ class MotionNoise:
         self.spread = self.regressor @ motion.covariance
         self.regressors = np.real(self.spread @ self.regressor.conj().transpose(0, 2, 1))
         self.covariance = motion.covariance
-        self.doubt = motion.doubt
+        self.relative_std = motion.relative_std
         self.disagreement = motion.disagreement
 
-    def of_row(self, row: int, held: Float[np.ndarray, " n_w"], columns: np.ndarray) -> Disturbance:
-        """Errors of the row's free regressors and dependent variable."""
+    def compute_row_errors(
+        self, row: int, held: Float[np.ndarray, " n_w"], columns: np.ndarray
+    ) -> ErrorsInVariables:
+        """Compute the errors of the free regressors and dependent variable of one row."""
         dependent = self.coefficient[:, row] - np.tensordot(held, self.regressor, axes=(0, 1))
         cross = np.matmul(self.spread, dependent.conj()[:, :, None])[:, :, 0]
         own = np.matmul(self.covariance, dependent.conj()[:, :, None])[:, :, 0]
-        return Disturbance(
+        return ErrorsInVariables(
             self.regressors[:, columns[:, None], columns],
             np.real(cross[:, columns]),
             np.real(np.sum(dependent * own, axis=1)),
-            self.doubt,
-            self._systematic(dependent, columns),
+            self.relative_std,
+            self._compute_systematic(dependent, columns),
         )
 
-    def _systematic(
+    def _compute_systematic(
         self, dependent: Complex[np.ndarray, "n_omega n_r"], columns: np.ndarray
     ) -> Complex[np.ndarray, "n_omega n_y p_1"] | None:
         if self.disagreement is None:

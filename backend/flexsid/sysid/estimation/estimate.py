@@ -1,4 +1,4 @@
-"""Estimate: what an estimator returns, whatever the method."""
+"""Estimate: result of every estimator."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from jaxtyping import Bool, Complex, Float
 
 
 class Outcome(StrEnum):
-    """How a maximisation ended."""
+    """Outcome of a maximisation."""
 
     CONVERGED = "converged"
     ITERATION_LIMIT = "iteration limit"
@@ -21,7 +21,7 @@ class Outcome(StrEnum):
 
     @property
     def is_optimum(self) -> bool:
-        """Whether the values are those of an optimum, of which alone standard errors are known."""
+        """Whether the values are those of an optimum; only then standard errors exist."""
         return self in (Outcome.CONVERGED, Outcome.SINGULAR_INFORMATION)
 
 
@@ -29,8 +29,8 @@ class Outcome(StrEnum):
 class IterationStep:
     """One accepted iteration: negative log likelihood and largest step in standard errors.
 
-    The first step of a stage is where it starts. ``stage`` counts the fits to lines corrected
-    anew; costs of different stages are of different data and cannot be compared.
+    The first step of a stage is its start. ``stage`` counts the fits after a new correction of
+    leakage; costs of different stages belong to different data and cannot be compared.
     """
 
     iteration: int
@@ -42,7 +42,7 @@ class IterationStep:
 def append_stage(
     before: Sequence[IterationStep], again: Sequence[IterationStep]
 ) -> tuple[IterationStep, ...]:
-    """History of a fit followed by that of another fit, which starts where the first ended."""
+    """Append the history of a fit that starts at the end of another one."""
     last = before[-1]
     return (
         *before,
@@ -54,16 +54,16 @@ def append_stage(
 
 
 def count_iterations(count: int) -> str:
-    """A number of iterations in words."""
+    """Format a number of iterations."""
     return f"{count} iteration" if count == 1 else f"{count} iterations"
 
 
 @dataclass(frozen=True, slots=True)
-class FittedLines:
-    """Measured and modelled spectra of one group of lines.
+class FittedSpectra:
+    """Measured and modelled spectra of one group of frequencies.
 
-    ``correlation`` is that of white noise in the record between these lines; None where the
-    lines are independent, or nothing is known of the record.
+    ``correlation`` is that of white noise of the record between these frequencies; None if
+    they are independent or the record is unknown.
     """
 
     name: str
@@ -74,7 +74,7 @@ class FittedLines:
     correlation: Complex[np.ndarray, "n_omega n_omega"] | None = None
 
     def r_squared(self) -> Float[np.ndarray, " n_y"]:
-        """Share of the measured power that the model explains, per output."""
+        """Compute the share of the measured power that the model explains, by output."""
         power = np.sum(np.abs(self.measured) ** 2, axis=0)
         error = np.sum(np.abs(self.measured - self.fitted) ** 2, axis=0)
         return 1.0 - np.divide(error, power, out=np.full_like(power, np.inf), where=power > 0)
@@ -82,10 +82,10 @@ class FittedLines:
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Values with covariance, and everything needed to judge them.
+    """Values with covariance, fitted spectra and outcome.
 
-    ``covariance`` holds for white residuals that are independent between
-    outputs; ``corrected_covariance`` for the residuals as they are.
+    ``covariance`` is valid for white residuals that are independent between outputs,
+    ``corrected_covariance`` for coloured and correlated residuals.
     """
 
     names: tuple[str, ...]
@@ -93,21 +93,21 @@ class Estimate:
     start: Float[np.ndarray, " n_theta"]
     covariance: Float[np.ndarray, "n_theta n_theta"]
     corrected_covariance: Float[np.ndarray, "n_theta n_theta"]
-    lines: tuple[FittedLines, ...]
+    lines: tuple[FittedSpectra, ...]
     steps: tuple[IterationStep, ...]
     outcome: Outcome
     message: str
 
-    def widened(self, factor: float) -> Estimate:
-        """The same estimate with variances multiplied, as for lines closer than 1/T."""
+    def scale_covariance(self, factor: float) -> Estimate:
+        """Return the estimate with variances multiplied, as for frequencies closer than 1/T."""
         return replace(
             self,
             covariance=factor * self.covariance,
             corrected_covariance=factor * self.corrected_covariance,
         )
 
-    def without_errors(self, which: Bool[np.ndarray, " n_theta"] | None = None) -> Estimate:
-        """The same estimate with no standard errors (NaN) of these parameters, all by default."""
+    def without_std_errors(self, which: Bool[np.ndarray, " n_theta"] | None = None) -> Estimate:
+        """Return the estimate without standard errors (NaN) of these parameters, or of all."""
         unknown = np.ones(len(self.names), dtype=bool) if which is None else which
         either = unknown[:, None] | unknown
         return replace(
@@ -130,10 +130,9 @@ class Estimate:
 
 
 def standard_errors(covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, " n"]:
-    """Roots of the variances; NaN where a variance is not a positive number.
+    """Compute the roots of the variances; NaN where a variance is not positive.
 
-    Nothing that is estimated from data is known exactly: a variance of zero is what rounding
-    or an estimate of something else left there.
+    No estimate from data is exact: a variance of zero is due to rounding.
     """
     variance = np.diag(covariance)
     return np.sqrt(np.where(variance > 0.0, variance, np.nan))

@@ -1,4 +1,4 @@
-"""Experiment: what was measured at the lines of one maneuver, and what explains it."""
+"""Experiment: measured spectra and model of one maneuver."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.spectra.line_correlation import line_correlation
+from flexsid.sysid.spectra.noise_correlation import compute_noise_correlation
 
-_INDEPENDENT = 0.01  # correlation of two lines that changes no test
+_INDEPENDENT = 0.01  # correlation of two frequencies without effect on a test
 
 
 @dataclass(frozen=True, slots=True)
 class Experiment:
-    """What was measured at the lines of one maneuver.
+    """Measured spectra of one maneuver.
 
-    ``instruments`` is each output's measured over true response; inputs have
-    theirs removed already. Lines of one ``group`` follow each other and share a noise
-    covariance: one group for OE, one per input for FRE. Where lines are computed from
-    others, ``source`` holds those, and ``gain`` how the noise of each enters each line here.
-    ``edges_s`` are the times at which the record may begin or end in motion, ``window_s`` begin
-    and end of what was transformed, None where that is not known. [s]
+    ``instruments`` is each output's measured over true response; that of the inputs is
+    removed. Frequencies of one ``group`` are contiguous and share a noise covariance: one
+    group for OE, one per input for FRE. For data computed from other data points, ``source``
+    is the latter, and ``gain`` the factor of their noise in each frequency here. ``edges_s``
+    are the times at which the record may begin or end in motion, ``window_s`` begin and end
+    of the transformed record, None if unknown. [s]
     """
 
     name: str
@@ -39,20 +39,19 @@ class Experiment:
     window_s: tuple[float, float] | None = None
 
     def noise_correlation(self) -> Complex[np.ndarray, "n_omega n_omega"] | None:
-        """Correlation between lines of white noise in the record; None where they have none.
+        """Compute the correlation between frequencies of white noise of the record, if any.
 
         Notes
         -----
-        Lines computed from others as G Z have the covariance G C G^H, of which this is the
-        correlation.
+        Data computed from others as G Z have the covariance G C G^H; this is its correlation.
         """
         if self.source is not None and self.gain is not None:
-            alike = self.source.noise_correlation()
-            spread = self.gain if alike is None else self.gain @ alike
+            correlation = self.source.noise_correlation()
+            spread = self.gain if correlation is None else self.gain @ correlation
             covariance = spread @ self.gain.conj().T
             size = np.sqrt(np.real(np.diag(covariance)))
             return covariance / np.outer(size, size)
         if self.window_s is None:
             return None
-        found = line_correlation(self.omega, *self.window_s)
+        found = compute_noise_correlation(self.omega, *self.window_s)
         return None if np.abs(found - np.eye(len(found))).max() < _INDEPENDENT else found

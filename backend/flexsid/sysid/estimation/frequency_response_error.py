@@ -22,19 +22,19 @@ def frequency_response_error(
     model
         Condition, modes, inputs and sensors.
     responses
-        For each input its column of responses at its own lines, (M_j, n_y, 1),
-        instrument dynamics removed. Inputs left out are not fitted.
+        For each input its column of frequency responses at its own harmonics, (M_j, n_y, 1),
+        instrument dynamics removed. Only these inputs are fitted.
     name
-        What to call the maneuver.
+        Name of the maneuver.
     source
-        Output error at the lines that the responses were computed from; with it,
-        standard errors know that neighbouring responses share their noise.
+        Output error at the frequencies from which the responses were computed; with it,
+        standard errors include the correlation of neighbouring responses.
 
     Notes
     -----
-    Source: Eqs 21-22. A column is what the outputs do under a unit deflection of
-    one input, so each of its lines enters as a line of output error with a unit
-    input; every column has a noise density of its own.
+    Source: Eqs 21-22. A column is the outputs per unit deflection of one input, so each
+    of its harmonics is a data point of output error with a unit input; every column has
+    its own noise covariance.
     """
     omega, inputs, measured, group = [], [], [], []
     for number, (column, response) in enumerate(responses.items()):

@@ -1,4 +1,4 @@
-"""Fusion: several estimates of the same parameters to one."""
+"""Fusion of several estimates of the same parameters."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from jaxtyping import Float
 from flexsid.sysid.estimation.estimate import Estimate
 
 
-def fuse(estimates: Sequence[Estimate], labels: Sequence[str]) -> Estimate:
-    """Weight independent estimates by their information.
+def fuse_estimates(estimates: Sequence[Estimate], labels: Sequence[str]) -> Estimate:
+    """Combine independent estimates, weighted by their information.
 
     Parameters
     ----------
     estimates
         Of the same parameters, e.g. one per maneuver.
     labels
-        What to call each one's lines.
+        Names of the estimates, for their spectra.
 
     Notes
     -----
-    Exact for linear regressions: the same as stacking all lines, each maneuver
+    Exact for linear regressions: equal to the regression over all maneuvers, each
     weighted with its own residual variance.
     """
     if len(estimates) == 1:
@@ -34,10 +34,10 @@ def fuse(estimates: Sequence[Estimate], labels: Sequence[str]) -> Estimate:
     values, covariance = estimates[0].values / scale, estimates[0].corrected_covariance / outer
     plain = estimates[0].covariance / outer
     for other in estimates[1:]:
-        values, covariance = _weigh(
+        values, covariance = _combine(
             values, covariance, every, other.values / scale, other.corrected_covariance / outer
         )
-        plain = _weigh(values, plain, every, values, other.covariance / outer)[1]
+        plain = _combine(values, plain, every, values, other.covariance / outer)[1]
     lines = tuple(
         replace(block, name=f"{label} {block.name}")
         for estimate, label in zip(estimates, labels, strict=True)
@@ -52,23 +52,23 @@ def fuse(estimates: Sequence[Estimate], labels: Sequence[str]) -> Estimate:
     )
 
 
-def with_priors(estimate: Estimate, priors: Mapping[str, tuple[float, float]]) -> Estimate:
-    """Weigh a linear estimate against prior values and standard deviations by name."""
+def apply_priors(estimate: Estimate, priors: Mapping[str, tuple[float, float]]) -> Estimate:
+    """Combine a linear estimate with prior values and standard deviations by name."""
     if not priors:
         return estimate
     scale = np.sqrt(np.diag(estimate.corrected_covariance))
     outer = np.outer(scale, scale)
-    place = [k for k, name in enumerate(estimate.names) if name in priors]
-    seen = np.eye(scale.size)[place]
-    mean, std = np.array([priors[estimate.names[k]] for k in place]).T / scale[place]
-    values, covariance = _weigh(
+    own = [k for k, name in enumerate(estimate.names) if name in priors]
+    seen = np.eye(scale.size)[own]
+    mean, std = np.array([priors[estimate.names[k]] for k in own]).T / scale[own]
+    values, covariance = _combine(
         estimate.values / scale,
         estimate.corrected_covariance / outer,
         seen,
         mean,
         np.diag(std**2),
     )
-    plain = _weigh(values, estimate.covariance / outer, seen, mean, np.diag(std**2))[1]
+    plain = _combine(values, estimate.covariance / outer, seen, mean, np.diag(std**2))[1]
     return replace(
         estimate,
         values=values * scale,
@@ -77,20 +77,19 @@ def with_priors(estimate: Estimate, priors: Mapping[str, tuple[float, float]]) -
     )
 
 
-def _weigh(
+def _combine(
     values: Float[np.ndarray, " n"],
     covariance: Float[np.ndarray, "n n"],
     seen: Float[np.ndarray, "n_seen n"],
     others: Float[np.ndarray, " n_seen"],
     their: Float[np.ndarray, "n_seen n_seen"],
 ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
-    """Mean by information of ``values`` and of ``others``, which are ``seen`` of the same.
+    """Compute the mean of ``values`` and ``others = seen @ values``, weighted by information.
 
     Notes
     -----
-    In the form of covariances, which may be as ill-conditioned as they are: information would
-    be their inverse, and that of an ill-conditioned one has no digit left. The symmetric
-    form of the covariance stays positive.
+    The form with covariances avoids the inverse of an ill-conditioned covariance. The
+    symmetric (Joseph) form of the result stays positive definite.
     Source: R. S. Bucy and P. D. Joseph, Filtering for Stochastic Processes (1968).
     """
     cross = seen @ covariance

@@ -1,4 +1,4 @@
-"""What noise on the measured inputs does to an estimate that takes them as exact."""
+"""Standard errors due to noise on the measured inputs."""
 
 from __future__ import annotations
 
@@ -8,38 +8,39 @@ from jaxtyping import Float
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.kronecker import NormalForm
-from flexsid.sysid.estimation.line_model import LineModel
 from flexsid.sysid.estimation.parameters import Parameters
 
 
-def input_noise_errors(
+def compute_input_noise_errors(
     experiment: Experiment,
     parameters: Parameters,
     estimate: Estimate,
     input_noise: Float[np.ndarray, "n_omega n_u"],
 ) -> Float[np.ndarray, " n_theta"]:
-    """Standard errors that input noise alone causes in an output-error estimate.
+    """Compute the standard errors due to input noise alone in an output-error estimate.
 
     Parameters
     ----------
     experiment, parameters, estimate
         A finished fit.
     input_noise
-        Variance of each true deflection's spectrum at each line. [(rad s)^2]
+        Variance of the spectrum of each deflection at each frequency. [(rad s)^2]
 
     Notes
     -----
-    Noise n on the inputs reaches the residuals as -H n, alike on all outputs. The
-    corrected covariance holds it already, because it is in the residuals; this says
-    how much of it.
+    Noise n on the inputs causes residuals -H n, fully correlated between the outputs. The
+    corrected covariance includes it, as part of the residuals; this is its share.
     """
-    model = LineModel(experiment, parameters)
+    model = FrequencyDomainModel(experiment, parameters)
     response = model.respond(estimate.values)
     sensitivity = model.sensitivity(estimate.values, response)
     residuals = experiment.measured - response.outputs
-    powers = noise.group_powers(experiment.measured, experiment.group, len(experiment.group_names))
-    density, _ = noise.residual_density(residuals, powers, experiment.group, "diagonal")
+    powers = noise.compute_group_powers(
+        experiment.measured, experiment.group, len(experiment.group_names)
+    )
+    density, _ = noise.compute_residual_density(residuals, powers, experiment.group, "diagonal")
     W = density.inverse()
     form = NormalForm(model)
     information, _ = form.equations(sensitivity, residuals, W)
@@ -48,8 +49,8 @@ def input_noise_errors(
     load = (model.rows[:, None] * table * model.columns)[:, -n_u:]
     H = sensitivity.forces @ load
     spread = (H * input_noise[:, None, :]) @ H.conj().transpose(0, 2, 1)
-    per_line = noise.LineMatrix(spread, np.arange(len(spread)))
-    middle, _ = form.equations(sensitivity, residuals, per_line.between(W))
+    per_frequency = noise.SpectralMatrix(spread, np.arange(len(spread)))
+    middle, _ = form.equations(sensitivity, residuals, per_frequency.between(W))
     scale = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
     scaled = information / np.outer(scale, scale)
     half = np.linalg.lstsq(scaled, middle / np.outer(scale, scale), rcond=1e-13)[0]

@@ -1,8 +1,8 @@
-"""Normal equations without a Jacobian: sums over lines as products of small matrices.
+"""Normal equations without a Jacobian: sums over frequencies as products of small matrices.
 
 With J = G_i w_j the normal matrix is N[(i,j),(i',j')] = Re sum_k A_ii' conj(w_j) w_j',
 A = G^H W G. The real part of a sum of complex products is one real matrix product of
-their interleaved parts, so nothing complex is ever multiplied out; as A and w w^H are
+their interleaved parts, so no complex product is formed; as A and w w^H are
 Hermitian, half of each is enough.
 """
 
@@ -13,22 +13,22 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.sysid.estimation.line_model import LineModel, Sensitivity
-from flexsid.sysid.estimation.noise import LineMatrix
+from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel, Sensitivity
+from flexsid.sysid.estimation.noise import SpectralMatrix
 
 
 class NormalForm:
-    """Where every pair of parameters of a line model finds its sum."""
+    """Normal matrix and gradient of a line model in Kronecker form."""
 
-    def __init__(self, model: LineModel) -> None:
+    def __init__(self, model: FrequencyDomainModel) -> None:
         self.model = model
         n_r, n_w = model.rows.size, model.columns.size
         n_w += int(np.count_nonzero(model.pair_columns >= n_w))
-        self._upper = _upper_places(n_r)
+        self._upper = _index_upper(n_r)
         pairs = (tuple(model.pair_rows.tolist()), tuple(model.pair_columns.tolist()))
-        self._places = _places_of_pairs(*pairs, n_r, n_w)
+        self._indices = _index_pairs(*pairs, n_r, n_w)
         self._scales = np.outer(model.scale, model.scale)
-        # Kept, because asking the system for that much memory anew takes as long as filling it.
+        # Reserved once: new memory takes as long to obtain as to fill.
         self._weighted = np.empty(model.sensors.shape, dtype=complex)
         self._outer = np.empty((n_w * (n_w + 1) // 2, model.s.size), dtype=complex)
         self._blocks = np.empty((2, self._upper.size, model.s.size), dtype=complex)
@@ -38,9 +38,9 @@ class NormalForm:
         self,
         sensitivity: Sensitivity,
         residuals: Complex[np.ndarray, "n_omega n_y"],
-        weights: LineMatrix,
+        weights: SpectralMatrix,
     ) -> tuple[Float[np.ndarray, "n_theta n_theta"], Float[np.ndarray, " n_theta"]]:
-        """Re sum J^H W J and Re sum J^H W nu.
+        """Compute Re sum J^H W J and Re sum J^H W nu.
 
         Parameters
         ----------
@@ -49,7 +49,7 @@ class NormalForm:
         residuals
             Measured less modelled outputs.
         weights
-            Inverse noise covariance of each line.
+            Inverse noise covariance at each frequency.
         """
         return self.matrix(sensitivity, weights), self._gradient(sensitivity, residuals, weights)
 
@@ -57,9 +57,9 @@ class NormalForm:
         self,
         sensitivity: Sensitivity,
         residuals: Complex[np.ndarray, "n_omega n_y"],
-        weights: LineMatrix,
+        weights: SpectralMatrix,
     ) -> Float[np.ndarray, " n_theta"]:
-        """Re sum J^H W nu alone."""
+        """Compute Re sum J^H W nu."""
         weights.times(sensitivity.forces, out=self._weighted)
         np.conjugate(self._weighted, out=self._weighted)
         return self._gradient(sensitivity, residuals, weights)
@@ -68,12 +68,12 @@ class NormalForm:
         self,
         sensitivity: Sensitivity,
         residuals: Complex[np.ndarray, "n_omega n_y"],
-        weights: LineMatrix,
+        weights: SpectralMatrix,
     ) -> Float[np.ndarray, " n_theta"]:
-        """The same where the forces are weighted already."""
+        """Compute Re sum J^H W nu from weighted forces."""
         model, own = self.model, self.model.own_outputs
         b = np.matmul(self._weighted.transpose(0, 2, 1), residuals[:, :, None])[:, :, 0]
-        pull = _real_products(np.ascontiguousarray(b.T), sensitivity.variables)
+        pull = _multiply_real(np.ascontiguousarray(b.T), sensitivity.variables)
         g = pull[model.pair_rows, model.pair_columns] * model.scale
         if own.size:
             weighted_residuals = weights.times(residuals[:, :, None])[:, :, 0]
@@ -82,9 +82,9 @@ class NormalForm:
         return g if self._in_order else g[np.argsort(model.order)]
 
     def matrix(
-        self, sensitivity: Sensitivity, weights: LineMatrix
+        self, sensitivity: Sensitivity, weights: SpectralMatrix
     ) -> Float[np.ndarray, "n_theta n_theta"]:
-        """Re sum J^H W J."""
+        """Compute Re sum J^H W J."""
         model = self.model
         G, w = sensitivity.forces, sensitivity.variables
         weighted = weights.times(G, out=self._weighted)
@@ -92,38 +92,38 @@ class NormalForm:
         A = np.matmul(weighted.transpose(0, 2, 1), G).reshape(G.shape[0], -1)
         self._blocks[0] = A.T[self._upper]
         np.conjugate(self._blocks[0], out=self._blocks[1])
-        sums = _real_products(self._blocks.reshape(-1, w.shape[1]), self._outer_products(w))
+        sums = _multiply_real(self._blocks.reshape(-1, w.shape[1]), self._multiply_outer(w))
         p, own = model.pair_rows.size, model.own_outputs
         N = np.empty((p + own.size,) * 2)
-        np.multiply(sums.ravel()[self._places], self._scales, out=N[:p, :p])
+        np.multiply(sums.ravel()[self._indices], self._scales, out=N[:p, :p])
         if own.size:
             E = sensitivity.own
             loads = np.empty((own.size, G.shape[2], w.shape[1]), dtype=complex)
             np.multiply(weighted.transpose(1, 2, 0)[own], E[:, None, :], out=loads)
-            cross = _real_products(loads.reshape(-1, w.shape[1]), w)
+            cross = _multiply_real(loads.reshape(-1, w.shape[1]), w)
             cross = cross.reshape(own.size, -1, w.shape[0])[:, model.pair_rows, model.pair_columns]
             np.multiply(cross, model.scale, out=N[p:, :p])
             N[:p, p:] = N[p:, :p].T
-            N[p:, p:] = _own_products(E, own, weights)
-        return self._ordered(N)
+            N[p:, p:] = _multiply_own(E, own, weights)
+        return self._reorder(N)
 
     def output_gradients(
         self,
         sensitivity: Sensitivity,
         residuals: Complex[np.ndarray, "n_omega n_y"],
-        weights: LineMatrix,
+        weights: SpectralMatrix,
     ) -> Float[np.ndarray, "n_groups n_theta n_y"]:
-        """Re sum J^H W nu of every single output, by group of lines; W diagonal."""
+        """Compute Re sum J^H W nu of every output, by group of frequencies; W diagonal."""
         model = self.model
-        pull = (weights.of_lines() * residuals).T
+        pull = (weights.expand_blocks() * residuals).T
         n_y, n_r = sensitivity.forces.shape[1:]
         loads = np.empty((n_y, n_r, pull.shape[1]), dtype=complex)
         np.conjugate(sensitivity.forces.transpose(1, 2, 0), out=loads)
         loads *= pull[:, None, :]
         n_pairs, own = model.pair_rows.size, model.own_outputs
         parts = np.zeros((weights.blocks.shape[0], self.model.order.size, n_y))
-        for part, lines in zip(parts, weights.block_lines(), strict=True):
-            spread = _real_products(
+        for part, lines in zip(parts, weights.block_slices(), strict=True):
+            spread = _multiply_real(
                 np.ascontiguousarray(loads[:, :, lines]).reshape(n_y * n_r, -1),
                 np.ascontiguousarray(sensitivity.variables[:, lines]),
             ).reshape(n_y, n_r, -1)
@@ -140,17 +140,17 @@ class NormalForm:
         self,
         sensitivity: Sensitivity,
         residuals: Complex[np.ndarray, "n_omega n_y"],
-        weights: LineMatrix,
+        weights: SpectralMatrix,
     ) -> list[Float[np.ndarray, "n_theta n_pairs"]]:
-        """Half of how the sum of nu nu^H of every group falls with theta, whitened by W.
+        """Compute -1/2 d(sum nu nu^H)/dtheta of every group, whitened by W.
 
-        Hermitian matrices, written as one row of real numbers for each parameter.
+        Hermitian matrices, as one row of real numbers for each parameter.
         """
         model, own = self.model, self.model.own_outputs
         n_y, n_r = sensitivity.forces.shape[1:]
         n_pairs = model.pair_rows.size
         parts = []
-        for matrix, lines in zip(weights.blocks, weights.block_lines(), strict=True):
+        for matrix, lines in zip(weights.blocks, weights.block_slices(), strict=True):
             whitener = np.linalg.cholesky(matrix).conj().T
             nu = (residuals[lines] @ whitener.T).conj()
             forces = np.matmul(whitener, sensitivity.forces[lines]).reshape(-1, n_y * n_r)
@@ -165,10 +165,10 @@ class NormalForm:
             parts.append(half.reshape(model.order.size, -1).view(float))
         return parts
 
-    def _outer_products(
+    def _multiply_outer(
         self, w: Complex[np.ndarray, "n_w n_omega"]
     ) -> Complex[np.ndarray, "n_pairs n_omega"]:
-        """w_j conj(w_j') for j <= j', row by row."""
+        """Compute w_j conj(w_j') for j <= j', row by row."""
         conjugate = w.conj()
         first = 0
         for j, variable in enumerate(w):
@@ -177,7 +177,7 @@ class NormalForm:
             first = last
         return self._outer
 
-    def _ordered(
+    def _reorder(
         self, N: Float[np.ndarray, "n_theta n_theta"]
     ) -> Float[np.ndarray, "n_theta n_theta"]:
         if self._in_order:
@@ -186,49 +186,49 @@ class NormalForm:
         return N[np.ix_(back, back)]
 
 
-def _real_products(
+def _multiply_real(
     a: Complex[np.ndarray, "n_a n_omega"], b: Complex[np.ndarray, "n_b n_omega"]
 ) -> Float[np.ndarray, "n_a n_b"]:
-    """Re sum over lines of a conj(b), for every pair of rows."""
+    """Compute Re sum over frequencies of a conj(b), for every pair of rows."""
     return a.view(float) @ b.view(float).T
 
 
-def _own_products(
-    E: Complex[np.ndarray, "n_own n_omega"], own: np.ndarray, weights: LineMatrix
+def _multiply_own(
+    E: Complex[np.ndarray, "n_own n_omega"], own: np.ndarray, weights: SpectralMatrix
 ) -> Float[np.ndarray, "n_own n_own"]:
     if weights.is_diagonal:
-        products = _real_products(weights.of_lines().T[own] * E, E)
+        products = _multiply_real(weights.expand_blocks().T[own] * E, E)
         return np.where(own[:, None] == own, products, 0.0)
     total = np.zeros((own.size, own.size))
-    for matrix, lines in zip(weights.blocks, weights.block_lines(), strict=True):
+    for matrix, lines in zip(weights.blocks, weights.block_slices(), strict=True):
         total += np.real((E[:, lines].conj() @ E[:, lines].T) * matrix[np.ix_(own, own)])
     return total
 
 
-@lru_cache(maxsize=32)  # a campaign fits one structure to many maneuvers
-def _places_of_pairs(
+@lru_cache(maxsize=32)  # a campaign fits one model structure to many maneuvers
+def _index_pairs(
     pair_rows: tuple[int, ...], pair_columns: tuple[int, ...], n_r: int, n_w: int
 ) -> np.ndarray:
-    """Where the sum of A_ii' conj(w_j) w_j' of every pair of parameters is kept.
+    """Return the index of the sum of A_ii' conj(w_j) w_j' of every pair of parameters.
 
     Only i <= i' and j <= j' are computed, with A and with its conjugate below it; the rest
-    follows from both being Hermitian.
+    follows from symmetry, as both are Hermitian.
     """
     rows, columns = np.array(pair_rows, dtype=int), np.array(pair_columns, dtype=int)
-    blocks, products = _numbers_of_pairs(n_r), _numbers_of_pairs(n_w)
+    blocks, products = _number_pairs(n_r), _number_pairs(n_w)
     turned = (rows[:, None] - rows) * (columns[:, None] - columns) < 0
     block = blocks[np.ix_(rows, rows)] + np.where(turned, n_r * (n_r + 1) // 2, 0)
     return block * (n_w * (n_w + 1) // 2) + products[np.ix_(columns, columns)]
 
 
-def _numbers_of_pairs(n: int) -> np.ndarray:
-    """Number of each pair among those of an upper triangle, whichever comes first."""
+def _number_pairs(n: int) -> np.ndarray:
+    """Number the pairs of an upper triangle, in either order."""
     number = np.zeros((n, n), dtype=int)
     number[np.triu_indices(n)] = np.arange(n * (n + 1) // 2)
     return np.maximum(number, number.T)
 
 
 @lru_cache(maxsize=32)
-def _upper_places(n: int) -> np.ndarray:
-    """Where the upper triangle stands in a flattened matrix."""
+def _index_upper(n: int) -> np.ndarray:
+    """Return the indices of the upper triangle in a flattened matrix."""
     return np.flatnonzero(np.triu(np.ones((n, n), dtype=bool)))

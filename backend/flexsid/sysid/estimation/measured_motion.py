@@ -1,22 +1,22 @@
-"""Motion that the sensors tell while a fit goes on, whatever its model says of the forces."""
+"""Motion estimated from the sensors during a fit, independent of the modelled forces."""
 
 from __future__ import annotations
 
 import numpy as np
 from jaxtyping import Complex
 
-from flexsid.sysid.estimation.line_model import ModelResponse
-from flexsid.sysid.estimation.noise import LineMatrix
+from flexsid.sysid.estimation.frequency_domain_model import ModelResponse
+from flexsid.sysid.estimation.noise import SpectralMatrix
 
-_FARTHEST = 10.0  # of the model's power, by which its motion may be wrong: noise adds no more
+_PRIOR_POWER = 10.0  # prior variance of the motion's error over the power of its model
 
 
-def motion_seen(
+def estimate_measured_motion(
     response: ModelResponse,
     residuals: Complex[np.ndarray, "n_omega n_y"],
-    weights: LineMatrix,
+    weights: SpectralMatrix,
 ) -> Complex[np.ndarray, "n_omega n_r"]:
-    """The model's motion, moved so that the sensors agree with it.
+    """Estimate the motion by regularised least squares about that of the model.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def motion_seen(
     residuals
         Measured less modelled outputs.
     weights
-        Inverse noise covariance of each line.
+        Inverse noise covariance at each frequency.
     """
     P = response.sensors
     if response.delayed is not None:
@@ -34,8 +34,8 @@ def motion_seen(
     normal = left @ P
     size = np.sqrt(np.maximum(np.real(np.einsum("kii->ki", normal)), 1e-300))
     normal /= size[:, :, None] * size[:, None, :]
-    likely = _FARTHEST * np.mean(np.abs(response.motion) ** 2, axis=0) * size**2
+    likely = _PRIOR_POWER * np.mean(np.abs(response.motion) ** 2, axis=0) * size**2
     steps = np.arange(normal.shape[1])
     normal[:, steps, steps] += 1.0 / np.maximum(likely, np.finfo(float).tiny)
-    pull = (left @ residuals[:, :, None]) / size[:, :, None]
-    return response.motion + np.linalg.solve(normal, pull)[:, :, 0] / size
+    gradient = (left @ residuals[:, :, None]) / size[:, :, None]
+    return response.motion + np.linalg.solve(normal, gradient)[:, :, 0] / size

@@ -31,16 +31,16 @@ def output_error(
     instruments
         Recorded over true response of every output, (n_omega, n_y). [1]
     name
-        What to call the maneuver.
+        Name of the maneuver.
     edges_s
-        When the record begins or ends, where the aircraft may move then. [s]
+        Times at which the record begins or ends and the aircraft may move. [s]
     window_s
-        Begin and end of what was transformed; None takes lines as independent. [s]
+        Begin and end of the transformed record; None for independent frequencies. [s]
 
     Raises
     ------
     BadInput
-        If an output carries no signal, or a spectrum is not finite.
+        If an output has no signal, or a spectrum is not finite.
 
     Notes
     -----

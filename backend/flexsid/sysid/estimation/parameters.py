@@ -1,4 +1,4 @@
-"""Parameters: which quantities an estimator may change, and where each one enters."""
+"""Parameters: the free quantities of an estimator and their place in the model."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ _EXTRA = re.compile(r"^(delay|scale|omega|zeta|shape)_(.+)$")
 
 @dataclass(frozen=True, slots=True)
 class Extra:
-    """A free quantity that is no derivative.
+    """A free quantity other than a derivative.
 
     ``delay`` [s] and ``scale`` [1] belong to an output; ``omega`` and ``zeta``
     are factors on the table's frequency and damping of a mode; ``shape`` is a
-    factor on what one output sees of one mode. The place that a kind does not
-    need stays 0.
+    factor on the shape of one mode at one output. An index that a kind does not
+    need is 0.
     """
 
     kind: str
@@ -31,13 +31,13 @@ class Extra:
 
     @property
     def neutral(self) -> float:
-        """The value that changes nothing."""
+        """Value without effect."""
         return 0.0 if self.kind == "delay" else 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class Parameters:
-    """Free quantities by name, with the table that holds all that is not free.
+    """Free quantities by name, with the table of all fixed derivatives.
 
     The first ``rows.size`` entries of theta are derivatives (row, column of the
     table), the rest are ``extras``.
@@ -64,26 +64,26 @@ def select_parameters(
     extras: Sequence[str] = (),
     fixed: Mapping[str, float] | None = None,
 ) -> Parameters:
-    """Sort quantities into free and held.
+    """Select the free parameters and fix the others.
 
     Parameters
     ----------
     start
-        Starting values; those that are not free stay there.
+        Starting values; derivatives that are not free are fixed there.
     free
         Names of the free derivatives; None frees every derivative of the table.
     outputs
-        Output names, to which delays and scale factors belong.
+        Names of the outputs of delays and scale factors.
     extras
         Names such as ``delay_q``, ``scale_alpha``, ``omega_7``, ``zeta_7``,
         ``shape_q_7``.
     fixed
-        Values for derivatives that are held elsewhere than at the start.
+        Values of derivatives that are fixed at another value than the start.
 
     Raises
     ------
     BadInput
-        If a name is unknown, or nothing at all is free.
+        If a name is unknown, or no parameter is free.
     """
     row_names = coefficients(start.modes)
     column_names = variables(start.modes, start.inputs)
@@ -104,23 +104,25 @@ def select_parameters(
     for name, value in fixed.items():
         if not np.isfinite(value):
             raise BadInput(
-                f"'{name}' is to be held at {value}; give a number", code="not-finite", name=name
+                f"'{name}' is to be fixed at {value}; give a finite number",
+                code="not-finite",
+                name=name,
             )
-    chosen = [name for name in (free if free is not None else places) if name not in fixed]
+    selected = [name for name in (free if free is not None else places) if name not in fixed]
     values = start.values.copy()
     for name, value in fixed.items():
         values[places[name]] = value
     found = tuple(_parse_extra(name, outputs, start.modes) for name in extras)
-    names = (*chosen, *extras)
+    names = (*selected, *extras)
     if not names:
         raise BadInput(
-            "no parameter is free; choose at least one derivative to estimate",
+            "no parameter is free; select at least one derivative to estimate",
             code="no-free-parameter",
         )
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
-        raise BadInput(f"'{twice}' is named twice among the free parameters", name=twice)
-    where = np.array([places[name] for name in chosen], dtype=int).reshape(-1, 2)
+        raise BadInput(f"'{twice}' occurs twice among the free parameters; remove one", name=twice)
+    where = np.array([places[name] for name in selected], dtype=int).reshape(-1, 2)
     theta = np.concatenate([values[where[:, 0], where[:, 1]], [x.neutral for x in found]])
     return Parameters(
         names=names,

@@ -1,7 +1,7 @@
-"""Equation error in real time: a running transform and a running regression.
+"""Equation error in real time: a recursive transform and a regression.
 
-The transform of every channel at fixed lines is updated with each sample; the
-derivatives follow at any moment from the small normal equations of the lines.
+The transform of every channel at fixed frequencies is updated with each sample; the
+derivatives follow at any time from a regression over these frequencies.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import FrequencyData
 
-_RENORMALIZE = 10_000
+_RENORMALIZE = 10_000  # samples between exact evaluations of the rotation
 
 
 class RecursiveTransform:
@@ -25,20 +25,21 @@ class RecursiveTransform:
     Parameters
     ----------
     omega
-        Lines. [rad/s]
+        Frequencies. [rad/s]
     rate_hz
         Samples per second. [Hz]
     n_channels
         Channels per sample.
     memory_s
-        Time constant after which old samples are forgotten; None keeps all. [s]
+        Time constant of exponential forgetting; None weights all samples equally. [s]
     start_s
         Time of the first sample. [s]
 
     Notes
     -----
-    X_i = lambda X_{i-1} + x_i exp(-j omega t_i). The rotation is one complex product
-    per line; its modulus is renewed now and then, so that no error builds up.
+    X_i = lambda X_{i-1} + x_i exp(-j omega t_i) with lambda = exp(-dt/memory). The rotation
+    is one complex product per frequency; it is evaluated exactly every ``_RENORMALIZE``
+    samples, so that rounding does not accumulate.
     """
 
     def __init__(
@@ -53,18 +54,18 @@ class RecursiveTransform:
         self.step_s = 1.0 / rate_hz
         self.start_s = start_s
         self.count = 0
-        self._turn = np.exp(-1j * self.omega * self.step_s)
+        self._rotation = np.exp(-1j * self.omega * self.step_s)
         self._phase = np.exp(-1j * self.omega * start_s)
-        self._forget = 1.0 if memory_s is None else float(np.exp(-self.step_s / memory_s))
+        self._decay = 1.0 if memory_s is None else float(np.exp(-self.step_s / memory_s))
         self._sum = np.zeros((self.omega.size, n_channels), dtype=complex)
 
     def update(self, sample: Float[np.ndarray, " n_channels"]) -> None:
         """Add one sample of every channel, trim value removed."""
-        if self._forget != 1.0:
-            self._sum *= self._forget
+        if self._decay != 1.0:
+            self._sum *= self._decay
         self._sum += self._phase[:, None] * sample
         self.count += 1
-        self._phase *= self._turn
+        self._phase *= self._rotation
         if self.count % _RENORMALIZE == 0:
             time = self.start_s + self.count * self.step_s
             self._phase = np.exp(-1j * self.omega * time)
@@ -83,7 +84,7 @@ class RealTimeEquationError:
     model, parameters
         As for equation error.
     omega
-        Lines to follow. [rad/s]
+        Frequencies. [rad/s]
     rate_hz
         Of the stream. [Hz]
     input_response, output_response
@@ -92,7 +93,7 @@ class RealTimeEquationError:
         Spectral noise level of every output, fixed beforehand so that an update
         costs two small solves. [output unit * s]
     memory_s
-        Forgetting time; None keeps all samples. [s]
+        Time constant of exponential forgetting; None weights all samples equally. [s]
     """
 
     def __init__(
@@ -117,11 +118,11 @@ class RealTimeEquationError:
         )
 
     def update(self, inputs: Float[np.ndarray, " n_u"], outputs: Float[np.ndarray, " n_y"]) -> None:
-        """Take in one sample of all channels, trim value removed."""
+        """Add one sample of all channels, trim value removed."""
         self.transform.update(np.concatenate([inputs, outputs]))
 
     def estimate(self) -> Estimate:
-        """Derivatives and their standard errors from all samples so far."""
+        """Estimate derivatives and their standard errors from all samples so far."""
         omega, values = self.transform.omega, self.transform.values
         u = FrequencyData(omega, values[:, : self._n_u] / self.input_response, self.model.inputs)
         z = FrequencyData(omega, values[:, self._n_u :], self.model.outputs)

@@ -1,4 +1,4 @@
-"""Complex least squares with real parameters, also when the regressors carry known noise."""
+"""Complex least squares with real parameters, also with known noise of the regressors."""
 
 from __future__ import annotations
 
@@ -11,65 +11,67 @@ from scipy import linalg
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation import noise
 
-_WORST_CONDITION = 1e10
+_LARGEST_CONDITION = 1e10  # of the scaled regressors: collinear above
 _ITERATIONS = 20
-_STILL = 1e-7  # of the largest derivative, in equal units: no change worth a round
-_MARGIN = 1.5  # the compensated normal matrix keeps at least 1/3 of its weakest direction
-_LEAST = 0.02  # of a direction that error bars count as motion where all may be noise
+_CONVERGED = 1e-7  # change over the largest derivative, both in equal units
+_MARGIN = 1.5  # at least 1/3 of the weakest direction of the normal matrix remains
+_LEAST_SIGNAL = 0.02  # share of signal in a direction that standard errors assume at least
+_EXCESS_TOLERANCE = 1e-3  # of the degrees of freedom
+_LEAST_VARIANCE = 1e-12  # of the largest variance: weights stay finite
 
 
 @dataclass(frozen=True, slots=True)
-class Disturbance:
-    """Covariance of the errors at every line, real parts: theta is real.
+class ErrorsInVariables:
+    """Errors-in-variables covariance at every frequency, real parts: theta is real.
 
-    Of the regressors, of the dependent variable, and E[x z*] between the two; ``doubt`` is
-    the relative standard deviation of all this where it was itself estimated.
-    ``systematic`` are errors that all lines share, one standard deviation of each cause:
-    of the regressors and, in the last column, of the dependent variable.
+    Of the regressors, of the dependent variable, and E[x z*] between the two;
+    ``relative_std`` is the relative standard deviation of these covariances where they were
+    estimated. ``systematic`` are errors common to all frequencies, one standard deviation of
+    each cause: of the regressors and, in the last column, of the dependent variable.
     """
 
     regressors: Float[np.ndarray, "n_omega p p"]
     cross: Float[np.ndarray, "n_omega p"]
     dependent: Float[np.ndarray, " n_omega"]
-    doubt: float = 0.0
+    relative_std: float = 0.0
     systematic: Complex[np.ndarray, "n_omega n_causes p_1"] | None = None
 
     def equation_variance(self, theta: Float[np.ndarray, " p"]) -> Float[np.ndarray, " n_omega"]:
-        """Variance that these errors give to z - X theta at every line."""
+        """Variance of z - X theta due to these errors at every frequency."""
         n_omega = self.dependent.size
         quadratic = self.regressors.reshape(n_omega, -1) @ np.outer(theta, theta).ravel()
         return quadratic - 2.0 * (self.cross @ theta) + self.dependent
 
 
 @dataclass(frozen=True, slots=True)
-class Weighing:
-    """Values, the variance of the equation at every line, and the share of the bias taken out."""
+class WeightedFit:
+    """Values, the variance of the equation at every frequency, and the fraction of bias removed."""
 
     values: Float[np.ndarray, " p"]
     variance: Float[np.ndarray, " n_omega"]
-    keep: float
+    fraction_removed: float
 
 
 @dataclass(frozen=True, slots=True)
-class Certainty:
-    """Inverse of the normal matrix of the motion alone, and how far its noise pulled the values.
+class NormalInverse:
+    """Inverse of the normal matrix without noise, and the bias due to noise.
 
-    The inverse is ``directions`` diag(1 / ``motion``) ``directions``^T, where the columns of
-    ``directions`` make the weighted regressors orthonormal. ``untold`` is the covariance of
-    what noise may have put along directions in which it is more than the motion: part of its
-    bias stays in there, for the dependent variable holds the same noise, and the fit explains
-    that. It explains no more than there is.
+    The inverse is ``directions`` diag(1 / ``signal``) ``directions``^T, where the columns of
+    ``directions`` make the weighted regressors orthonormal. ``unresolved_covariance`` is the
+    covariance along directions in which noise exceeds the signal: part of the bias remains
+    there, because the dependent variable contains the same noise. Its bound is the weighted
+    sum of squares of the dependent variable.
     """
 
     directions: Float[np.ndarray, "p p"]
-    motion: Float[np.ndarray, " p"]
-    pulled: Float[np.ndarray, " p"]
-    untold: Float[np.ndarray, "p p"]
+    signal: Float[np.ndarray, " p"]
+    bias: Float[np.ndarray, " p"]
+    unresolved_covariance: Float[np.ndarray, "p p"]
 
 
 @dataclass(frozen=True, slots=True)
 class Regression:
-    """Values, their covariance for white residuals, and for the residuals as they are."""
+    """Values, their covariance for white residuals, and the one for the observed residuals."""
 
     values: Float[np.ndarray, " p"]
     covariance: Float[np.ndarray, "p p"]
@@ -80,36 +82,36 @@ def regress(
     X: Complex[np.ndarray, "n_omega p"],
     z: Complex[np.ndarray, " n_omega"],
     names: tuple[str, ...],
-    disturbance: Disturbance | None = None,
+    errors: ErrorsInVariables | None = None,
 ) -> Regression:
-    """Fit z = X theta with real theta.
+    """Fit z = X theta with real theta by least squares.
 
     Parameters
     ----------
     X, z
-        Regressors and dependent variable, one row per line.
+        Regressors and dependent variable, one row per frequency.
     names
         Of the parameters, for messages.
-    disturbance
-        Errors of X and z. With it, lines are weighted by the variance that the
-        errors give to the equation, and the bias they cause is taken out.
+    errors
+        Covariance of the errors of X and z. With it, frequencies are weighted by the
+        variance of the equation, and the bias due to the errors is removed.
 
     Raises
     ------
     NotIdentifiable
-        If there are too few lines, a regressor is still, or some are collinear.
+        If there are too few frequencies, a regressor is zero, or some are collinear.
 
     Notes
     -----
-    With M complex lines and p real parameters the residual variance is
-    nu^H nu / (M - p/2) and Cov = 1/2 s^2 [Re X^H X]^-1. The form without the
-    half, often printed, is twice too large.
+    With M complex data points and p real parameters the residual variance is
+    s^2 = nu^H nu / (M - p/2) and Cov = 1/2 s^2 [Re X^H X]^-1. The form without the
+    factor 1/2, often printed, is twice too large.
     """
     n_lines, p = X.shape
     if p >= 2 * n_lines:
         raise NotIdentifiable(
-            f"{p} derivatives of one coefficient are free ({names[0]}...) but there are only "
-            f"{n_lines} lines; free fewer or use more lines",
+            f"{p} derivatives of one coefficient are free ({names[0]}...) but the band has only "
+            f"{n_lines} frequencies; free fewer derivatives or widen the band",
             parameters=p,
             lines=n_lines,
         )
@@ -117,32 +119,32 @@ def regress(
     if not scale.all():
         quiet = names[int(np.argmin(scale))]
         raise NotIdentifiable(
-            f"the variable of {quiet} does not move in this maneuver; hold it fixed", name=quiet
+            f"the variable of {quiet} is zero in this maneuver; hold {quiet} fixed", name=quiet
         )
     stacked, target = _as_real(X) / scale, _as_real(z)
     q, r = np.linalg.qr(stacked)
-    if np.linalg.cond(r) > _WORST_CONDITION:
+    if np.linalg.cond(r) > _LARGEST_CONDITION:
         raise NotIdentifiable(
             f"the regressors of {names[0].split('_')[0]} are collinear; hold some of "
             f"{', '.join(names)} fixed",
             code="collinear",
         )
     theta = linalg.solve_triangular(r, q.T @ target) / scale
-    if disturbance is not None:
-        weighing, certainty = compensate(X, z, theta, disturbance)
-        return _with_covariance(X, z, weighing, certainty, disturbance)
-    inverse = inverse_of_triangular(r) / scale[:, None]
-    plain = Weighing(theta, np.ones(n_lines), 0.0)
-    certain = Certainty(inverse, np.ones(p), np.zeros(p), np.zeros((p, p)))
-    return _with_covariance(X, z, plain, certain)
+    if errors is not None:
+        fit, inverse = compensate_bias(X, z, theta, errors)
+        return _add_covariance(X, z, fit, inverse, errors)
+    directions = invert_triangular(r) / scale[:, None]
+    fit = WeightedFit(theta, np.ones(n_lines), 0.0)
+    inverse = NormalInverse(directions, np.ones(p), np.zeros(p), np.zeros((p, p)))
+    return _add_covariance(X, z, fit, inverse)
 
 
-def inverse_of_triangular(r: Float[np.ndarray, "p p"]) -> Float[np.ndarray, "p p"]:
-    """R^-1 of an upper triangle.
+def invert_triangular(r: Float[np.ndarray, "p p"]) -> Float[np.ndarray, "p p"]:
+    """Invert an upper triangular matrix R.
 
     Notes
     -----
-    (A^T A)^-1 = R^-1 R^-T with A = Q R keeps the digits that forming A^T A loses: its
+    (A^T A)^-1 = R^-1 R^-T with A = Q R avoids the loss of digits in A^T A, whose
     condition number is the square of that of A.
     Source: Golub and Van Loan, Matrix Computations, 4th ed., sec. 5.3.
     """
@@ -150,120 +152,127 @@ def inverse_of_triangular(r: Float[np.ndarray, "p p"]) -> Float[np.ndarray, "p p
 
 
 def _as_real(values: np.ndarray) -> np.ndarray:
-    """Real parts above imaginary parts."""
+    """Stack real parts above imaginary parts."""
     return np.concatenate([np.real(values), np.imag(values)])
 
 
-def compensate(
+def compensate_bias(
     X: Complex[np.ndarray, "n_omega p"],
     z: Complex[np.ndarray, " n_omega"],
     theta: Float[np.ndarray, " p"],
-    disturbance: Disturbance,
-) -> tuple[Weighing, Certainty]:
-    """Weight the lines by the known errors and take their bias out, from a first guess on.
+    errors: ErrorsInVariables,
+) -> tuple[WeightedFit, NormalInverse]:
+    """Weight the frequencies by the known errors and remove their bias, iteratively.
 
     Notes
     -----
-    Where noise makes most of a direction of the normal matrix, only a part is taken out,
-    or the direction would be divided by next to nothing. Error bars then do count what
-    is left, and that the share of noise is known as well as lines and sensors tell it.
+    Corrected least squares for errors in variables, with weights W = 1 / variance:
+    [Re X^H W X - f sum W C_xx] theta = Re X^H W z - f sum W C_xz. The fraction f is 1 unless
+    noise exceeds 1/``_MARGIN`` of a direction of the normal matrix, which would then be
+    nearly singular. Standard errors include the remaining bias and the relative standard
+    deviation of the noise covariance.
     """
     n_lines, p = X.shape
-    variance, keep = np.ones(n_lines), 1.0
-    shares, directions, pulled = np.zeros(p), np.eye(p), np.zeros(p)
+    variance, fraction = np.ones(n_lines), 1.0
+    shares, directions, bias = np.zeros(p), np.eye(p), np.zeros(p)
     stacked, target = _as_real(X), _as_real(z)
-    spread = disturbance.regressors.reshape(n_lines, -1)
+    spread = errors.regressors.reshape(n_lines, -1)
     for _ in range(_ITERATIONS):
-        variance = _line_variance(X, z, theta, disturbance)
+        variance = _compute_equation_variance(X, z, theta, errors)
         weight = 1.0 / variance
         root = np.sqrt(np.concatenate([weight, weight]))
         weighted = stacked * root[:, None]
-        bias = (weight @ spread).reshape(p, p)
-        pull = weight @ disturbance.cross
+        noise_normal = (weight @ spread).reshape(p, p)
+        noise_moment = weight @ errors.cross
         scale = np.linalg.norm(weighted, axis=0)
         q, r = np.linalg.qr(weighted / scale)
-        inverse = inverse_of_triangular(r)
-        among = inverse.T @ (bias / np.outer(scale, scale)) @ inverse
+        inverse = invert_triangular(r)
+        among = inverse.T @ (noise_normal / np.outer(scale, scale)) @ inverse
         shares, axes = np.linalg.eigh(0.5 * (among + among.T))
         directions = inverse @ axes
-        keep = min(1.0, 1.0 / max(_MARGIN * shares[-1], np.finfo(float).tiny))
-        right = axes.T @ (q.T @ (root * target)) - keep * (directions.T @ (pull / scale))
-        update = directions @ (right / (1.0 - keep * shares)) / scale
+        fraction = min(1.0, 1.0 / max(_MARGIN * shares[-1], np.finfo(float).tiny))
+        right = axes.T @ (q.T @ (root * target)) - fraction * (
+            directions.T @ (noise_moment / scale)
+        )
+        update = directions @ (right / (1.0 - fraction * shares)) / scale
         moved = np.max(np.abs(update - theta) * scale) / np.max(np.abs(theta) * scale)
         theta = update
         directions /= scale[:, None]
-        pulled = bias @ theta - pull
-        if moved < _STILL:
+        bias = noise_normal @ theta - noise_moment
+        if moved < _CONVERGED:
             break
-    doubt = np.hypot(disturbance.doubt, 1.0 / np.sqrt(n_lines))
-    motion = np.maximum(1.0 - shares * (1.0 + 2.0 * doubt), _LEAST)
+    relative_std = np.hypot(errors.relative_std, 1.0 / np.sqrt(n_lines))
+    signal = np.maximum(1.0 - shares * (1.0 + 2.0 * relative_std), _LEAST_SIGNAL)
     left = directions * (1.0 - 1.0 / np.maximum(_MARGIN * shares, 1.0))
-    untold = np.sum(np.abs(z) ** 2 / variance) * (left @ left.T)
-    pulled = (directions / motion) @ (directions.T @ pulled)
-    return Weighing(theta, variance, keep), Certainty(directions, motion, pulled, untold)
+    unresolved = np.sum(np.abs(z) ** 2 / variance) * (left @ left.T)
+    bias = (directions / signal) @ (directions.T @ bias)
+    inverse_normal = NormalInverse(directions, signal, bias, unresolved)
+    return WeightedFit(theta, variance, fraction), inverse_normal
 
 
-def _line_variance(
+def _compute_equation_variance(
     X: Complex[np.ndarray, "n_omega p"],
     z: Complex[np.ndarray, " n_omega"],
     theta: Float[np.ndarray, " p"],
-    disturbance: Disturbance,
+    errors: ErrorsInVariables,
 ) -> Float[np.ndarray, " n_omega"]:
-    """Variance of the equation: known errors, and a white rest (noise on the inputs)."""
-    known = disturbance.equation_variance(theta)
-    known = np.maximum(known, 1e-12 * known.max())
-    return known + excess_variance(known, np.abs(z - X @ theta) ** 2, X.shape[0] - 0.5 * X.shape[1])
+    """Compute the variance of the equation: known errors plus a white part (input noise)."""
+    known = errors.equation_variance(theta)
+    known = np.maximum(known, _LEAST_VARIANCE * known.max())
+    return known + estimate_excess_variance(
+        known, np.abs(z - X @ theta) ** 2, X.shape[0] - 0.5 * X.shape[1]
+    )
 
 
-def excess_variance(
+def estimate_excess_variance(
     known: Float[np.ndarray, " n_omega"], found: Float[np.ndarray, " n_omega"], freedom: float
 ) -> float:
-    """Variance beyond the known one, alike of all, that squared residuals ask for.
+    """Estimate the common variance in excess of the known ones from squared residuals.
 
     Notes
     -----
-    As Mandel and Paule (1970): with it the weighted residuals are as large as their
-    freedom. A difference of means would be that of the few lines where the motion is
-    least known, a hundred thousand times the rest of the others.
+    Source: Mandel and Paule (1970): with it the weighted sum of squared residuals equals
+    its degrees of freedom. A difference of means would be dominated by the few frequencies
+    where the motion has the largest error, a hundred thousand times that of the others.
     """
     rest = 0.0
     for _ in range(_ITERATIONS):  # Newton from below on a convex, falling sum
         weight = 1.0 / (known + rest)
         excess = float(found @ weight) - freedom
         slope = float(found @ weight**2)
-        if excess <= 1e-3 * freedom or slope == 0.0:
+        if excess <= _EXCESS_TOLERANCE * freedom or slope == 0.0:
             break
         rest += excess / slope
     return rest
 
 
-def _with_covariance(
+def _add_covariance(
     X: Complex[np.ndarray, "n_omega p"],
     z: Complex[np.ndarray, " n_omega"],
-    weighing: Weighing,
-    certainty: Certainty,
-    disturbance: Disturbance | None = None,
+    fit: WeightedFit,
+    inverse: NormalInverse,
+    errors: ErrorsInVariables | None = None,
 ) -> Regression:
     n_lines, p = X.shape
-    theta, variance = weighing.values, weighing.variance
+    theta, variance = fit.values, fit.variance
     nu = (z - X @ theta) / np.sqrt(variance)
     freedom = n_lines - 0.5 * p
     level = float(np.sum(np.abs(nu) ** 2)) / freedom
     one_group = np.zeros(n_lines, dtype=int)
-    density = np.real(noise.smoothed_density(nu[:, None], one_group, 1).of_lines()[:, 0, 0])
+    density = np.real(noise.smooth_density(nu[:, None], one_group, 1).expand_blocks()[:, 0, 0])
     density *= n_lines / freedom
-    directions = certainty.directions / certainty.motion
+    directions = inverse.directions / inverse.signal
     root = np.sqrt(np.maximum(density, 0.0) / variance)
-    scattered = _as_real(X * root[:, None]) @ certainty.directions
+    scattered = _as_real(X * root[:, None]) @ inverse.directions
     corrected = 0.5 * directions @ (scattered.T @ scattered) @ directions.T
-    if disturbance is not None:
-        corrected += disturbance.doubt**2 * np.outer(certainty.pulled, certainty.pulled)
-        corrected += certainty.untold
-        if disturbance.systematic is not None:
-            errors = disturbance.systematic @ np.append(-theta, 1.0)
+    if errors is not None:
+        corrected += errors.relative_std**2 * np.outer(inverse.bias, inverse.bias)
+        corrected += inverse.unresolved_covariance
+        if errors.systematic is not None:
+            common = errors.systematic @ np.append(-theta, 1.0)
             moved = directions @ (
-                certainty.directions.T @ np.real((X.conj() / variance[:, None]).T @ errors)
+                inverse.directions.T @ np.real((X.conj() / variance[:, None]).T @ common)
             )
             corrected += moved @ moved.T
-    plain = 0.5 * level * (directions @ certainty.directions.T)
+    plain = 0.5 * level * (directions @ inverse.directions.T)
     return Regression(theta, 0.5 * (plain + plain.T), 0.5 * (corrected + corrected.T))

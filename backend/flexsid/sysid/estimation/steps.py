@@ -1,4 +1,4 @@
-"""Steps of a maximisation: the curvatures that they may follow, and how large they are."""
+"""Steps of a maximisation: trial curvatures, damped steps and their size."""
 
 from __future__ import annotations
 
@@ -7,21 +7,22 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.linalg import lapack
 
-_CAPS = (0.97, 0.8, 0.5)  # on the share of the curvature that following the noise takes off
+_CAPS = (0.97, 0.8, 0.5)  # on the share of the curvature removed by concentrating the noise
+_SMALL_GRADIENT = 1e-2  # standard errors
 
 
-def curvatures(N: np.ndarray, followed: np.ndarray, *, slow: bool) -> Iterator[np.ndarray]:
-    """The curvature with S concentrated out, then with more and more of it kept in.
+def list_curvatures(N: np.ndarray, concentrated: np.ndarray, *, slow: bool) -> Iterator[np.ndarray]:
+    """Yield the curvature with S concentrated out, with a limited reduction, and without.
 
-    Far from the optimum more can be lacking in a direction than there is; of a fit that is
-    slow so much is taken off there that a share of the curvature stays.
+    Far from the optimum the reduction can exceed the curvature in a direction; for a slow
+    fit it is limited to the shares ``_CAPS`` of the curvature.
     """
-    if followed.size:
-        lacking = followed @ followed.T
-        yield N - lacking
+    if concentrated.size:
+        reduction = concentrated @ concentrated.T
+        yield N - reduction
         factor, info = lapack.dpotrf(N, lower=True) if slow else (N, 1)
         if info == 0:
-            half = np.linalg.solve(factor, lacking)
+            half = np.linalg.solve(factor, reduction)
             shares, directions = np.linalg.eigh(np.linalg.solve(factor, half.T))
             spread = factor @ directions
             for cap in _CAPS:
@@ -29,12 +30,12 @@ def curvatures(N: np.ndarray, followed: np.ndarray, *, slow: bool) -> Iterator[n
     yield N
 
 
-def damped_step(
+def solve_damped_step(
     matrix: np.ndarray, diagonal: np.ndarray, gradient: np.ndarray, damping: float
 ) -> np.ndarray | None:
-    """Solve with a share of a diagonal added, None where the matrix is still not positive.
+    """Solve with a share of a diagonal added, None if the matrix is not positive definite.
 
-    Cholesky's rounding does not depend on how the parameters are scaled.
+    The rounding of Cholesky's factorisation does not depend on the scale of the parameters.
     """
     damped = matrix.copy(order="F")
     damped.ravel("K")[:: len(damped) + 1] += damping * diagonal
@@ -42,11 +43,11 @@ def damped_step(
     return None if info != 0 else lapack.dpotrs(factor, gradient, lower=False)[0]
 
 
-def size_in_std_errors(N: np.ndarray, delta: np.ndarray) -> float:
-    """Largest step against a lower bound of its standard error, correlation ignored."""
+def compute_step_size(N: np.ndarray, delta: np.ndarray) -> float:
+    """Compute the largest step in units of standard errors without correlation."""
     return float((np.abs(delta) * np.sqrt(2.0 * N.diagonal())).max())
 
 
-def gradient_is_small(N: np.ndarray, g: np.ndarray) -> bool:
-    """Whether no parameter would move by a hundredth of its standard error."""
-    return bool(np.max(np.abs(g) / np.sqrt(np.maximum(np.diag(N), 1e-300))) < 1e-2)
+def is_gradient_small(N: np.ndarray, g: np.ndarray) -> bool:
+    """Whether every single parameter would move by less than ``_SMALL_GRADIENT``."""
+    return bool(np.max(np.abs(g) / np.sqrt(np.maximum(np.diag(N), 1e-300))) < _SMALL_GRADIENT)

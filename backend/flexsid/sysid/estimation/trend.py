@@ -1,4 +1,4 @@
-"""Trends: a weighted polynomial through estimates, and whether they scatter as they say."""
+"""Trends: weighted polynomials through estimates, with a chi-square test of their scatter."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ import numpy as np
 from jaxtyping import Float
 from scipy import stats
 
-from flexsid.sysid.estimation.regression import inverse_of_triangular
+from flexsid.sysid.estimation.regression import invert_triangular
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trend:
     """A polynomial in (x - centre) / span, lowest power first.
 
-    ``probability`` is that of a ``chi_square`` at least as large if the estimates
-    scatter as their standard errors say; None where nothing is left to judge by.
+    ``probability`` is the p-value of ``chi_square`` for independent estimates with the given
+    standard errors; None without degrees of freedom.
     """
 
     centre: float
@@ -29,11 +29,11 @@ class Trend:
 
     @property
     def inflation(self) -> float:
-        """Factor on the errors that makes the scatter likely; never below one."""
+        """Birge ratio: factor on the standard errors due to the scatter; at least one."""
         return max(1.0, float(np.sqrt(self.chi_square / self.freedom))) if self.freedom else 1.0
 
     def at(self, x: Float[np.ndarray, " n"]) -> tuple[np.ndarray, np.ndarray]:
-        """Value and standard error at some places, the error inflated by the scatter."""
+        """Compute value and standard error at x, the error inflated by the Birge ratio."""
         powers = self._powers(x)
         spread = np.einsum("ij,jk,ik->i", powers, self.covariance, powers)
         return powers @ self.coefficients, self.inflation * np.sqrt(spread)
@@ -62,36 +62,38 @@ def fit_trend(
     Parameters
     ----------
     x
-        Where each was estimated, e.g. dynamic pressure. [any]
+        Condition of each estimate, e.g. dynamic pressure. [any]
     values
         Estimates. [any]
     std_errors
         Their standard errors, all positive. [as ``values``]
     degree
-        0 for a constant, which makes the weighted mean, 1 for a line, and so on.
+        0 for a constant (the weighted mean), 1 for a straight line, and so on.
 
     Raises
     ------
     ValueError
-        If there are fewer distinct places than coefficients.
+        If there are fewer distinct x than coefficients.
 
     Notes
     -----
     Weighted least squares with known variances; the sum of squares left over is
-    chi-square distributed with n - degree - 1 degrees of freedom where the errors
-    are what they say and independent. Where it is larger, errors are inflated by
+    chi-square distributed with n - degree - 1 degrees of freedom if the errors are
+    independent with the given standard errors. Where it is larger, errors are inflated by
     its square root over the degrees of freedom (the Birge ratio).
     Source: R. T. Birge, Phys. Rev. 40, 207 (1932).
     """
     x = np.asarray(x, dtype=float)
     if np.unique(x).size <= degree:
-        raise ValueError(f"{degree + 1} coefficients take as many places, not {np.unique(x).size}")
+        raise ValueError(
+            f"{degree + 1} coefficients need {degree + 1} distinct x; found {np.unique(x).size}"
+        )
     centre = float(np.average(x, weights=std_errors**-2.0))
     span = float(np.ptp(x)) or 1.0
     powers = np.vander((x - centre) / span, degree + 1, increasing=True) / std_errors[:, None]
     whitened = values / std_errors
     q, r = np.linalg.qr(powers)
-    inverse = inverse_of_triangular(r)
+    inverse = invert_triangular(r)
     coefficients = inverse @ (q.T @ whitened)
     chi_square = float(np.sum((whitened - powers @ coefficients) ** 2))
     freedom = x.size - degree - 1

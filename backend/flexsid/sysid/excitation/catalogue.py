@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Int
 
-from flexsid.sysid.excitation.multisine import Multisine, allot_harmonics, design_multisine
+from flexsid.sysid.excitation.multisine import Multisine, assign_harmonics, design_multisine
 
 ELASTIC_GROUPS = {"LE": slice(0, 2), "HE": slice(2, 8)}
 """Structural modes of LE and HE by their place in order of frequency: modes 7-8 and 9-14 of the
@@ -19,7 +19,7 @@ X-56A's finite element model, whose first six are rigid (Sec. V.B)."""
 class FlightTestAid:
     """One row of Table 1, numbered by its lowest amplitude; the counts are per input.
 
-    ``periods`` is the duration in units of T; ``axis`` tells how the surfaces move.
+    ``periods`` is the duration in units of T; ``axis`` is the symmetry of the deflections.
     """
 
     number: int
@@ -37,7 +37,7 @@ class FlightTestAid:
         return self.number, self.number + 1, self.number + 2
 
     def input_names(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Surfaces in the order in which harmonics are dealt, and throttles.
+        """Surfaces in the order in which harmonics are assigned, and throttles.
 
         Neighbours on the wing are not neighbours here (Sec. V.C).
         """
@@ -57,7 +57,7 @@ class FlightTestAid:
 
         Notes
         -----
-        A row of one T deals consecutive harmonics. The rows of 4T have hardly more of them on a
+        A row of one T has consecutive harmonics. The rows of 4T have hardly more of them on a
         grid four times as fine, so that consecutive ones would end at a quarter of the band:
         they span the band of the row of one T with the same axis and structural targets.
         """
@@ -75,7 +75,7 @@ class FlightTestAid:
     def harmonics(
         self, first: int = 1, last: int | None = None
     ) -> dict[str, Int[np.ndarray, " n_tones"]]:
-        """Deal harmonics of the design's own duration; throttles have the lowest.
+        """Assign harmonics of the design's own duration; throttles have the lowest.
 
         Parameters
         ----------
@@ -87,7 +87,7 @@ class FlightTestAid:
             spread evenly, or consecutive where they reach further by themselves.
         """
         surfaces, throttles = self.input_names()
-        low = allot_harmonics(throttles, self.throttle_harmonics, 1)
+        low = assign_harmonics(throttles, self.throttle_harmonics, 1)
         lowest = max(first, 1 + len(throttles) * self.throttle_harmonics)
         steps = np.arange(self.harmonics_per_input * len(surfaces))
         needed = (self.highest_harmonic() if last is None else last) or 0
@@ -170,7 +170,7 @@ def design_flight_test_aid(
     number
         FTA number of Table 1.
     order
-        Inputs in the order in which harmonics are dealt.
+        Inputs in the order in which harmonics are assigned.
     relative_peaks
         Peak of each input relative to ``peak``; they set the order of columns. [1]
     peak
@@ -185,7 +185,7 @@ def design_flight_test_aid(
     KeyError
         If the catalogue has no such flight test aid.
     """
-    dealt = allot_harmonics(order, CATALOGUE[number].harmonics_per_input, first_harmonic)
+    dealt = assign_harmonics(order, CATALOGUE[number].harmonics_per_input, first_harmonic)
     return design_multisine(
         {name: dealt[name] for name in relative_peaks},
         period_s,

@@ -1,4 +1,4 @@
-"""Checks before flight: orthogonality, peaks, and what the actuators make of a design."""
+"""Checks before flight: orthogonality, peaks, and the response of the actuators."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.sysid.excitation.designer import peak_factors
+from flexsid.sysid.excitation.designer import compute_peak_factors
 from flexsid.sysid.excitation.multisine import Multisine
 
 
@@ -54,22 +54,22 @@ class DesignChecks:
 
 
 def check_design(multisine: Multisine, rate_hz: float, actuator: ActuatorLimits) -> DesignChecks:
-    """Measure a design as it will be sampled and as the surfaces will move.
+    """Evaluate a design as sampled, and the deflections behind the actuators.
 
     Parameters
     ----------
     multisine
-        At the amplitude that is meant.
+        At the amplitude to be flown.
     rate_hz
         Rate of the flight computer. [Hz]
     actuator
-        What every surface has; its periodic response is exact, so limits that are
-        reached are seen before they act.
+        Of every surface; its periodic response is exact and linear, so that limits are
+        compared with the unlimited deflection.
     """
     samples = multisine.sample(np.arange(round(multisine.period_s * rate_hz)) / rate_hz)
     size = np.sqrt(np.sum(samples**2, axis=0))
     correlation = np.abs(samples.T @ samples / np.outer(size, size) - np.eye(size.size)).max()
-    factors = peak_factors(multisine)
+    factors = compute_peak_factors(multisine)
     rows = []
     for column, (name, tones) in enumerate(multisine.tones.items()):
         omega = 2.0 * np.pi * tones.harmonics / multisine.period_s

@@ -1,4 +1,4 @@
-"""Designer: from what is wanted to phases, and the recipe that reproduces them."""
+"""Multisine designer: phases from a specification, and the recipe that reproduces them."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.errors import BadInput
-from flexsid.sysid.excitation.allotment import check_allotment
-from flexsid.sysid.excitation.extrema import judged_peak_factor
+from flexsid.sysid.excitation.extrema import evaluate_peak_factor
+from flexsid.sysid.excitation.harmonic_assignment import check_harmonics
 from flexsid.sysid.excitation.multisine import Multisine, Tones
-from flexsid.sysid.excitation.norms import HarmonicLines
+from flexsid.sysid.excitation.norms import HarmonicSpectrum
 from flexsid.sysid.excitation.peak_factor import start_at_zero
 from flexsid.sysid.excitation.phase_search import (
     PATIENT,
@@ -36,10 +36,10 @@ _LEAST_POINTS = 64  # of the grid on which the largest deflection is found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class InputWish:
-    """One input: its harmonics, its peak relative to the design's, and the power of each line.
+class InputSpecification:
+    """One input: its harmonics, its peak relative to the design's, and the power of each harmonic.
 
-    ``power`` is relative and flat when left out.
+    ``power`` is relative; the spectrum is flat by default.
     """
 
     name: str
@@ -49,8 +49,8 @@ class InputWish:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Wish:
-    """What is wanted of a design; with its phases, the whole recipe.
+class DesignSpecification:
+    """Specification of a design; with the phases it is the complete recipe.
 
     ``peaks`` are the largest deflections of an input with relative peak 1 at the
     three amplitudes, low to high, in the unit of the command.
@@ -58,14 +58,14 @@ class Wish:
 
     duration_s: float
     rate_hz: float
-    inputs: tuple[InputWish, ...]
+    inputs: tuple[InputSpecification, ...]
     peaks: tuple[float, float, float]
     effort: str = "thorough"
     seed: int = 0
 
 
 def design(
-    wish: Wish,
+    specification: DesignSpecification,
     report: Callable[[str, float, float], None] | None = None,
     processes: int = 1,
 ) -> Multisine:
@@ -73,10 +73,10 @@ def design(
 
     Parameters
     ----------
-    wish
-        What is wanted.
+    specification
+        Inputs, period, rate and amplitudes.
     report
-        Told the input, its best relative peak factor so far, and the fraction of
+        Called with the input, its best relative peak factor so far, and the fraction of
         the whole that is done; may raise to stop.
     processes
         More than one searches that many inputs at a time.
@@ -84,11 +84,12 @@ def design(
     Raises
     ------
     BadInput
-        If the wish cannot be fulfilled; the message has the numbers.
+        If the specification cannot be fulfilled; the message has the numbers.
     """
-    check_wish(wish)
+    check_specification(specification)
     tasks = [
-        (_lines(own), EFFORTS[wish.effort], wish.seed + i) for i, own in enumerate(wish.inputs)
+        (_lines(own), EFFORTS[specification.effort], specification.seed + i)
+        for i, own in enumerate(specification.inputs)
     ]
     weights = np.array([lines.harmonics.size for lines, _, _ in tasks], dtype=float)
     done = np.concatenate([[0.0], np.cumsum(weights / weights.sum())])
@@ -98,36 +99,41 @@ def design(
             for place, best in enumerate(pool.map(_search, tasks)):
                 found.append(best)
                 if report is not None:
-                    report(wish.inputs[place].name, best.peak_factor, float(done[place + 1]))
+                    report(
+                        specification.inputs[place].name, best.peak_factor, float(done[place + 1])
+                    )
     else:
         for place, (lines, effort, seed) in enumerate(tasks):
 
-            def tell(best: FoundPhases, fraction: float, place: int = place) -> None:
+            def report_progress(best: FoundPhases, fraction: float, place: int = place) -> None:
                 if report is not None:
                     share = done[place] + fraction * (done[place + 1] - done[place])
-                    report(wish.inputs[place].name, best.peak_factor, float(share))
+                    report(specification.inputs[place].name, best.peak_factor, float(share))
 
-            found.append(search_phases(lines, effort, seed, tell))
-    return from_phases(
-        wish, {own.name: best.phases for own, best in zip(wish.inputs, found, strict=True)}
+            found.append(search_phases(lines, effort, seed, report_progress))
+    return build_multisine(
+        specification,
+        {own.name: best.phases for own, best in zip(specification.inputs, found, strict=True)},
     )
 
 
-def from_phases(
-    wish: Wish, phases: dict[str, Float[np.ndarray, " n_tones"]], level: int = 0
+def build_multisine(
+    specification: DesignSpecification,
+    phases: dict[str, Float[np.ndarray, " n_tones"]],
+    level: int = 0,
 ) -> Multisine:
-    """Make the multisine of a recipe at one of its three amplitudes, starting at zero."""
+    """Build the multisine of a recipe at one of its three amplitudes, starting at zero."""
     tones = {}
-    for own in wish.inputs:
+    for own in specification.inputs:
         lines = _lines(own)
         shifted = start_at_zero(lines.harmonics, lines.amplitudes, np.asarray(phases[own.name]))
-        peak = wish.peaks[level] * own.relative_peak
+        peak = specification.peaks[level] * own.relative_peak
         tones[own.name] = _scaled(Tones(lines.harmonics, lines.amplitudes, shifted), peak)
-    return Multisine(wish.duration_s, tones)
+    return Multisine(specification.duration_s, tones)
 
 
-def search_time_s(wish: Wish) -> float:
-    """Estimated processor time of the search for phases. [s]
+def estimate_search_time_s(specification: DesignSpecification) -> float:
+    """Estimate the processor time of the phase search. [s]
 
     Notes
     -----
@@ -135,14 +141,14 @@ def search_time_s(wish: Wish) -> float:
     harmonic; the effort counts the iterations.
     """
     total = 0.0
-    for own in wish.inputs:
+    for own in specification.inputs:
         n, highest = len(own.harmonics), max(own.harmonics, default=0)
         total += _PER_PAIR_S * n**2 + _PER_TONE_S * n + _PER_HARMONIC_S * highest
-    return _SEARCH_S[wish.effort] * total
+    return _SEARCH_S[specification.effort] * total
 
 
 def check_period(duration_s: float, rate_hz: float, n_inputs: int) -> None:
-    """Refuse a period that has too many samples, before anything is computed for it.
+    """Raise BadInput for a period with too many samples, before anything is computed.
 
     Raises
     ------
@@ -162,18 +168,24 @@ def check_period(duration_s: float, rate_hz: float, n_inputs: int) -> None:
         )
 
 
-def check_wish(wish: Wish) -> None:
-    """Refuse what no search could fulfil."""
-    if wish.effort not in EFFORTS:
-        raise BadInput(f"effort {wish.effort!r} is not one of {', '.join(EFFORTS)}")
-    check_period(wish.duration_s, wish.rate_hz, len(wish.inputs))
-    if not 0.0 < wish.peaks[0] <= wish.peaks[1] <= wish.peaks[2]:
-        raise BadInput(f"amplitudes {wish.peaks} must be positive and rise from low to high")
-    names = [own.name for own in wish.inputs]
+def check_specification(specification: DesignSpecification) -> None:
+    """Raise BadInput for a specification that cannot be fulfilled."""
+    if specification.effort not in EFFORTS:
+        raise BadInput(f"effort {specification.effort!r} is not one of {', '.join(EFFORTS)}")
+    check_period(specification.duration_s, specification.rate_hz, len(specification.inputs))
+    if not 0.0 < specification.peaks[0] <= specification.peaks[1] <= specification.peaks[2]:
+        raise BadInput(
+            f"amplitudes {specification.peaks} must be positive and rise from low to high"
+        )
+    names = [own.name for own in specification.inputs]
     if len(set(names)) != len(names):
         raise BadInput(f"inputs {', '.join(names)} must all have different names")
-    check_allotment({own.name: own.harmonics for own in wish.inputs}, wish.duration_s, wish.rate_hz)
-    for own in wish.inputs:
+    check_harmonics(
+        {own.name: own.harmonics for own in specification.inputs},
+        specification.duration_s,
+        specification.rate_hz,
+    )
+    for own in specification.inputs:
         if own.relative_peak <= 0.0:
             raise BadInput(f"relative peak {own.relative_peak:g} of {own.name} must be positive")
         if own.power is None:
@@ -186,27 +198,29 @@ def check_wish(wish: Wish) -> None:
             raise BadInput(f"a power of {own.name} is {min(own.power):g}; each must be positive")
 
 
-def peak_factors(multisine: Multisine) -> dict[str, float]:
-    """Judged relative peak factor of every input. [1]"""
+def compute_peak_factors(multisine: Multisine) -> dict[str, float]:
+    """Relative peak factor of every input, peaks interpolated between samples. [1]"""
     return {
-        name: judged_peak_factor(HarmonicLines(tones.harmonics, tones.amplitudes), tones.phases)
+        name: evaluate_peak_factor(
+            HarmonicSpectrum(tones.harmonics, tones.amplitudes), tones.phases
+        )
         for name, tones in multisine.tones.items()
     }
 
 
-def _lines(own: InputWish) -> HarmonicLines:
+def _lines(own: InputSpecification) -> HarmonicSpectrum:
     harmonics = np.array(own.harmonics)
     power = np.ones(harmonics.size) if own.power is None else np.array(own.power, dtype=float)
-    return HarmonicLines(harmonics, np.sqrt(2.0 * power / power.sum()))
+    return HarmonicSpectrum(harmonics, np.sqrt(2.0 * power / power.sum()))
 
 
 def _scaled(tones: Tones, peak: float) -> Tones:
-    lines = HarmonicLines(tones.harmonics, tones.amplitudes)
+    lines = HarmonicSpectrum(tones.harmonics, tones.amplitudes)
     wave = lines.on_grid(tones.phases[None], lines.grid_size(_LEAST_POINTS))
     return Tones(
         tones.harmonics, tones.amplitudes * (peak / float(np.abs(wave).max())), tones.phases
     )
 
 
-def _search(task: tuple[HarmonicLines, Effort, int]) -> FoundPhases:
+def _search(task: tuple[HarmonicSpectrum, Effort, int]) -> FoundPhases:
     return search_phases(*task)

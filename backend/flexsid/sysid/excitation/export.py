@@ -13,24 +13,28 @@ import numpy as np
 from scipy import io as matlab
 
 from flexsid.errors import BadInput
-from flexsid.sysid.excitation.designer import InputWish, Wish, from_phases
+from flexsid.sysid.excitation.designer import (
+    DesignSpecification,
+    InputSpecification,
+    build_multisine,
+)
 from flexsid.sysid.excitation.multisine import Multisine
-from flexsid.text import c_identifiers, spreadsheet_cell
+from flexsid.text import escape_spreadsheet_cell, make_c_identifiers
 
 FORMATS = ("csv", "mat", "h", "json")
 
 
-def sample_period(multisine: Multisine, rate_hz: float) -> np.ndarray:
+def sample_one_period(multisine: Multisine, rate_hz: float) -> np.ndarray:
     """One period at the flight computer's rate, (n_samples, n_inputs)."""
     return multisine.sample(np.arange(round(multisine.period_s * rate_hz)) / rate_hz)
 
 
 def to_csv(multisine: Multisine, rate_hz: float) -> str:
     """Time and one column per input, with a header line."""
-    samples = sample_period(multisine, rate_hz)
+    samples = sample_one_period(multisine, rate_hz)
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(("t_s", *map(spreadsheet_cell, multisine.inputs)))
+    rows.writerow(("t_s", *map(escape_spreadsheet_cell, multisine.inputs)))
     rows.writerows(
         [f"{place / rate_hz:.9g}", *(f"{value:.9g}" for value in row)]
         for place, row in enumerate(samples)
@@ -40,7 +44,7 @@ def to_csv(multisine: Multisine, rate_hz: float) -> str:
 
 def to_matlab(multisine: Multisine, rate_hz: float) -> bytes:
     """MATLAB 5 file with ``t``, ``u`` and the names, harmonics, amplitudes and phases."""
-    samples = sample_period(multisine, rate_hz)
+    samples = sample_one_period(multisine, rate_hz)
     content = {
         "t": np.arange(samples.shape[0])[:, None] / rate_hz,
         "u": samples,
@@ -49,7 +53,7 @@ def to_matlab(multisine: Multisine, rate_hz: float) -> bytes:
         "inputs": np.array(multisine.inputs, dtype=object),
     }
     # MATLAB reads at most 31 letters of a name in a file of version 5.
-    names = c_identifiers(multisine.inputs, longest=25)
+    names = make_c_identifiers(multisine.inputs, longest=25)
     for name, tones in zip(names, multisine.tones.values(), strict=True):
         content[f"{name}_lines"] = np.column_stack(
             [tones.harmonics, tones.amplitudes, tones.phases]
@@ -62,14 +66,14 @@ def to_matlab(multisine: Multisine, rate_hz: float) -> bytes:
 
 def to_c_header(multisine: Multisine, rate_hz: float) -> str:
     """C header with one constant table of floats per input."""
-    samples = sample_period(multisine, rate_hz)
+    samples = sample_one_period(multisine, rate_hz)
     parts = [
         "/* Multisine excitation; one period, unit of the command. */",
         "#ifndef EXCITATION_TABLE_H\n#define EXCITATION_TABLE_H",
         f"#define EXCITATION_SAMPLES {samples.shape[0]}",
         f"#define EXCITATION_RATE_HZ {float(rate_hz)!r}",
     ]
-    for name, column in zip(c_identifiers(multisine.inputs), samples.T, strict=True):
+    for name, column in zip(make_c_identifiers(multisine.inputs), samples.T, strict=True):
         values = [f"{value:.9e}f" for value in column]
         lines = [", ".join(values[start : start + 6]) for start in range(0, len(values), 6)]
         body = ",\n  ".join(lines)
@@ -80,39 +84,41 @@ def to_c_header(multisine: Multisine, rate_hz: float) -> str:
     return "\n".join(parts) + "\n"
 
 
-def to_recipe(wish: Wish, multisine: Multisine) -> str:
-    """JSON with what was wanted and the phases that were found."""
+def write_recipe(specification: DesignSpecification, multisine: Multisine) -> str:
+    """JSON with the specification and the optimised phases."""
     phases = {name: tones.phases.tolist() for name, tones in multisine.tones.items()}
-    return json.dumps({"format": "flexsid-excitation-1", "wish": asdict(wish), "phases": phases})
+    return json.dumps(
+        {"format": "flexsid-excitation-1", "specification": asdict(specification), "phases": phases}
+    )
 
 
-def from_recipe(text: str, level: int = 0) -> tuple[Wish, Multisine]:
+def read_recipe(text: str, level: int = 0) -> tuple[DesignSpecification, Multisine]:
     """Reproduce a design from its recipe at one of its amplitudes.
 
     Raises
     ------
     BadInput
-        If the text is no recipe.
+        If the text is not a recipe.
     """
     try:
         content = json.loads(text)
-        wanted = dict(content["wish"])
+        fields = dict(content.get("specification") or content["wish"])  # earlier name
         inputs = tuple(
-            InputWish(
+            InputSpecification(
                 name=str(own["name"]),
                 harmonics=tuple(int(k) for k in own["harmonics"]),
                 relative_peak=float(own["relative_peak"]),
                 power=None if own["power"] is None else tuple(map(float, own["power"])),
             )
-            for own in wanted.pop("inputs")
+            for own in fields.pop("inputs")
         )
-        low, medium, high = map(float, wanted.pop("peaks"))
-        wish = Wish(inputs=inputs, peaks=(low, medium, high), **wanted)
+        low, medium, high = map(float, fields.pop("peaks"))
+        specification = DesignSpecification(inputs=inputs, peaks=(low, medium, high), **fields)
         phases = {own.name: np.array(content["phases"][own.name], dtype=float) for own in inputs}
-        return wish, from_phases(wish, phases, level)
+        return specification, build_multisine(specification, phases, level)
     except (ValueError, KeyError, TypeError, IndexError) as error:
         raise BadInput(
-            f"this is no recipe of an excitation ({type(error).__name__}: {error}); expected the"
+            f"the text is not an excitation recipe ({type(error).__name__}: {error}); expected the"
             " JSON that the workbench exports",
             code="bad-recipe",
         ) from error

@@ -1,4 +1,4 @@
-"""True peaks of a multisine between samples, and the last decimals of its peak factor."""
+"""Peaks of a multisine between samples, and the refinement of its peak factor."""
 
 from __future__ import annotations
 
@@ -8,28 +8,31 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy import linalg
 
-from flexsid.sysid.excitation.norms import HarmonicLines
+from flexsid.sysid.excitation.norms import HarmonicSpectrum
 
-JUDGED_POINTS = 32
-"""Samples in the shortest period on which a peak factor is judged."""
+EVALUATION_POINTS = 32
+"""Samples in the shortest period on which a peak factor is evaluated."""
 
 _SEARCHED_POINTS = 16
+_LEAST_EXTREMUM = 0.93  # of the largest: lower ones have no weight at any temperature
 _TEMPERATURES = (3e-2, 2e-2, 1.3e-2, 8e-3, 5e-3, 3e-3, 1.5e-3, 7e-4, 3e-4, 1e-4, 3e-5)
 
 
-def judged_peak_factor(lines: HarmonicLines, phases: Float[np.ndarray, " n_tones"]) -> float:
+def evaluate_peak_factor(lines: HarmonicSpectrum, phases: Float[np.ndarray, " n_tones"]) -> float:
     """Relative peak factor with peaks between samples found by parabolas. [1]
 
     Notes
     -----
-    (max - min) / (2 sqrt(2) rms), Sec. V.A. A coarse grid flatters: what 4 samples
-    per shortest period call 1.170 is 1.208 in truth.
+    (max - min) / (2 sqrt(2) rms), Sec. V.A. A coarse grid underestimates: 1.170 at
+    4 samples per shortest period is 1.208 with interpolated peaks.
     """
-    return float(judged_peak_factors(lines, phases[None])[0])
+    return float(evaluate_peak_factors(lines, phases[None])[0])
 
 
-def judged_peak_factors(
-    lines: HarmonicLines, phases: Float[np.ndarray, "n_starts n_tones"], points: int = JUDGED_POINTS
+def evaluate_peak_factors(
+    lines: HarmonicSpectrum,
+    phases: Float[np.ndarray, "n_starts n_tones"],
+    points: int = EVALUATION_POINTS,
 ) -> Float[np.ndarray, " n_starts"]:
     """Relative peak factors of many phases. [1]"""
     waves = lines.on_grid(phases, lines.grid_size(points))
@@ -50,7 +53,7 @@ def _parabola_peaks(
 
 @dataclass(frozen=True, slots=True)
 class _Extrema:
-    """High maxima and low minima: where they are and what moves them."""
+    """High maxima and low minima with their derivatives in the phases."""
 
     span: float
     signs: Int[np.ndarray, " n_extrema"]
@@ -61,9 +64,9 @@ class _Extrema:
 
 
 def refine_peaks(
-    lines: HarmonicLines, phases: Float[np.ndarray, " n_tones"], iterations: int = 5
+    lines: HarmonicSpectrum, phases: Float[np.ndarray, " n_tones"], iterations: int = 5
 ) -> Float[np.ndarray, " n_tones"]:
-    """Lower max - min itself: Levenberg-Marquardt on a soft maximum of the extrema.
+    """Minimise max - min by Levenberg-Marquardt on a soft maximum of the extrema.
 
     Parameters
     ----------
@@ -80,7 +83,7 @@ def refine_peaks(
         Phases of the smallest max - min met. [rad]
     """
     scale = float(np.sqrt(np.sum(lines.amplitudes**2)))
-    unit = HarmonicLines(lines.harmonics, lines.amplitudes / scale)
+    unit = HarmonicSpectrum(lines.harmonics, lines.amplitudes / scale)
     now = _find_extrema(unit, phases)
     best, lowest = phases, now.span
     damping = 1e-2
@@ -111,7 +114,7 @@ def refine_peaks(
     return best
 
 
-def _find_extrema(lines: HarmonicLines, phases: Float[np.ndarray, " n_tones"]) -> _Extrema:
+def _find_extrema(lines: HarmonicSpectrum, phases: Float[np.ndarray, " n_tones"]) -> _Extrema:
     n = lines.grid_size(_SEARCHED_POINTS)
     wave = lines.on_grid(phases[None], n)[0]
     before, after = np.roll(wave, 1), np.roll(wave, -1)
@@ -119,8 +122,7 @@ def _find_extrema(lines: HarmonicLines, phases: Float[np.ndarray, " n_tones"]) -
     for sign in (1, -1):
         height = sign * wave
         peak = (height >= sign * before) & (height > sign * after)
-        # Lower extrema than this have no weight at any temperature, whatever they move.
-        own = np.flatnonzero(peak & (height > 0.93 * height.max()))
+        own = np.flatnonzero(peak & (height > _LEAST_EXTREMUM * height.max()))
         places.append(own)
         signs.append(np.full(own.size, sign))
     place, sign = np.concatenate(places), np.concatenate(signs)
@@ -144,9 +146,9 @@ def _soft_span(extrema: _Extrema, temperature: float) -> float:
 
 
 def _soft_derivatives(
-    lines: HarmonicLines, extrema: _Extrema, temperature: float
+    lines: HarmonicSpectrum, extrema: _Extrema, temperature: float
 ) -> tuple[Float[np.ndarray, " n_tones"], Float[np.ndarray, "n_tones n_tones"]]:
-    """Gradient and a positive Hessian; an extremum also moves along as phases change."""
+    """Gradient and a positive Hessian; the time of an extremum changes with the phases, too."""
     n = lines.harmonics.size
     gradient, hessian = np.zeros(n), np.zeros((n, n))
     for sign in (1, -1):

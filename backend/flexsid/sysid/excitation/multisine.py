@@ -1,4 +1,4 @@
-"""Orthogonal phase-optimized multisines (Eq. 4): allot harmonics, synthesize, scale."""
+"""Orthogonal phase-optimized multisines (Eq. 4): assign harmonics, synthesize, scale."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Tones:
 
 @dataclass(frozen=True, slots=True)
 class Multisine:
-    """One design: every input owns its harmonics of 1/period, none is shared."""
+    """One design: every input has its own harmonics of 1/period, none is shared."""
 
     period_s: float
     tones: Mapping[str, Tones]
@@ -66,10 +66,10 @@ class Multisine:
         return np.stack([tones.sample(cycles) for tones in self.tones.values()], axis=1)
 
 
-def allot_harmonics(
+def assign_harmonics(
     order: Sequence[str], per_input: int, first: int
 ) -> dict[str, Int[np.ndarray, " n_tones"]]:
-    """Deal consecutive harmonics to the inputs in turn, so that each spans the whole band.
+    """Assign consecutive harmonics to the inputs in turn, so that each spans the whole band.
 
     Parameters
     ----------
@@ -88,9 +88,9 @@ def allot_harmonics(
     """
     if len(set(order)) < len(order) or first < 1:
         raise BadInput(
-            f"harmonics from {first} on cannot be dealt to {', '.join(order)}; name every input "
+            f"harmonics from {first} on cannot be assigned to {', '.join(order)}; name every input "
             "once, and begin at one or above",
-            code="bad-allotment",
+            code="bad-assignment",
         )
     return {
         name: first + place + len(order) * np.arange(per_input) for place, name in enumerate(order)
@@ -125,7 +125,7 @@ def design_multisine(
     """
     shared = np.concatenate(list(harmonics.values()))
     if np.unique(shared).size != shared.size:
-        raise ValueError("inputs share a harmonic; each harmonic must belong to one input only")
+        raise ValueError("inputs share a harmonic; assign each harmonic to one input only")
     tones = {}
     for name, own in harmonics.items():
         amplitudes = np.full(own.size, np.sqrt(2.0 / own.size))

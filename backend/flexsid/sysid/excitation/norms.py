@@ -1,4 +1,4 @@
-"""Lower the L_p norms of many multisines at once, by Gauss-Newton in their phases.
+"""Minimise the L_p norms of many multisines at once, by Gauss-Newton in their phases.
 
 A norm of growing even order leads smoothly to the largest magnitude. With w = u^(p-2)
 every mean of w times two sines or cosines is a Fourier coefficient of w at the sum
@@ -18,7 +18,7 @@ _SQUARINGS = (1, 2, 3, 4, 5, 6, 7, 8)
 """p = 4, 6, 10, 18, 34, 66, 130, 258."""
 
 _POINTS = 8
-"""Per shortest period; powers up to 258 see no more of a peak than its top."""
+"""Samples per shortest period; enough for powers up to 258, which weigh the top of a peak."""
 
 
 Pairs = np.ndarray[tuple[int, int, int], np.dtype[np.complex128]]
@@ -26,8 +26,8 @@ Pairs = np.ndarray[tuple[int, int, int], np.dtype[np.complex128]]
 
 
 @dataclass(frozen=True, slots=True)
-class HarmonicLines:
-    """The lines of one input, with all that no phase changes."""
+class HarmonicSpectrum:
+    """Harmonics and amplitudes of one input."""
 
     harmonics: Int[np.ndarray, " n_tones"]
     amplitudes: Float[np.ndarray, " n_tones"]
@@ -48,7 +48,7 @@ class HarmonicLines:
 
 
 def lower_norms(
-    lines: HarmonicLines,
+    lines: HarmonicSpectrum,
     phases: Float[np.ndarray, "n_starts n_tones"],
     iterations: int = 5,
     squarings: tuple[int, ...] = _SQUARINGS,
@@ -122,7 +122,7 @@ def _norm(
 
 
 def _derivatives(
-    lines: HarmonicLines,
+    lines: HarmonicSpectrum,
     phases: Float[np.ndarray, "n_starts n_tones"],
     weights: Float[np.ndarray, "n_starts n_samples"],
     p: int,

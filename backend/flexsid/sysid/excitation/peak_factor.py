@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy import optimize
 
-_ZERO = 1e-9  # of the sum of all amplitudes: what rounding leaves where a sum of sines is zero
+_ZERO = 1e-9  # of the sum of all amplitudes: rounding where a sum of sines is zero
 _TIE = 0.005  # of the largest running integral: what the grid of crossings resolves
 
 
@@ -35,7 +35,7 @@ def lower_peak(
     phases: Float[np.ndarray, " n_tones"],
     iterations: int = 300,
 ) -> Float[np.ndarray, " n_tones"]:
-    """Improve phases by clipping: cut the peaks, keep the phases of what is left.
+    """Improve phases by clipping: clip the peaks, retain the phases of the clipped signal.
 
     Returns the best phases met, so the result is never worse than the start. [rad]
 
@@ -86,6 +86,6 @@ def start_at_zero(
     begins = abs(value(0.0)) <= _ZERO * float(np.abs(amplitudes).sum())
     if begins and size[0] <= size[crossings].min() + _TIE * size.max():
         return phases
-    chosen = int(crossings[np.argmin(size[crossings])])
-    shift = float(optimize.brentq(value, grid[chosen], grid[chosen + 1], xtol=1e-15))
+    crossing = int(crossings[np.argmin(size[crossings])])
+    shift = float(optimize.brentq(value, grid[crossing], grid[crossing + 1], xtol=1e-15))
     return np.mod(phases + turn * shift + np.pi, 2.0 * np.pi) - np.pi

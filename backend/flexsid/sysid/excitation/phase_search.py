@@ -8,18 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from flexsid.sysid.excitation.extrema import judged_peak_factors, refine_peaks
-from flexsid.sysid.excitation.norms import HarmonicLines, lower_norms
+from flexsid.sysid.excitation.extrema import evaluate_peak_factors, refine_peaks
+from flexsid.sysid.excitation.norms import HarmonicSpectrum, lower_norms
 from flexsid.sysid.excitation.peak_factor import schroeder_phases
 
 _ELITES = 2
-_SCATTER = 0.5  # [rad] near enough to keep what an elite has, far enough to leave its valley
-_FROM_ELITE = (3, 4, 5, 6, 7, 8)  # the low norms would forget the elite
+_PERTURBATION_RAD = 0.5  # large enough to leave the local minimum of an elite [rad]
+_FROM_ELITE = (3, 4, 5, 6, 7, 8)  # the low norms would change the elite
 
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """How long to search.
+    """Number of iterations of the search.
 
     Starts, rounds of perturbed elites, how many of the best have their peaks
     refined, and with how many steps at each temperature.
@@ -38,14 +38,14 @@ PATIENT = Effort(starts=8, rounds=0, refined=3, steps=10)
 
 @dataclass(frozen=True, slots=True)
 class FoundPhases:
-    """Best phases so far and their judged relative peak factor."""
+    """Best phases so far and their relative peak factor."""
 
     phases: Float[np.ndarray, " n_tones"]
     peak_factor: float
 
 
 def search_phases(
-    lines: HarmonicLines,
+    lines: HarmonicSpectrum,
     effort: Effort = THOROUGH,
     seed: int = 0,
     report: Callable[[FoundPhases, float], None] | None = None,
@@ -57,67 +57,67 @@ def search_phases(
     lines
         Harmonics and amplitudes of one input.
     effort
-        How long to search.
+        Number of iterations of the search.
     seed
-        Decides starts and perturbations.
+        Seed of starts and perturbations.
     report
-        Told the best so far and the fraction done; may raise to stop.
+        Called with the best so far and the fraction done; may raise to stop.
 
     Notes
     -----
-    Every candidate is judged on 32 points per shortest period with peaks between
+    Every candidate is evaluated on 32 points per shortest period with peaks between
     samples, never on the grid that it was optimised on.
     """
     n = lines.harmonics.size
     if n == 1:  # a single sine, whatever its phase
-        return _judge(lines, np.zeros((1, 1)))[1]
+        return _evaluate(lines, np.zeros((1, 1)))[1]
     generator = np.random.default_rng(seed)
-    # Short sums have many valleys and cost little; long ones are all alike.
+    # Short sums have many local minima and cost little.
     count = effort.starts * (1 if effort.starts == 1 else int(np.clip(64 // n, 1, 4)))
     steps = 1 + effort.rounds + (1 if effort.refined else 0)
 
-    def tell(step: int) -> None:
+    def report_progress(step: int) -> None:
         if report is not None:
             report(best, step / steps)
 
     pool = lower_norms(lines, _starts(lines, count, generator), iterations=4)
-    factors, best = _judge(lines, pool)
-    tell(1)
+    factors, best = _evaluate(lines, pool)
+    report_progress(1)
     for turn in range(effort.rounds):
         elite = pool[np.argsort(factors)[:_ELITES]]
         scattered = np.repeat(elite, max(1, count // (2 * _ELITES)), axis=0)
-        scattered += _SCATTER * generator.standard_normal(scattered.shape)
+        scattered += _PERTURBATION_RAD * generator.standard_normal(scattered.shape)
         fresh = lower_norms(lines, scattered, iterations=3, squarings=_FROM_ELITE)
         pool = np.vstack([elite, fresh])
-        factors, found = _judge(lines, pool)
+        factors, found = _evaluate(lines, pool)
         best = min(best, found, key=_peak_factor)
-        tell(2 + turn)
+        report_progress(2 + turn)
     for row in np.argsort(factors)[: effort.refined]:
         refined = refine_peaks(lines, pool[row], effort.steps)
-        best = min(best, _judge(lines, refined[None])[1], key=_peak_factor)
-        tell(1 + effort.rounds)
-    tell(steps)
+        best = min(best, _evaluate(lines, refined[None])[1], key=_peak_factor)
+        report_progress(1 + effort.rounds)
+    report_progress(steps)
     return best
 
 
 def _starts(
-    lines: HarmonicLines, count: int, generator: np.random.Generator
+    lines: HarmonicSpectrum, count: int, generator: np.random.Generator
 ) -> Float[np.ndarray, "n_starts n_tones"]:
     """Schroeder's phases, then half as many near them as there are anywhere."""
     schroeder = schroeder_phases(lines.amplitudes)
-    near = generator.normal(scale=_SCATTER, size=(count, schroeder.size))
+    near = generator.normal(scale=_PERTURBATION_RAD, size=(count, schroeder.size))
     starts = schroeder + near
     starts[0] = schroeder
-    # Few phases are soon searched through; many need a chirp to start from.
+    # Many phases need a chirp to start from.
     anywhere = slice(max(1, count // 3) if schroeder.size <= 16 else count, count)
     starts[anywhere] = generator.uniform(-np.pi, np.pi, starts[anywhere].shape)
     return starts
 
 
-def _judge(
-    lines: HarmonicLines, pool: Float[np.ndarray, "n_starts n_tones"]
+def _evaluate(
+    lines: HarmonicSpectrum, pool: Float[np.ndarray, "n_starts n_tones"]
 ) -> tuple[Float[np.ndarray, " n_starts"], FoundPhases]:
-    factors = judged_peak_factors(lines, pool)
+    factors = evaluate_peak_factors(lines, pool)
     place = int(np.argmin(factors))
     return factors, FoundPhases(pool[place], float(factors[place]))
 

@@ -1,4 +1,4 @@
-"""Recognise a multisine in samples that were flown: harmonics, amplitudes, phases."""
+"""Recognise a multisine in recorded samples: harmonics, amplitudes, phases."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from jaxtyping import Float
 from flexsid.errors import BadInput
 from flexsid.sysid.excitation.multisine import Tones
 
-_FAINTEST = 0.05  # of the largest line: rounding of a text file is far below it
-_EXPLAINED = 0.9999
+_FAINTEST = 0.05  # of the largest harmonic: rounding of a text file is far below it
+_EXPLAINED = 0.9999  # of the power, least share of the recognised harmonics
 
 
-def recognise(samples: Float[np.ndarray, " n_samples"]) -> tuple[Tones, int]:
-    """Find the sines of one period; the period in samples comes with them.
+def recognise_multisine(samples: Float[np.ndarray, " n_samples"]) -> tuple[Tones, int]:
+    """Find the sines of one period, and the period in samples.
 
     Parameters
     ----------
@@ -24,12 +24,12 @@ def recognise(samples: Float[np.ndarray, " n_samples"]) -> tuple[Tones, int]:
     Raises
     ------
     BadInput
-        If few lines do not explain the samples: no period, or no multisine.
+        If few harmonics do not explain the samples: not one period, or not a multisine.
     """
     n = samples.size
     if n < 8 or not np.all(np.isfinite(samples)):
         raise BadInput(
-            f"{n} samples, {int(np.sum(~np.isfinite(samples)))} of them no numbers, cannot be"
+            f"{n} samples, {int(np.sum(~np.isfinite(samples)))} of them no numbers, are not"
             " a multisine; give one whole period",
             code="no-multisine",
         )
@@ -37,9 +37,9 @@ def recognise(samples: Float[np.ndarray, " n_samples"]) -> tuple[Tones, int]:
     share, tones, period = max(candidates, key=lambda found: found[0])
     if share < _EXPLAINED or tones.harmonics.size > n // 4:
         raise BadInput(
-            f"{tones.harmonics.size} lines hold {100 * share:.2f} % of the power of {n} samples; a"
-            f" multisine of whole period has {100 * _EXPLAINED:g} % in at most {n // 4}; is it"
-            " exactly one period?",
+            f"{tones.harmonics.size} harmonics have {100 * share:.2f} % of the power of {n}"
+            f" samples; a multisine of whole period has {100 * _EXPLAINED:g} % in at most {n // 4};"
+            " is it exactly one period?",
             code="no-multisine",
         )
     return tones, period

@@ -1,4 +1,4 @@
-"""AeroelasticModel: one maneuver's known physics, ready for any table of derivatives (Eqs 5-16)."""
+"""AeroelasticModel: equations of motion of one condition for any derivatives (Eqs 5-16)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class StateSpace:
 
     @classmethod
     def from_control(cls, system: control.StateSpace) -> StateSpace:
-        """Take over a continuous system of python-control with its names.
+        """Convert a continuous system of python-control with its names.
 
         Raises
         ------
@@ -55,8 +55,8 @@ class StateSpace:
         )
 
     def to_control(self) -> control.StateSpace:
-        """The same system for python-control."""
-        import control  # loads the plots of matplotlib too, which takes seconds
+        """Convert to a system of python-control."""
+        import control  # also imports matplotlib, which takes seconds
 
         return control.StateSpace(
             self.A,
@@ -71,7 +71,7 @@ class StateSpace:
 
 @dataclass(frozen=True, slots=True)
 class AeroelasticModel:
-    """Condition, structure, inputs and sensors; only the derivatives are missing.
+    """Condition, structural modes, inputs and sensors; derivatives are arguments.
 
     The motion is r = [alpha, q, eta_1..n]; theta = q/s and etadot = s eta are
     eliminated, so that K(s) r = F u has only 2 + n rows.
@@ -88,23 +88,23 @@ class AeroelasticModel:
         return self.sensors.names
 
     def with_modes(self, count: int) -> AeroelasticModel:
-        """The same model with its first modes only."""
+        """Return the same model with its first modes only."""
         rows = SensorRows(self.sensors.names, self.sensors.polynomial[:, :, : 2 + count])
         modes = self.modes.select(self.modes.numbers[:count])
         return AeroelasticModel(self.condition, modes, self.inputs, rows)
 
     def row_factors(self) -> Float[np.ndarray, " n_rows"]:
-        """Dimensional factors of the coefficient rows (Eq. 12)."""
+        """Compute the dimensional factors of the coefficient rows (Eq. 12)."""
         return self.condition.row_factors(self.modes.mass)
 
     def column_factors(self) -> Float[np.ndarray, " n_w"]:
-        """Dimensional factors of the variables (Eq. 12)."""
+        """Compute the dimensional factors of the variables (Eq. 12)."""
         return self.condition.column_factors(len(self.modes.numbers), len(self.inputs))
 
     def known_dynamics(
         self, omega: Float[np.ndarray, " n_omega"]
     ) -> Complex[np.ndarray, "n_omega n_r n_r"]:
-        """K(s) without aerodynamics: kinematics, thrust, gravity and the structure."""
+        """Compute K(s) without aerodynamics: kinematics, thrust, gravity and structure."""
         s = 1j * np.asarray(omega, dtype=float)
         n = len(self.modes.numbers)
         K = np.zeros((s.size, 2 + n, 2 + n), dtype=complex)
@@ -120,7 +120,7 @@ class AeroelasticModel:
     def response(
         self, derivatives: DerivativeTable, omega: Float[np.ndarray, " n_omega"]
     ) -> Complex[np.ndarray, "n_omega n_y n_u"]:
-        """Frequency responses of all outputs to all inputs (Eq. 6), without instruments.
+        """Compute the frequency responses of all outputs to all inputs (Eq. 6), no instruments.
 
         Parameters
         ----------
@@ -132,14 +132,14 @@ class AeroelasticModel:
         Raises
         ------
         BadInput
-            If a pole without damping lies on a frequency.
+            If an undamped pole is at a frequency.
         """
         return self.sensors.response(omega) @ self.motion(derivatives, omega)
 
     def motion(
         self, derivatives: DerivativeTable, omega: Float[np.ndarray, " n_omega"]
     ) -> Complex[np.ndarray, "n_omega n_r n_u"]:
-        """Frequency responses of the motion [alpha, q, eta_1..n] itself to all inputs."""
+        """Compute the frequency responses of the motion [alpha, q, eta_1..n] to all inputs."""
         n_r = 2 + len(self.modes.numbers)
         forces = self.row_factors()[:, None] * derivatives.values * self.column_factors()
         s = 1j * np.asarray(omega, dtype=float)
@@ -150,8 +150,8 @@ class AeroelasticModel:
             return np.linalg.solve(K, load)
         except np.linalg.LinAlgError:
             raise BadInput(
-                "the model has a pole without damping exactly at one of the frequencies, where "
-                "its response has no bounds; move the frequency or the damping",
+                "the model has an undamped pole exactly at one of the frequencies, where its "
+                "response is unbounded; change the frequency or the damping",
                 code="pole-on-line",
             ) from None
 
@@ -166,7 +166,7 @@ class AeroelasticModel:
         n, n_u = len(self.modes.numbers), len(self.inputs)
         angle, attitude = self._kinematic_terms()
         forces = self.row_factors()[:, None] * derivatives.values * self.column_factors()
-        force_rows, state_columns = self._force_places()
+        force_rows, state_columns = self._force_indices()
         A = np.zeros((3 + 2 * n, 3 + 2 * n))
         B = np.zeros((3 + 2 * n, n_u))
         A[np.ix_(force_rows, state_columns)] = forces[:, : 2 + 2 * n]
@@ -184,10 +184,10 @@ class AeroelasticModel:
         return StateSpace(A, B, C, D, states, self.inputs, self.outputs)
 
     def read_derivatives(self, system: StateSpace) -> DerivativeTable:
-        """Nondimensional derivatives of a state-space model in these states.
+        """Compute the nondimensional derivatives of a state-space model in these states.
 
-        The inverse of ``state_space``: known kinematics and structure are taken out,
-        then the factors of Eq. 12.
+        The inverse of ``state_space``: known kinematics and structure are subtracted,
+        then the factors of Eq. 12 are removed.
 
         Parameters
         ----------
@@ -201,25 +201,25 @@ class AeroelasticModel:
         """
         n, n_u = len(self.modes.numbers), len(self.inputs)
         states = ("alpha", "q", "theta", *variables(self.modes.numbers, ())[2:])
-        x = _places(states, system.states, "states")
+        x = _index_names(states, system.states, "states")
         A = system.A[np.ix_(x, x)]
-        B = system.B[np.ix_(x, _places(self.inputs, system.inputs, "inputs"))]
+        B = system.B[np.ix_(x, _index_names(self.inputs, system.inputs, "inputs"))]
         empty = DerivativeTable(self.modes.numbers, self.inputs, np.zeros((2 + n, 2 + 2 * n + n_u)))
         known = self.state_space(empty).A
-        force_rows, state_columns = self._force_places()
+        force_rows, state_columns = self._force_indices()
         forces = np.concatenate(
             [(A - known)[np.ix_(force_rows, state_columns)], B[force_rows]], axis=1
         )
         values = forces / self.row_factors()[:, None] / self.column_factors()
         return DerivativeTable(self.modes.numbers, self.inputs, values)
 
-    def _force_places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rows of x-dot that forces drive, columns of x that exert them (theta does not)."""
+    def _force_indices(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return rows of x-dot with forces and columns of x that cause them (not theta)."""
         n = len(self.modes.numbers)
         return np.r_[0, 1, 3 + n : 3 + 2 * n], np.r_[0, 1, 3 : 3 + 2 * n]
 
     def _kinematic_terms(self) -> tuple[float, float]:
-        """Known terms of alpha-dot in alpha and theta (second matrix of Eq. 14a)."""
+        """Compute the known terms of alpha-dot in alpha and theta (second matrix of Eq. 14a)."""
         c = self.condition
         gravity = GRAVITY * np.sin(c.gamma) / c.airspeed
         return float(gravity - c.thrust * np.cos(c.alpha) / (c.mass * c.airspeed)), -float(gravity)
@@ -240,10 +240,10 @@ class AeroelasticModel:
         return C + weights @ A[rates], weights @ B[rates]
 
 
-def _places(wanted: tuple[str, ...], given: tuple[str, ...], what: str) -> list[int]:
-    if sorted(wanted) != sorted(given):
+def _index_names(expected: tuple[str, ...], given: tuple[str, ...], what: str) -> list[int]:
+    if sorted(expected) != sorted(given):
         raise BadInput(
-            f"the system has {what} {', '.join(given)}; this model needs {', '.join(wanted)}",
+            f"the system has {what} {', '.join(given)}; expected are {', '.join(expected)}",
             code="other-system",
         )
-    return [given.index(name) for name in wanted]
+    return [given.index(name) for name in expected]

@@ -50,7 +50,7 @@ class FlightCondition:
     def row_factors(
         self, generalized_mass: Float[np.ndarray, " n_modes"]
     ) -> Float[np.ndarray, " n_rows"]:
-        """Dimensional factors of the rows Z, M, Q_1..n (Eq. 12).
+        """Compute the dimensional factors of the rows Z, M, Q_1..n (Eq. 12).
 
         Z is divided by mV and so enters alpha-dot directly. [1/s, 1/s2, 1/s2...]
         """
@@ -63,7 +63,7 @@ class FlightCondition:
         )
 
     def column_factors(self, n_modes: int, n_inputs: int) -> Float[np.ndarray, " n_w"]:
-        """Factors of the variables alpha, q, eta, etadot, inputs (Eq. 12)."""
+        """Compute the factors of the variables alpha, q, eta, etadot, inputs (Eq. 12)."""
         rate = self.rate_factor
         return np.concatenate(
             [[1.0, rate], np.ones(n_modes), np.full(n_modes, rate), np.ones(n_inputs)]

@@ -1,8 +1,8 @@
-"""Derivatives: what each is called and where it stands in the table of coefficients.
+"""Derivatives: names and the table of coefficients.
 
 A table has one row per coefficient (CZ, Cm, CQ of each mode) and one column per
 variable (alpha, q, eta and etadot of each mode, inputs); 14, 27, 44, 65, 90
-derivatives for 0 to 4 modes and five inputs. This module alone knows the spelling.
+derivatives for 0 to 4 modes and five inputs. The spelling of names is defined here only.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ class Derivative:
 
     @classmethod
     def parse(cls, name: str) -> Derivative:
-        """Read a name such as ``Cm_alpha``.
+        """Parse a name such as ``Cm_alpha``.
 
         Raises
         ------
         BadInput
-            If it is not a derivative's name.
+            If it is not the name of a derivative.
         """
         match = _NAME.match(name)
         if match is None:
@@ -47,22 +47,22 @@ class Derivative:
 
     @property
     def name(self) -> str:
-        """The name as written everywhere."""
+        """Name of the derivative."""
         return f"{self.coefficient}_{self.variable}"
 
 
 def is_derivative(name: str) -> bool:
-    """Whether a parameter is a derivative, not a delay or the like."""
+    """Whether a parameter is a derivative."""
     return _NAME.match(name) is not None
 
 
 def coefficients(modes: tuple[int, ...]) -> tuple[str, ...]:
-    """Names of the rows: CZ, Cm and CQ of each mode."""
+    """Return the names of the rows: CZ, Cm and CQ of each mode."""
     return ("CZ", "Cm", *(f"CQ{mode}" for mode in modes))
 
 
 def variables(modes: tuple[int, ...], inputs: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of the columns: alpha, q, eta..., etadot..., inputs."""
+    """Return the names of the columns: alpha, q, eta..., etadot..., inputs."""
     return (
         "alpha",
         "q",
@@ -72,8 +72,8 @@ def variables(modes: tuple[int, ...], inputs: tuple[str, ...]) -> tuple[str, ...
     )
 
 
-def derivative_names(modes: tuple[int, ...], inputs: tuple[str, ...]) -> tuple[str, ...]:
-    """Every derivative of these modes and inputs, row by row."""
+def list_derivative_names(modes: tuple[int, ...], inputs: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names of all derivatives of these modes and inputs, row by row."""
     columns = variables(modes, inputs)
     return tuple(f"{row}_{column}" for row in coefficients(modes) for column in columns)
 
@@ -90,16 +90,16 @@ class DerivativeTable:
     def from_names(
         cls, modes: tuple[int, ...], inputs: tuple[str, ...], values: Mapping[str, float]
     ) -> DerivativeTable:
-        """Fill a table from values by name; what is not named is zero."""
-        names = derivative_names(modes, inputs)
+        """Fill a table from values by name; missing names are zero."""
+        names = list_derivative_names(modes, inputs)
         flat = np.array([float(values.get(name, 0.0)) for name in names])
         return cls(modes, inputs, flat.reshape(2 + len(modes), -1))
 
     def named(self) -> dict[str, float]:
-        """Values by name."""
-        names = derivative_names(self.modes, self.inputs)
+        """Return the values by name."""
+        names = list_derivative_names(self.modes, self.inputs)
         return dict(zip(names, map(float, self.values.ravel()), strict=True))
 
     def select(self, modes: tuple[int, ...], inputs: tuple[str, ...]) -> DerivativeTable:
-        """Keep these modes and inputs only: the other modes are truncated."""
+        """Select modes and inputs; the other modes are truncated."""
         return DerivativeTable.from_names(modes, inputs, self.named())

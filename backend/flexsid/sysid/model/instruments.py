@@ -1,4 +1,4 @@
-"""Instrument: what lies between a physical quantity and its recorded samples."""
+"""Instrument: sensor dynamics, filters and delay between a quantity and its samples."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class SecondOrder:
     damping: float
 
     def polynomials(self) -> tuple[np.ndarray, np.ndarray]:
-        """Numerator and denominator in s, highest power first."""
+        """Return numerator and denominator in s, highest power first."""
         wn = self.natural_frequency
         return np.array([wn**2]), np.array([1.0, 2.0 * self.damping * wn, wn**2])
 
@@ -28,7 +28,7 @@ class FirstOrder:
     corner: float
 
     def polynomials(self) -> tuple[np.ndarray, np.ndarray]:
-        """Numerator and denominator in s, highest power first."""
+        """Return numerator and denominator in s, highest power first."""
         return np.array([self.corner]), np.array([1.0, self.corner])
 
 
@@ -40,8 +40,8 @@ class Butterworth:
     corner: float
 
     def polynomials(self) -> tuple[np.ndarray, np.ndarray]:
-        """Numerator and denominator in s, highest power first."""
-        # Written out: loading scipy.signal for it takes seconds, and records load this module.
+        """Return numerator and denominator in s, highest power first."""
+        # Without scipy.signal, whose import takes seconds.
         angles = np.pi * (2 * np.arange(self.order) + self.order + 1) / (2 * self.order)
         denominator = np.poly(self.corner * np.exp(1j * angles)).real
         return denominator[-1:], denominator
@@ -58,7 +58,7 @@ class Instrument:
     delay_s: float = 0.0
 
     def response(self, omega: Float[np.ndarray, " n_omega"]) -> Complex[np.ndarray, " n_omega"]:
-        """Frequency response of the whole chain, delay included.
+        """Compute the frequency response of the whole chain, delay included.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Control laws and other given dynamics as state-space systems, also from transfer functions."""
+"""Control laws, actuators and delays as state-space systems, also from transfer functions."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from flexsid.sysid.model.aeroelastic import StateSpace
 from flexsid.sysid.model.instruments import Instrument
 
 Polynomial = Sequence[float]
-_PADE = 3
+_PADE = 3  # order of the approximation of a delay
 
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """u = K y at one airspeed, the sign in K; as given, until ``check_laws`` has seen it. [m/s]"""
+    """Control law u = K y at one airspeed, sign included in K; see ``check_laws``. [m/s]"""
 
     airspeed: float
     A: np.ndarray
@@ -27,14 +27,14 @@ class Law:
     D: np.ndarray
 
 
-def law_at(
+def schedule_law(
     laws: Sequence[Law], airspeed: float, reads: tuple[str, ...], drives: tuple[str, ...]
 ) -> StateSpace:
-    """A scheduled law at an airspeed: matrices linear between those given, held beyond."""
+    """Interpolate the law at an airspeed, linear between the given ones and constant outside."""
     ordered = sorted(laws, key=lambda law: law.airspeed)
     speeds = [law.airspeed for law in ordered]
-    place = int(np.clip(np.searchsorted(speeds, airspeed), 1, max(1, len(ordered) - 1)))
-    low, high = ordered[place - 1], ordered[min(place, len(ordered) - 1)]
+    upper = int(np.clip(np.searchsorted(speeds, airspeed), 1, max(1, len(ordered) - 1)))
+    low, high = ordered[upper - 1], ordered[min(upper, len(ordered) - 1)]
     width = high.airspeed - low.airspeed
     share = float(np.clip((airspeed - low.airspeed) / width, 0.0, 1.0)) if width > 0.0 else 0.0
     A, B, C, D = (
@@ -46,21 +46,21 @@ def law_at(
 
 
 def check_laws(laws: Sequence[Law], reads: tuple[str, ...], drives: tuple[str, ...]) -> None:
-    """Refuse matrices that do not fit each other or what is read and driven.
+    """Check that matrices fit each other, the signals read and the surfaces driven.
 
     Raises
     ------
     BadInput
-        With the matrix, the shape it has and the one it must have.
+        With the matrix, its shape and the expected shape.
     """
     if not laws:
         raise BadInput("the controller has no law; give A, B, C, D or transfer functions")
     n = laws[0].A.shape[0]
     for law in laws:
-        wanted = {
+        shapes = {
             "A": (n, n), "B": (n, len(reads)), "C": (len(drives), n), "D": (len(drives), len(reads))
         }  # fmt: skip
-        for name, shape in wanted.items():
+        for name, shape in shapes.items():
             matrix = getattr(law, name)
             if matrix.shape != shape:
                 raise BadInput(
@@ -71,15 +71,17 @@ def check_laws(laws: Sequence[Law], reads: tuple[str, ...], drives: tuple[str, .
                     matrix=name,
                 )
             if not np.all(np.isfinite(matrix)):
-                raise BadInput(f"{name} at {law.airspeed:g} m/s holds what is no number")
+                raise BadInput(
+                    f"{name} at {law.airspeed:g} m/s has a value that is not finite; give numbers"
+                )
     if len({law.airspeed for law in laws}) < len(laws):
-        raise BadInput("two laws of the controller have the same airspeed")
+        raise BadInput("two laws of the controller have the same airspeed; remove one")
 
 
-def from_transfer(
+def realise_transfer_functions(
     elements: Mapping[tuple[int, int], tuple[Polynomial, Polynomial]], n_driven: int, n_read: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Realise transfer functions by surface and signal; what is left out is zero.
+    """Realise transfer functions by surface and signal; missing elements are zero.
 
     Raises
     ------
@@ -105,8 +107,8 @@ def from_transfer(
     return A, B, C, D
 
 
-def chain_of(instruments: Sequence[Instrument], names: tuple[str, ...]) -> StateSpace:
-    """One instrument or actuator per signal, side by side, delays left out."""
+def build_instrument_chain(instruments: Sequence[Instrument], names: tuple[str, ...]) -> StateSpace:
+    """Build one instrument or actuator per signal in parallel, without delays."""
     elements = {}
     for k, instrument in enumerate(instruments):
         numerator, denominator = np.ones(1), np.ones(1)
@@ -115,12 +117,12 @@ def chain_of(instruments: Sequence[Instrument], names: tuple[str, ...]) -> State
             numerator = np.polymul(numerator, own[0])
             denominator = np.polymul(denominator, own[1])
         elements[k, k] = numerator.tolist(), denominator.tolist()
-    A, B, C, D = from_transfer(elements, len(names), len(names))
+    A, B, C, D = realise_transfer_functions(elements, len(names), len(names))
     return StateSpace(A, B, C, D, tuple(f"actuator_{k + 1}" for k in range(len(A))), names, names)
 
 
-def delay_of(seconds: Sequence[float], names: tuple[str, ...]) -> StateSpace:
-    """Delays side by side as all-pass systems (Pade, third order)."""
+def build_delays(seconds: Sequence[float], names: tuple[str, ...]) -> StateSpace:
+    """Build delays in parallel as all-pass systems (Pade approximation of third order)."""
     powers = range(_PADE, -1, -1)
     elements = {}
     for k, tau in enumerate(seconds):
@@ -136,14 +138,14 @@ def delay_of(seconds: Sequence[float], names: tuple[str, ...]) -> StateSpace:
             elements[k, k] = signed, weights
         else:
             elements[k, k] = (1.0,), (1.0,)
-    A, B, C, D = from_transfer(elements, len(names), len(names))
+    A, B, C, D = realise_transfer_functions(elements, len(names), len(names))
     return StateSpace(A, B, C, D, tuple(f"delay_{k + 1}" for k in range(len(A))), names, names)
 
 
 def series(first: StateSpace, then: StateSpace) -> StateSpace:
-    """The first system's outputs drive the second's inputs of the same names.
+    """Connect two systems in series: outputs of the first to equally named inputs of the second.
 
-    Inputs of the second that the first does not drive stay inputs.
+    Other inputs of the second remain inputs.
     """
     driven = [then.inputs.index(name) for name in first.outputs]
     free = [k for k in range(len(then.inputs)) if k not in driven]
@@ -163,16 +165,19 @@ def series(first: StateSpace, then: StateSpace) -> StateSpace:
 def _realise(
     numerator: Polynomial, denominator: Polynomial
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """Controllable canonical form of one transfer function, highest power first."""
+    """Realise one transfer function in controllable canonical form, highest power first."""
     den = np.trim_zeros(np.asarray(denominator, dtype=float), "f")
     num = np.trim_zeros(np.asarray(numerator, dtype=float), "f")
     if den.size == 0:
-        raise BadInput("a denominator of a transfer function is zero", code="bad-transfer")
+        raise BadInput(
+            "a denominator of a transfer function is zero; give at least one coefficient",
+            code="bad-transfer",
+        )
     n = den.size - 1
     if num.size > den.size:
         raise BadInput(
-            f"a numerator of degree {num.size - 1} stands over a denominator of degree {n}; a law"
-            " that can be flown has at most the same",
+            f"a transfer function has a numerator of degree {num.size - 1} and a denominator of"
+            f" degree {n}; a proper one has at most the same degree",
             code="bad-transfer",
         )
     num = np.concatenate([np.zeros(den.size - num.size), num]) / den[0]

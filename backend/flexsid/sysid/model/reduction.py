@@ -14,62 +14,62 @@ def residualize(
     derivatives: DerivativeTable,
     modes: StructuralModes,
     condition: FlightCondition,
-    keep: tuple[int, ...],
+    retained: tuple[int, ...],
 ) -> DerivativeTable:
-    """Fold the static response of the modes left out into the derivatives of those kept.
+    """Residualise modes: add their static response to the derivatives of the retained modes.
 
     Parameters
     ----------
     derivatives
         Of the full model.
     modes
-        Structure; must hold every mode of ``derivatives``.
+        Structural modes; must include every mode of ``derivatives``.
     condition
-        The result depends on dynamic pressure.
-    keep
-        Numbers of the modes to keep.
+        Flight condition; the result depends on dynamic pressure.
+    retained
+        Numbers of the retained modes.
 
     Returns
     -------
     DerivativeTable
-        Of the kept modes; its static gain is that of the full model.
+        Of the retained modes; its static gain is that of the full model.
 
     Notes
     -----
-    Source: Sec. VI.B asks for static-elastic residualisation. With the dropped
+    Source: static-elastic residualisation of Sec. VI.B. With the dropped
     modes' rates and accelerations zero, eta_t = K^-1 (C_Qt w) with
     K = diag(m omega^2)/(q S c) - C_Qt_eta_t.
     """
-    rows, columns, _ = _places(derivatives, keep)
-    dropped_rows, static = static_recovery(derivatives, modes, condition, keep)
+    rows, columns, _ = _select_indices(derivatives, retained)
+    dropped_rows, static = compute_static_recovery(derivatives, modes, condition, retained)
     values = derivatives.values[np.ix_(rows, columns)].copy()
     values += derivatives.values[np.ix_(rows, dropped_rows)] @ static
-    return DerivativeTable(tuple(keep), derivatives.inputs, values)
+    return DerivativeTable(tuple(retained), derivatives.inputs, values)
 
 
-def truncate(derivatives: DerivativeTable, keep: tuple[int, ...]) -> DerivativeTable:
-    """Leave modes out as if the structure were rigid in them.
+def truncate(derivatives: DerivativeTable, retained: tuple[int, ...]) -> DerivativeTable:
+    """Truncate modes, as if the structure were rigid in them.
 
     Parameters
     ----------
     derivatives
         Of the full model.
-    keep
-        Numbers of the modes to keep.
+    retained
+        Numbers of the retained modes.
     """
-    rows, columns, _ = _places(derivatives, keep)
+    rows, columns, _ = _select_indices(derivatives, retained)
     return DerivativeTable(
-        tuple(keep), derivatives.inputs, derivatives.values[np.ix_(rows, columns)].copy()
+        tuple(retained), derivatives.inputs, derivatives.values[np.ix_(rows, columns)].copy()
     )
 
 
-def static_recovery(
+def compute_static_recovery(
     derivatives: DerivativeTable,
     modes: StructuralModes,
     condition: FlightCondition,
-    keep: tuple[int, ...],
+    retained: tuple[int, ...],
 ) -> tuple[list[int], Float[np.ndarray, "n_dropped n_w"]]:
-    """Static displacement of the modes left out, per unit variable of the model that is kept.
+    """Compute the static displacement of the dropped modes per unit variable of the others.
 
     Returns
     -------
@@ -78,28 +78,28 @@ def static_recovery(
     array
         eta of each dropped mode per unit alpha, q c/2V, eta, etadot c/2V and input.
     """
-    _, columns, dropped = _places(derivatives, keep)
+    _, columns, dropped = _select_indices(derivatives, retained)
     structure = modes.select(derivatives.modes)
     force = condition.dynamic_pressure * condition.area * condition.chord
     stiffness = structure.mass * structure.omega**2 / force
-    places = [2 + i for i in dropped]
-    K = np.diag(stiffness[dropped]) - derivatives.values[np.ix_(places, places)]
-    return places, np.linalg.solve(K, derivatives.values[np.ix_(places, columns)])
+    columns_dropped = [2 + i for i in dropped]
+    K = np.diag(stiffness[dropped]) - derivatives.values[np.ix_(columns_dropped, columns_dropped)]
+    return columns_dropped, np.linalg.solve(K, derivatives.values[np.ix_(columns_dropped, columns)])
 
 
-def _places(
-    derivatives: DerivativeTable, keep: tuple[int, ...]
+def _select_indices(
+    derivatives: DerivativeTable, retained: tuple[int, ...]
 ) -> tuple[list[int], list[int], list[int]]:
-    """Rows and columns that stay, and the places of the modes that do not."""
+    """Return rows and columns of the retained modes, and the indices of the dropped ones."""
     numbers = derivatives.modes
     n = len(numbers)
-    kept = [numbers.index(number) for number in keep]
-    rows = [0, 1, *(2 + i for i in kept)]
+    indices = [numbers.index(number) for number in retained]
+    rows = [0, 1, *(2 + i for i in indices)]
     columns = [
         0,
         1,
-        *(2 + i for i in kept),
-        *(2 + n + i for i in kept),
+        *(2 + i for i in indices),
+        *(2 + n + i for i in indices),
         *range(2 + 2 * n, derivatives.values.shape[1]),
     ]
-    return rows, columns, [i for i in range(n) if i not in kept]
+    return rows, columns, [i for i in range(n) if i not in indices]

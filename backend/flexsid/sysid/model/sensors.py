@@ -1,9 +1,9 @@
-"""What each sensor sees of rigid and elastic motion (Eq. 17), as polynomials in s.
+"""Sensor equations: outputs per rigid and elastic motion (Eq. 17), as polynomials in s.
 
 With the motion r = [alpha, q, eta_1..n] every output is a known combination
-y = (P_-1 / s + P_0 + P_1 s + P_2 s^2) r: theta = q/s, etadot = s eta, and the
-forces are read from the accelerations they cause. No derivative enters P, which
-is why one model serves all three estimators and needs no C and D of its own.
+y = (P_-1 / s + P_0 + P_1 s + P_2 s^2) r: theta = q/s, etadot = s eta, and
+forces are expressed by the accelerations. No derivative enters P, so that one
+model serves all three estimators without C and D of its own.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class SensorRows:
     def response(
         self, omega: Float[np.ndarray, " n_omega"]
     ) -> Complex[np.ndarray, "n_omega n_y n_r"]:
-        """Output per unit motion at each frequency. [output unit]
+        """Compute the outputs per unit motion at each frequency. [output unit]
 
         Raises
         ------
@@ -40,31 +40,31 @@ class SensorRows:
         w = np.asarray(omega, dtype=float)
         if not np.all(w > 0.0):
             raise BadInput(
-                "a line lies at 0 Hz or below, where motion has no transfer function; begin the "
-                "band above it",
+                "a frequency is 0 Hz or negative, where motion has no frequency response; begin "
+                "the band above 0 Hz",
                 code="line-at-zero",
             )
         powers = np.stack([1.0 / w, np.ones_like(w), w, w * w], axis=1)
-        turned = np.array([-1j, 1.0, 1j, -1.0])[:, None] * self.polynomial.reshape(4, -1)
-        answer = (powers @ turned.view(float)).view(complex)
-        return answer.reshape(w.size, *self.polynomial.shape[1:])
+        weighted = np.array([-1j, 1.0, 1j, -1.0])[:, None] * self.polynomial.reshape(4, -1)
+        response = (powers @ weighted.view(float)).view(complex)
+        return response.reshape(w.size, *self.polynomial.shape[1:])
 
     def rigid_only(self) -> SensorRows:
-        """The same sensors blind to the structure (C_e = 0, Fig. 11)."""
+        """Return the same sensors without elastic response (C_e = 0, Fig. 11)."""
         polynomial = self.polynomial.copy()
         polynomial[:, :, 2:] = 0.0
         return SensorRows(self.names, polynomial)
 
 
 def stack_rows(names: Sequence[str], rows: Sequence[Float[np.ndarray, "4 n_r"]]) -> SensorRows:
-    """Gather single rows into one set."""
+    """Stack single rows to one set."""
     return SensorRows(tuple(names), np.stack(rows, axis=1))
 
 
 def center_of_gravity_acceleration(
     condition: FlightCondition, n_modes: int
 ) -> Float[np.ndarray, "4 n_r"]:
-    """Normal acceleration of the c.g. as an accelerometer there reads it: V times Z.
+    """Build the row of an accelerometer at the c.g.: normal acceleration, V times Z.
 
     Notes
     -----
@@ -82,7 +82,7 @@ def center_of_gravity_acceleration(
 def body_axes(
     location: tuple[float, float, float], condition: FlightCondition
 ) -> tuple[float, float, float]:
-    """Structural location (x aft, y right, z up) to body axes at the c.g. [m]"""
+    """Transform a structural location (x aft, y right, z up) to body axes at the c.g. [m]"""
     x, y, z = location
     return condition.x_cg - x, y, condition.z_cg - z
 
@@ -94,7 +94,7 @@ def accelerometer_row(
     rotation: Float[np.ndarray, "3 n_modes"],
     condition: FlightCondition,
 ) -> Float[np.ndarray, "4 n_r"]:
-    """Accelerometer at a body-axes position; gravity leaks in by local tilt. [m/s2]
+    """Build the row of an accelerometer at a body-axes position, with gravity by tilt. [m/s2]
 
     Raises
     ------
@@ -124,7 +124,7 @@ def accelerometer_row(
 
 
 def gyro_row(rotation: Float[np.ndarray, "3 n_modes"]) -> Float[np.ndarray, "4 n_r"]:
-    """Pitch-rate gyro: q and the local elastic rate. [rad/s]"""
+    """Build the row of a pitch-rate gyro: q and the local elastic rate. [rad/s]"""
     row = np.zeros((4, 2 + rotation.shape[1]))
     row[POSITION, 1] = 1.0
     row[RATE, 2:] = rotation[1]
@@ -132,7 +132,7 @@ def gyro_row(rotation: Float[np.ndarray, "3 n_modes"]) -> Float[np.ndarray, "4 n
 
 
 def attitude_row(rotation: Float[np.ndarray, "3 n_modes"]) -> Float[np.ndarray, "4 n_r"]:
-    """Pitch attitude and the local elastic slope. [rad]"""
+    """Build the row of pitch attitude with the local elastic slope. [rad]"""
     row = np.zeros((4, 2 + rotation.shape[1]))
     row[INTEGRAL, 1] = 1.0
     row[POSITION, 2:] = rotation[1]
@@ -145,7 +145,7 @@ def vane_row(
     rotation: Float[np.ndarray, "3 n_modes"],
     condition: FlightCondition,
 ) -> Float[np.ndarray, "4 n_r"]:
-    """Angle-of-attack vane on a boom: rigid, rotation and elastic parts. [rad]"""
+    """Build the row of an angle-of-attack vane on a boom, elastic parts included. [rad]"""
     row = np.zeros((4, 2 + rotation.shape[1]))
     row[POSITION, 0] = 1.0
     row[POSITION, 1] = -position[0] / condition.airspeed
@@ -155,7 +155,7 @@ def vane_row(
 
 
 def strain_row(strain: Float[np.ndarray, " n_modes"]) -> Float[np.ndarray, "4 n_r"]:
-    """Strain gauge: a known combination of generalised displacements. [1]"""
+    """Build the row of a strain gauge from the modal strains. [1]"""
     row = np.zeros((4, 2 + strain.size))
     row[POSITION, 2:] = strain
     return row

@@ -11,7 +11,7 @@ from scipy import fft
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 
-_MOST_AMPLIFIED = 3.0  # beyond, taking the inputs' filters out would bring up their noise
+_LARGEST_CORRECTION = 3.0  # of the inputs' filters: above, their noise would be amplified
 
 
 def time_response(
@@ -22,7 +22,7 @@ def time_response(
     correct: Callable[[np.ndarray], np.ndarray],
     sense: Callable[[np.ndarray], np.ndarray],
 ) -> Float[np.ndarray, "n_samples n_y"]:
-    """Outputs as they would be recorded under these recorded inputs.
+    """Simulate the recorded outputs for recorded inputs.
 
     Parameters
     ----------
@@ -39,19 +39,19 @@ def time_response(
 
     Notes
     -----
-    The response is composed from its spectrum, H(j omega) U(j omega) over a padded
-    record. For a stable model this is the simulation from rest. Beyond flutter a
-    simulation in time would diverge with the smallest error; the spectrum gives the
-    one response that stays bounded, which is what the closed loop flew.
+    The response is the inverse transform of H(j omega) U(j omega) over a padded record.
+    For a stable model this is the simulation from rest. Beyond flutter a simulation in
+    time would diverge with the smallest error; the spectrum gives the bounded response,
+    which is that of the closed loop.
     """
     n = inputs.shape[0]
     length = fft.next_fast_len(2 * n, real=True)
     spectrum = fft.rfft(inputs, n=length, axis=0)
     omega = 2.0 * np.pi * rate_hz * np.arange(spectrum.shape[0]) / length
-    w = omega[1:]  # trim is left out
+    w = omega[1:]  # without trim
     corrections = correct(w)
-    beyond = np.flatnonzero(np.abs(corrections).max(axis=1) > _MOST_AMPLIFIED)
-    stop = beyond[0] if beyond.size else w.size
+    excessive = np.flatnonzero(np.abs(corrections).max(axis=1) > _LARGEST_CORRECTION)
+    stop = excessive[0] if excessive.size else w.size
     w, band = w[:stop], slice(1, 1 + stop)
     u = spectrum[band] * corrections[:stop]
     y = np.zeros((spectrum.shape[0], len(model.outputs)), dtype=complex)

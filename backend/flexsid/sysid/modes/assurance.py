@@ -1,4 +1,4 @@
-"""How alike mode shapes are: MAC, COMAC, modal scale factors, mass orthogonality."""
+"""Comparison of mode shapes: MAC, COMAC, modal scale factors, mass orthogonality."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from jaxtyping import Complex, Float, Inexact
 from flexsid.errors import BadInput
 
 
-def modal_assurance(
+def compute_mac(
     a: Inexact[np.ndarray, "n_a n_dof"], b: Inexact[np.ndarray, "n_b n_dof"]
 ) -> Float[np.ndarray, "n_a n_b"]:
     """Modal assurance criterion of every shape of one set with every shape of another.
@@ -33,10 +33,10 @@ def modal_assurance(
     return np.divide(product, norms, out=np.zeros_like(norms), where=norms > 0)
 
 
-def coordinate_assurance(
+def compute_comac(
     a: Inexact[np.ndarray, "n_modes n_dof"], b: Inexact[np.ndarray, "n_modes n_dof"]
 ) -> Float[np.ndarray, " n_dof"]:
-    """COMAC: how alike paired shapes are at each degree of freedom.
+    """Coordinate modal assurance criterion (COMAC) of paired shapes at each degree of freedom.
 
     The pairs are scaled to one length first, so that neither the normalisation of
     a source nor one large mode decides.
@@ -51,10 +51,10 @@ def coordinate_assurance(
     return np.divide(product, norms, out=np.zeros_like(norms), where=norms > 0)
 
 
-def scale_factors(
+def compute_modal_scale_factors(
     a: Inexact[np.ndarray, "n_modes n_dof"], b: Inexact[np.ndarray, "n_modes n_dof"]
 ) -> Inexact[np.ndarray, " n_modes"]:
-    """Modal scale factors: what each shape of ``b`` is to be multiplied by to become ``a``.
+    """Modal scale factors, by which each shape of ``b`` is multiplied to fit ``a``.
 
     A negative factor is a flipped sign; the complex one of a measured shape turns it
     back to real.
@@ -64,10 +64,10 @@ def scale_factors(
     return np.divide(product, norms, out=np.zeros_like(product), where=norms > 0)
 
 
-def real_shapes(
+def compute_real_shapes(
     shapes: Complex[np.ndarray, "n_modes *dof"],
 ) -> tuple[Float[np.ndarray, "n_modes *dof"], Float[np.ndarray, " n_modes"]]:
-    """Turn measured complex shapes to their principal direction and keep the real part.
+    """Rotate measured complex shapes to their principal direction and take the real part.
 
     Returns
     -------
@@ -89,7 +89,7 @@ def real_shapes(
     return np.ascontiguousarray(np.real(turned)), collinearity
 
 
-def mass_orthogonality(
+def compute_mass_orthogonality(
     shapes: Float[np.ndarray, "n_modes n_dof"], mass: Float[np.ndarray, "n_dof n_dof"]
 ) -> Float[np.ndarray, "n_modes n_modes"]:
     """Orthogonality of shapes over a mass matrix, 1 on the diagonal.

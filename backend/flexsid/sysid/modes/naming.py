@@ -1,4 +1,4 @@
-"""Names of modes by rule (SW1B, AW1T, SFA, SWL ...), with what speaks for each."""
+"""Names of modes by rule (SW1B, AW1T, SFA, SWL ...), with the reason for each."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from scipy.spatial import cKDTree
 
 from flexsid.sysid.modes.symmetry import find_symmetry
 
-_RIGID = 0.98  # of the motion
-_FORE_AFT = 0.25  # of the wing
-_WINGLET = 2.0  # mean squares
+_RIGID_SHARE = 0.98  # of the motion: least share of the rigid-body motion in a rigid mode
+_FORE_AFT_SHARE = 0.25  # of the wing's motion: least share in a fore-aft mode
+_WINGLET_RATIO = 2.0  # mean square of the winglets over the wing: least ratio in a winglet mode
 _LETTER = {True: "S", False: "A", None: ""}
 _WORD = {True: "symmetric", False: "antisymmetric", None: "neither symmetric nor antisymmetric"}
 
 
 @dataclass(frozen=True, slots=True)
 class ModeName:
-    """What a mode is called, whether it is symmetric (None: not known), and why."""
+    """Name of a mode, its symmetry (None: not known), and the reason."""
 
     name: str
     symmetric: bool | None
@@ -51,7 +51,7 @@ def name_modes(
     translation
         Per unit eta, in the axes of the nodes or turned about y. [m]
     rotation
-        Tells the twist of beams, whose stations have one node each. [rad]
+        Gives the twist of beams, whose stations have one node each. [rad]
 
     Returns
     -------
@@ -62,8 +62,8 @@ def name_modes(
 
     Notes
     -----
-    Source: Fig. 2 and the nomenclature, which name modes by what moves most. The rule
-    counts within each kind; analysts correct it where their programme says otherwise.
+    Source: Fig. 2 and the nomenclature, which name modes by the largest motion. The rule
+    counts within each kind; analysts correct it where their programme differs.
     """
     symmetry = find_symmetry(nodes, translation)
     wing = _Wing.of(nodes)
@@ -72,7 +72,7 @@ def name_modes(
     for mode, shape in enumerate(translation):
         symmetric = symmetry.is_symmetric(mode)
         motion = wing.motion(shape, None if rotation is None else rotation[mode, :, 1])
-        kind, why = _kind(motion)
+        kind, why = _classify_motion(motion)
         letter = "" if kind == "R" else _LETTER[symmetric]
         counts[letter + kind] = count = counts.get(letter + kind, 0) + 1
         if kind in ("B", "T"):
@@ -85,15 +85,15 @@ def name_modes(
     return tuple(names)
 
 
-def _kind(motion: _Motion) -> tuple[str, str]:
+def _classify_motion(motion: _Motion) -> tuple[str, str]:
     def percent(share: float) -> str:
         return f"{100.0 * share:.0f} %"
 
-    if motion.rigid > _RIGID:
+    if motion.rigid > _RIGID_SHARE:
         return "R", f"{percent(motion.rigid)} of the motion is that of a rigid body"
-    if motion.winglet > _WINGLET:
+    if motion.winglet > _WINGLET_RATIO:
         return "WL", f"winglets move sideways {motion.winglet**0.5:.1f} times as far as the wing"
-    if motion.fore_aft > _FORE_AFT and motion.fore_aft > motion.plunge:
+    if motion.fore_aft > _FORE_AFT_SHARE and motion.fore_aft > motion.plunge:
         return "FA", f"{percent(motion.fore_aft)} of the wing's motion is fore and aft"
     if motion.plunge >= motion.twist:
         return "B", f"{percent(motion.plunge)} of the wing's motion is bending"
@@ -144,7 +144,7 @@ class _Wing:
         shape: Float[np.ndarray, "n_nodes 3"],
         pitch: Float[np.ndarray, " n_nodes"] | None,
     ) -> _Motion:
-        """Part one shape into the motions of rigid stations."""
+        """Decompose one shape into the motions of rigid stations."""
         fore_aft, plunge, twist = [], [], []
         for number in range(self.n_stations):
             inside = np.flatnonzero(self.station == number)

@@ -1,4 +1,4 @@
-"""Which sensor sees which mode, and where a further one would help most."""
+"""Observability of modes by sensors, and the information of further sensors."""
 
 from __future__ import annotations
 
@@ -7,31 +7,34 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+_RANK_TOLERANCE = 1e-10  # of the scaled information: smaller eigenvalues are unresolved
+_UNRESOLVED_SHARE = 1e-6  # of a motion in unresolved directions: more is not identifiable
+
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Information:
-    """What sensors tell of modal amplitudes; rigid-body motions are estimated beside them.
+class ModalInformation:
+    """Information of sensors on modal amplitudes, rigid-body motions estimated with them.
 
-    ``covariance`` is that of eta for white noise [1]; infinite where a mode is not seen.
+    ``covariance`` is that of eta for white noise [1]; infinite where a mode is not observed.
     """
 
     covariance: Float[np.ndarray, "n_modes n_modes"]
     matrix: Float[np.ndarray, "n_all n_all"]
 
 
-def gather_information(
+def compute_modal_information(
     rows: Float[np.ndarray, "n_sensors n_modes"],
     rigid: Float[np.ndarray, "n_sensors n_rigid"],
     noise: Float[np.ndarray, " n_sensors"],
-) -> Information:
-    """Weigh what each sensor sees by its noise.
+) -> ModalInformation:
+    """Compute the information of all sensors, weighted by their noise.
 
     Parameters
     ----------
     rows
         Signal of each sensor per unit eta, for each mode at its own frequency.
     rigid
-        Signal per unit of each rigid-body motion that has to be told apart.
+        Signal per unit of each rigid-body motion that is estimated as well.
     noise
         Standard deviation of each sensor, in the unit of its signal.
 
@@ -47,32 +50,32 @@ def gather_information(
     seen = scale > 0
     unit = matrix[np.ix_(seen, seen)] / np.outer(scale[seen], scale[seen])
     values, vectors = np.linalg.eigh(unit)
-    held = values > 1e-10
+    held = values > _RANK_TOLERANCE
     inverse = (vectors[:, held] / values[held]) @ vectors[:, held].T
-    # A motion with a share in what is not held cannot be told.
-    loose = np.sum(vectors[:, ~held] ** 2, axis=1) > 1e-6
+    # A motion with a share in an unresolved direction is not identifiable.
+    loose = np.sum(vectors[:, ~held] ** 2, axis=1) > _UNRESOLVED_SHARE
     full = np.full(matrix.shape, np.inf)
-    told = np.flatnonzero(seen)[~loose]
-    part = inverse[np.ix_(~loose, ~loose)] / np.outer(scale[told], scale[told])
-    full[np.ix_(told, told)] = part
+    identifiable = np.flatnonzero(seen)[~loose]
+    part = inverse[np.ix_(~loose, ~loose)] / np.outer(scale[identifiable], scale[identifiable])
+    full[np.ix_(identifiable, identifiable)] = part
     covariance[:] = full[:n, :n]
-    return Information(covariance, matrix)
+    return ModalInformation(covariance, matrix)
 
 
-def rank_candidates(
-    information: Information,
+def rank_candidate_sensors(
+    information: ModalInformation,
     rows: Float[np.ndarray, "n_candidates n_modes"],
     rigid: Float[np.ndarray, "n_candidates n_rigid"],
     noise: float,
 ) -> tuple[Float[np.ndarray, " n_candidates"], Float[np.ndarray, "n_candidates n_modes"]]:
-    """Say how much each candidate sensor would add.
+    """Rank candidate sensors by the information that each would add.
 
     Parameters
     ----------
     information
-        Of the sensors that are there.
+        Of the present sensors.
     rows, rigid
-        What each candidate would see.
+        Signals of each candidate.
     noise
         Its standard deviation.
 
@@ -87,8 +90,8 @@ def rank_candidates(
     Notes
     -----
     A rank-one update: det(F + h h') = det(F) (1 + h' F^-1 h). A small part of the largest
-    information is added to every motion, so that modes that are not seen at all count as
-    badly known rather than as infinitely so.
+    information is added to every motion, so that modes that are not observed count as
+    poorly known, with a finite variance.
     """
     n = rows.shape[1]
     scale = np.sqrt(np.diag(information.matrix))

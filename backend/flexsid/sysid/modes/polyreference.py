@@ -1,4 +1,4 @@
-"""Modal parameters out of measured frequency responses: poly-reference least squares."""
+"""Modal parameters from measured frequency responses: poly-reference least squares."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.errors import BadInput
-from flexsid.sysid.modes.assurance import modal_assurance
+from flexsid.sysid.modes.assurance import compute_mac
 
-_FREQUENCY_BAND = 0.01
-_DAMPING_BAND = 0.05
-_SAME_PARTICIPATION = 0.95
-_MOST_DAMPED = 0.3
+_FREQUENCY_TOLERANCE = 0.01  # relative change from one order to the next of a stable frequency
+_DAMPING_TOLERANCE = 0.05  # relative change from one order to the next of a stable damping ratio
+_SAME_PARTICIPATION = 0.95  # least MAC of participation vectors of a stable pole
+_MOST_DAMPED = 0.3  # damping ratio: larger ones are not structural modes
 _POWER = {"displacement": 0, "velocity": 1, "acceleration": 2}
 
 
@@ -45,7 +45,7 @@ class MeasuredModes:
     ``std_omega`` and ``std_damping`` are the scatter over the model orders in which each
     mode was stable, ``shapes`` (n_modes, n_outputs) per unit eta: of one kg m2 of generalised
     mass where ``scaled`` (a driving point was measured), else of largest component one.
-    ``fitted`` is the response of these modes and of those beyond the band.
+    ``fitted`` is the response of these modes and of the out-of-band modes.
     """
 
     omega: Float[np.ndarray, " n_modes"]
@@ -57,7 +57,7 @@ class MeasuredModes:
     fitted: Complex[np.ndarray, "n_omega n_outputs n_references"]
 
 
-def stabilisation(
+def compute_stabilisation(
     omega: Float[np.ndarray, " n_omega"],
     responses: Complex[np.ndarray, "n_omega n_outputs n_references"],
     highest_order: int,
@@ -67,7 +67,7 @@ def stabilisation(
     Parameters
     ----------
     omega
-        Evenly spaced lines of the band that is fitted. [rad/s]
+        Evenly spaced frequencies of the fitted band. [rad/s]
     responses
         Of any quantity per force.
     highest_order
@@ -76,7 +76,7 @@ def stabilisation(
     Raises
     ------
     BadInput
-        If there are fewer lines than a model of this order needs.
+        If there are fewer frequencies than a model of this order needs.
 
     Notes
     -----
@@ -88,30 +88,30 @@ def stabilisation(
     n_omega, _, n_in = responses.shape
     if n_omega < 2 * (highest_order + 1):
         raise BadInput(
-            f"{n_omega} lines are too few for models of order {highest_order}; take a wider band "
-            "or a lower order",
+            f"{n_omega} frequencies are too few for models of order {highest_order}; take a "
+            "wider band or a lower order",
             code="too-few-lines",
         )
     span = float(omega[-1] - omega[0])
     step = np.pi / (1.02 * span)
     powers = np.exp(-1j * np.outer((omega - omega[0]) * step, np.arange(highest_order + 1)))
-    M = _reduced_normal(powers, responses)
+    M = _compute_reduced_normal(powers, responses)
     poles: list[StabilizationPole] = []
     before: list[StabilizationPole] = []
     for order in range(2, highest_order + 1):
         size = n_in * (order + 1)
-        found = _poles(M[:size, :size], n_in, order, step, float(omega[0]))
-        now = [_compared(order, value, part, before) for value, part in found]
+        found = _compute_poles(M[:size, :size], n_in, order, step, float(omega[0]))
+        now = [_compare_orders(order, value, part, before) for value, part in found]
         poles += now
         before = now
     return tuple(pole for pole in poles if omega[0] <= pole.omega <= omega[-1])
 
 
-def _reduced_normal(
+def _compute_reduced_normal(
     powers: Complex[np.ndarray, "n_omega n_powers"],
     responses: Complex[np.ndarray, "n_omega n_outputs n_references"],
 ) -> Float[np.ndarray, "n_all n_all"]:
-    """Sum over outputs of T - S' R^-1 S, from lines of equal weight."""
+    """Sum over outputs of T - S' R^-1 S, from frequencies of equal weight."""
     n_omega, n_out, n_in = responses.shape
     n_powers = powers.shape[1]
     R = np.real(powers.conj().T @ powers)
@@ -127,17 +127,17 @@ def _reduced_normal(
     return M
 
 
-def _poles(
+def _compute_poles(
     M: Float[np.ndarray, "n n"], n_in: int, order: int, step: float, start: float
 ) -> list[tuple[complex, np.ndarray]]:
-    """Stable poles with their participation factors, from the companion of the denominator."""
+    """Stable poles and participation factors from the block Frobenius form of the denominator."""
     rest = np.linalg.lstsq(M[n_in:, n_in:], -M[n_in:, :n_in], rcond=None)[0]
     blocks = rest.reshape(order, n_in, n_in)  # A_1 ... A_p with A_0 = 1
-    companion = np.zeros((n_in * order, n_in * order))
-    companion[n_in:, :-n_in] = np.eye(n_in * (order - 1))
+    frobenius = np.zeros((n_in * order, n_in * order))
+    frobenius[n_in:, :-n_in] = np.eye(n_in * (order - 1))
     # With w = 1/z: (1 + A_1 / w + ...) v = 0 is w^p v = -(A_1 w^(p-1) + ... + A_p) v.
-    companion[:n_in] = -np.concatenate([block.T for block in blocks], axis=1)
-    values, vectors = np.linalg.eig(companion)
+    frobenius[:n_in] = -np.concatenate([block.T for block in blocks], axis=1)
+    values, vectors = np.linalg.eig(frobenius)
     found = []
     for value, vector in zip(values, vectors.T, strict=True):
         if value == 0:
@@ -150,25 +150,28 @@ def _poles(
     return found
 
 
-def _compared(
+def _compare_orders(
     order: int, value: complex, participation: np.ndarray, before: list[StabilizationPole]
 ) -> StabilizationPole:
     size = abs(value)
     damping = -value.real / size
     frequency_holds = stable = False
     for pole in before:
-        if abs(pole.omega - size) > _FREQUENCY_BAND * size:
+        if abs(pole.omega - size) > _FREQUENCY_TOLERANCE * size:
             continue
         frequency_holds = True
-        same = modal_assurance(participation[None], pole.participation[None])[0, 0]
-        if abs(pole.damping - damping) <= _DAMPING_BAND * damping and same > _SAME_PARTICIPATION:
+        same = compute_mac(participation[None], pole.participation[None])[0, 0]
+        if (
+            abs(pole.damping - damping) <= _DAMPING_TOLERANCE * damping
+            and same > _SAME_PARTICIPATION
+        ):
             stable = True
     return StabilizationPole(order, value, participation, stable, frequency_holds)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Cluster:
-    """A mode as it shows in the diagram: the same pole, stable over several orders."""
+class PoleColumn:
+    """A column of the stabilisation diagram: the same pole, stable over several orders."""
 
     value: complex
     participation: Complex[np.ndarray, " n_references"]
@@ -177,7 +180,9 @@ class Cluster:
     std_damping: float
 
 
-def find_columns(poles: tuple[StabilizationPole, ...], share: float = 0.3) -> tuple[Cluster, ...]:
+def find_columns(
+    poles: tuple[StabilizationPole, ...], share: float = 0.3
+) -> tuple[PoleColumn, ...]:
     """Find the columns of a stabilisation diagram.
 
     Parameters
@@ -200,8 +205,8 @@ def find_columns(poles: tuple[StabilizationPole, ...], share: float = 0.3) -> tu
     for pole in stable:
         for column in columns:
             middle = column[len(column) // 2]
-            alike = modal_assurance(pole.participation[None], middle.participation[None])[0, 0]
-            near = abs(pole.omega - middle.omega) < _FREQUENCY_BAND * pole.omega
+            alike = compute_mac(pole.participation[None], middle.participation[None])[0, 0]
+            near = abs(pole.omega - middle.omega) < _FREQUENCY_TOLERANCE * pole.omega
             apart = pole.order not in {other.order for other in column}
             if near and apart and alike > 0.9:
                 column.append(pole)
@@ -215,7 +220,7 @@ def find_columns(poles: tuple[StabilizationPole, ...], share: float = 0.3) -> tu
         dampings = np.array([pole.damping for pole in column])
         best = column[int(np.argsort(dampings)[len(column) // 2])]
         found.append(
-            Cluster(
+            PoleColumn(
                 best.value,
                 best.participation,
                 len(column),
@@ -229,7 +234,7 @@ def find_columns(poles: tuple[StabilizationPole, ...], share: float = 0.3) -> tu
 def fit_shapes(
     omega: Float[np.ndarray, " n_omega"],
     responses: Complex[np.ndarray, "n_omega n_outputs n_references"],
-    columns: tuple[Cluster, ...],
+    columns: tuple[PoleColumn, ...],
     quantity: str,
     driving: tuple[tuple[int, int], ...] = (),
 ) -> MeasuredModes:
@@ -238,7 +243,7 @@ def fit_shapes(
     Parameters
     ----------
     omega, responses
-        Lines and responses per force.
+        Frequencies and responses per force.
     columns
         Modes.
     quantity
@@ -291,7 +296,7 @@ def fit_shapes(
     n = len(columns)
     psi = solution[:n] + 1j * solution[n : 2 * n]
     fitted = (design @ solution).reshape(n_omega, n_in, n_out).transpose(0, 2, 1)
-    shapes, scaled = _scaled(psi, part, roots, driving)
+    shapes, scaled = _scale_shapes(psi, part, roots, driving)
     return MeasuredModes(
         omega=np.abs(roots),
         damping=-np.real(roots) / np.abs(roots),
@@ -303,7 +308,7 @@ def fit_shapes(
     )
 
 
-def _scaled(
+def _scale_shapes(
     psi: Complex[np.ndarray, "n_modes n_outputs"],
     part: Complex[np.ndarray, "n_modes n_references"],
     roots: Complex[np.ndarray, " n_modes"],
@@ -319,7 +324,7 @@ def _scaled(
         return psi / psi[np.arange(psi.shape[0]), largest][:, None], False
     shapes = np.empty_like(psi)
     for mode in range(psi.shape[0]):
-        # The driving point that moves most in this mode knows its scale best.
+        # The driving point with the largest motion in this mode gives its scale.
         output, reference = max(
             driving, key=lambda pair: abs(psi[mode, pair[0]] * part[mode, pair[1]])
         )

@@ -1,4 +1,4 @@
-"""Which modes are symmetric, told from their shapes."""
+"""Symmetry of modes from their shapes."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from jaxtyping import Float, Int
 from scipy.spatial import cKDTree
 
 _MIRROR = np.array([1.0, -1.0, 1.0])
-_SURE = 0.6
+_LEAST_DEGREE = 0.6  # of symmetry, 1 is perfect: least of a symmetric or antisymmetric mode
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Symmetry:
-    """How symmetric each mode is: +1 symmetric, -1 antisymmetric, near 0 neither.
+    """Degree of symmetry of each mode: +1 symmetric, -1 antisymmetric, near 0 neither.
 
     ``paired`` is the share of nodes that have a counterpart on the other side.
     """
@@ -23,9 +23,9 @@ class Symmetry:
     paired: float
 
     def is_symmetric(self, mode: int) -> bool | None:
-        """Whether a mode is symmetric; None where the shape does not tell."""
+        """Whether a mode is symmetric; None where the shape is neither."""
         degree = float(self.degree[mode])
-        return None if not abs(degree) >= _SURE else degree > 0
+        return None if not abs(degree) >= _LEAST_DEGREE else degree > 0
 
 
 def find_symmetry(
@@ -47,7 +47,7 @@ def find_symmetry(
     Symmetry
         With NaN where no node that moves has a counterpart (a half model).
     """
-    pairs = _pairs(nodes)
+    pairs = _find_pairs(nodes)
     shape = translation[:, pairs[:, 0]]
     mirrored = translation[:, pairs[:, 1]] * _MIRROR
     # Of two sides one may move alone: the mean of both makes that neither, not symmetric.
@@ -57,7 +57,7 @@ def find_symmetry(
     return Symmetry(degree, pairs.shape[0] / max(1, nodes.shape[0]))
 
 
-def _pairs(nodes: Float[np.ndarray, "n_nodes 3"]) -> Int[np.ndarray, "n_pairs 2"]:
+def _find_pairs(nodes: Float[np.ndarray, "n_nodes 3"]) -> Int[np.ndarray, "n_pairs 2"]:
     """Nodes and their counterparts; a node in the plane is its own."""
     empty = np.empty((0, 2), dtype=np.intp)
     if nodes.shape[0] == 0:

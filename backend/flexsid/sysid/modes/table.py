@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from flexsid.sysid.modes.shapes import StructuralModes
-from flexsid.sysid.modes.tracking import Tracking, track, untracked
+from flexsid.sysid.modes.tracking import Tracking, make_identity_tracking, track_modes
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,12 +29,12 @@ class ModeTable:
     strain: Float[np.ndarray, "n_fuel n_modes n_gauges"]
 
     def at(self, fuel: float) -> StructuralModes:
-        """Interpolate in fuel, once modes are aligned; beyond the table the end values hold."""
-        weights = fuel_weights(self.fuel, fuel)
-        shape = weighted(weights, self.shape)
+        """Interpolate in fuel, once modes are aligned; outside the table the end values apply."""
+        weights = compute_fuel_weights(self.fuel, fuel)
+        shape = sum_weighted_rows(weights, self.shape)
         return StructuralModes(
             numbers=self.numbers,
-            omega=weighted(weights, self.omega),
+            omega=sum_weighted_rows(weights, self.omega),
             # Damping is measured, at few fuel weights and with scatter: straight lines.
             zeta=interpolate(self.fuel, self.zeta, fuel),
             mass=interpolate(self.fuel, self.mass, fuel),
@@ -42,20 +42,20 @@ class ModeTable:
             translation=np.moveaxis(shape[..., :3], 0, -1),
             rotation=np.moveaxis(shape[..., 3:], 0, -1),
             gauges=self.gauges,
-            strain=weighted(weights, self.strain).T,
+            strain=sum_weighted_rows(weights, self.strain).T,
         )
 
 
-def track_points(table: ModeTable) -> Tracking:
-    """Follow the modes of a table by what its sensor points tell of them."""
+def track_table_modes(table: ModeTable) -> Tracking:
+    """Track the modes of a table by their shapes at its sensor points."""
     n_fuel, n_modes = table.omega.shape
     if not table.points:
-        return untracked(n_fuel, n_modes)
-    return track(table.shape[..., :3].reshape(n_fuel, n_modes, -1), table.omega)
+        return make_identity_tracking(n_fuel, n_modes)
+    return track_modes(table.shape[..., :3].reshape(n_fuel, n_modes, -1), table.omega)
 
 
 def align_modes(table: ModeTable, tracking: Tracking | None = None) -> ModeTable:
-    """Bring modes and their signs into the order of the first fuel weight, which names them.
+    """Sort modes and their signs into the order of the first fuel weight, which names them.
 
     Parameters
     ----------
@@ -64,30 +64,30 @@ def align_modes(table: ModeTable, tracking: Tracking | None = None) -> ModeTable
     tracking
         Found from more points than the table has; by default from its own.
     """
-    tracking = track_points(table) if tracking is None else tracking
+    tracking = track_table_modes(table) if tracking is None else tracking
     return replace(
         table,
         omega=tracking.sort(table.omega),
         zeta=tracking.sort(table.zeta),
         mass=tracking.sort(table.mass),
-        shape=_unmixed(table.fuel, tracking, tracking.align(table.shape)),
-        strain=_unmixed(table.fuel, tracking, tracking.align(table.strain)),
+        shape=_interpolate_mixed(table.fuel, tracking, tracking.align(table.shape)),
+        strain=_interpolate_mixed(table.fuel, tracking, tracking.align(table.strain)),
     )
 
 
-def _unmixed(
+def _interpolate_mixed(
     fuel: Float[np.ndarray, " n_fuel"],
     tracking: Tracking,
     aligned: Float[np.ndarray, "n_fuel n_modes *rest"],
 ) -> Float[np.ndarray, "n_fuel n_modes *rest"]:
-    """Put what the neighbours say in the place of shapes that the solver has mixed."""
+    """Replace shapes that the solver has mixed by interpolation between the neighbours."""
     for row, mode in np.argwhere(tracking.mixed):
-        weights = fuel_weights(fuel, float(fuel[row]), tracking.mixed[:, mode])
+        weights = compute_fuel_weights(fuel, float(fuel[row]), tracking.mixed[:, mode])
         aligned[row, mode] = sum(weight * aligned[k, mode] for k, weight in weights.items())
     return aligned
 
 
-def fuel_weights(
+def compute_fuel_weights(
     fuel: Float[np.ndarray, " n_fuel"],
     at: float,
     without: Bool[np.ndarray, " n_fuel"] | None = None,
@@ -109,7 +109,7 @@ def fuel_weights(
     """
     if without is not None and without.any() and not without.all():
         rows = np.flatnonzero(~without)
-        return {int(rows[k]): weight for k, weight in fuel_weights(fuel[rows], at).items()}
+        return {int(rows[k]): weight for k, weight in compute_fuel_weights(fuel[rows], at).items()}
     n = fuel.size
     if n == 1 or at <= fuel[0]:
         return {0: 1.0}
@@ -126,10 +126,10 @@ def fuel_weights(
     return {row: float(weight) for row, weight in weights.items() if weight != 0.0}
 
 
-def weighted(
+def sum_weighted_rows(
     weights: dict[int, float], values: Float[np.ndarray, "n_fuel *shape"]
 ) -> Float[np.ndarray, "*shape"]:
-    """Sum up the rows of a table as ``fuel_weights`` says."""
+    """Sum the rows of a table with the weights of ``compute_fuel_weights``."""
     rows = list(weights)
     return np.tensordot(np.array([weights[row] for row in rows]), values[rows], axes=1)
 

@@ -1,4 +1,4 @@
-"""Follow modes and their signs over fuel, through crossings."""
+"""Mode tracking over fuel: modes and their signs, through crossings."""
 
 from __future__ import annotations
 
@@ -9,22 +9,23 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, Num
 from scipy.optimize import linear_sum_assignment
 
-from flexsid.sysid.modes.assurance import modal_assurance
+from flexsid.sysid.modes.assurance import compute_mac
 
-DOUBTFUL = 0.7
-"""Below this MAC from one fuel weight to the next a mode is not the same beyond doubt."""
+LOW_MAC = 0.7
+"""Below this MAC from one fuel weight to the next the identity of a mode is not certain."""
 
-_ALIKE, _WHOLE = 0.8, 0.95
+_SAME_MAC = 0.8  # least MAC of a shape that becomes the reference for the next fuel weight
+_MIXED_SHARE = 0.95  # of a shape, in the span of several shapes of the next row: mixed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tracking:
-    """Where each mode of the first fuel weight stands at the others.
+    """Place of each mode of the first fuel weight at the others.
 
     ``order[k, i]`` is the place of mode i in row k of the table, ``sign[k, i]`` what
     its shape is to be multiplied by; ``assurance[k, i]`` is its MAC with the same mode
     at the fuel weight before (1 in the first row). ``mixed[k, i]`` marks a shape that the
-    solver has mixed with another at a crossing: its neighbours tell the mode better.
+    solver has mixed with another at a crossing: its neighbours give the mode better.
     """
 
     order: Int[np.ndarray, "n_fuel n_modes"]
@@ -42,10 +43,10 @@ class Tracking:
         return self.sort(shapes) * sign.astype(shapes.dtype)
 
     @property
-    def doubtful(self) -> tuple[tuple[int, int], ...]:
-        """Row and mode where what follows may be another mode."""
-        lost = (self.assurance < DOUBTFUL) & ~self.mixed
-        return tuple((int(k), int(i)) for k, i in np.argwhere(lost))
+    def low_mac(self) -> tuple[tuple[int, int], ...]:
+        """Row and mode with a MAC below ``LOW_MAC``: the next row may be another mode."""
+        low = (self.assurance < LOW_MAC) & ~self.mixed
+        return tuple((int(k), int(i)) for k, i in np.argwhere(low))
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,23 +58,23 @@ class ModeCrossing:
     omega: float
 
 
-def untracked(n_fuel: int, n_modes: int) -> Tracking:
-    """The order of the table itself, where there are no shapes to follow."""
+def make_identity_tracking(n_fuel: int, n_modes: int) -> Tracking:
+    """Tracking in the order of the table itself, for tables without shapes."""
     order = np.tile(np.arange(n_modes), (n_fuel, 1))
     ones = np.ones(order.shape)
     return Tracking(order, ones.copy(), ones, np.zeros(order.shape, dtype=bool))
 
 
-def track(
+def track_modes(
     shapes: Float[np.ndarray, "n_fuel n_modes n_dof"], omega: Float[np.ndarray, "n_fuel n_modes"]
 ) -> Tracking:
-    """Follow modes from each fuel weight to the next by their shapes.
+    """Track modes from each fuel weight to the next by their shapes.
 
     Modes may cross in frequency and a solver is free to flip any sign, so neighbouring
     fuel weights are matched by the modal assurance criterion before anything is
     interpolated. Where a crossing falls on a fuel weight of the table the solver may have
     mixed the two shapes there; such a row is matched with those before it, and the next
-    row with the last one that was followed beyond doubt.
+    row with the last one that was tracked with certainty.
 
     Parameters
     ----------
@@ -87,41 +88,41 @@ def track(
     The assignment is the optimal one (Hungarian method) rather than the greedy maximum.
     """
     n_fuel, n_modes = omega.shape
-    tracking = untracked(n_fuel, n_modes)
-    sure = shapes[0].copy()  # each mode as last seen beyond doubt
+    tracking = make_identity_tracking(n_fuel, n_modes)
+    reference = shapes[0].copy()  # each mode as last tracked with certainty
     last = omega[0].copy()
     for row in range(1, n_fuel):
-        alike = modal_assurance(sure, shapes[row])
+        alike = compute_mac(reference, shapes[row])
         distance = np.abs(np.log((omega[row] + 1e-9) / (last[:, None] + 1e-9)))
         order = linear_sum_assignment(-alike + 0.05 * np.minimum(distance, 1.0))[1]
         followed = shapes[row, order]
         assurance = alike[np.arange(n_modes), order]
-        sign = np.where(np.sum(sure * followed, axis=1) < 0, -1.0, 1.0)
+        sign = np.where(np.sum(reference * followed, axis=1) < 0, -1.0, 1.0)
         tracking.order[row], tracking.sign[row] = order, sign
         tracking.assurance[row] = assurance
-        clear = assurance >= _ALIKE
+        clear = assurance >= _SAME_MAC
         if not clear.all():
-            mixed = _mixed(sure, followed, clear)
+            mixed = _find_mixed(reference, followed, clear)
             tracking.mixed[row] = mixed
             clear |= ~mixed
-        sure[clear] = (sign[:, None] * followed)[clear]
+        reference[clear] = (sign[:, None] * followed)[clear]
         last = omega[row, order]
     return tracking
 
 
-def _mixed(
-    sure: Float[np.ndarray, "n_modes n_dof"],
+def _find_mixed(
+    reference: Float[np.ndarray, "n_modes n_dof"],
     followed: Float[np.ndarray, "n_modes n_dof"],
     clear: Bool[np.ndarray, " n_modes"],
 ) -> Bool[np.ndarray, " n_modes"]:
     """Modes whose shape stands, in parts, in several shapes of the next row."""
     basis = np.linalg.svd(followed[~clear], full_matrices=False)[2]
-    size = np.sum(sure**2, axis=1)
-    inside = np.sum((sure @ basis.T) ** 2, axis=1)
-    return ~clear & (inside >= _WHOLE * size) & (size > 0)
+    size = np.sum(reference**2, axis=1)
+    inside = np.sum((reference @ basis.T) ** 2, axis=1)
+    return ~clear & (inside >= _MIXED_SHARE * size) & (size > 0)
 
 
-def crossings(
+def find_mode_crossings(
     fuel: Float[np.ndarray, " n_fuel"], omega: Float[np.ndarray, "n_fuel n_modes"]
 ) -> tuple[ModeCrossing, ...]:
     """Where tracked frequencies cross, by straight lines between fuel weights. [rad/s]"""

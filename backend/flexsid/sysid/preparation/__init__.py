@@ -1,1 +1,1 @@
-"""Preparation: what recordings need before anything is estimated from them."""
+"""Preparation of recordings: repair, resampling, sensor faults, motion filter."""

@@ -1,6 +1,6 @@
-"""Find maneuvers in the recording of a whole flight: where the excitation ran, and how often.
+"""Maneuvers in the recording of a whole flight: intervals and periods of the excitation.
 
-A recorded excitation rests between maneuvers; a marker holds a number while one is flown.
+A recorded excitation is constant between maneuvers; a marker has a number during one.
 """
 
 from __future__ import annotations
@@ -12,15 +12,15 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from flexsid.errors import BadInput
-from flexsid.sysid.excitation.recognition import recognise
+from flexsid.sysid.excitation.recognition import recognise_multisine
 
-_ACTIVE = 1e-3  # of the largest command: digital, it rests at a level exactly
-_NOISY = 8.0  # robust standard deviations, where it does not
+_ACTIVE = 1e-3  # of the largest command, for a digital command that rests at one level exactly
+_NOISY = 8.0  # robust standard deviations, for a command with noise
 _PAUSE_S = 1.0  # a shorter rest is part of the excitation
-_SHORTEST_S = 1.0
+_SHORTEST_S = 1.0  # a shorter interval is not a maneuver
 _SAME = 0.02  # of its size: how little a period may differ from the one before
-_SHORTEST_PERIOD_S = 2.0
-_SLACK = 2  # samples by which an onset may be missed
+_SHORTEST_PERIOD_S = 2.0  # a shorter lag is not a period
+_SLACK = 2  # samples by which a detected onset may be late
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,7 +29,7 @@ class ExcitedInterval:
 
     ``period`` is in samples, not whole where the excitation came from another clock;
     ``harmonics`` are those of each input, empty where no multisine was recognised.
-    ``marker`` is the number that a marker held.
+    ``marker`` is the value of the marker.
     """
 
     first: int
@@ -43,7 +43,7 @@ class ExcitedInterval:
 def find_excitations(
     commands: Float[np.ndarray, "n_samples n_inputs"], rate_hz: float
 ) -> tuple[ExcitedInterval, ...]:
-    """Find every stretch in which a command moves, with its periods and harmonics.
+    """Find every interval in which a command moves, with its periods and harmonics.
 
     Parameters
     ----------
@@ -54,23 +54,23 @@ def find_excitations(
     """
     moving = np.zeros(commands.shape[0], dtype=bool)
     for command in commands.T:
-        moving |= _moving(command)
+        moving |= _find_moving(command)
     found = []
-    for first, stop in _stretches(moving, round(_PAUSE_S * rate_hz)):
+    for first, stop in _join_intervals(moving, round(_PAUSE_S * rate_hz)):
         if stop - first >= _SHORTEST_S * rate_hz:
-            found.append(_described(commands, first, stop, rate_hz))
+            found.append(_describe_interval(commands, first, stop, rate_hz))
     return tuple(found)
 
 
-def find_marked(
+def find_marked_intervals(
     marker: Float[np.ndarray, " n_samples"], rate_hz: float
 ) -> tuple[ExcitedInterval, ...]:
-    """Find every stretch in which a marker holds one number other than zero.
+    """Find every interval in which a marker has one number other than zero.
 
     Parameters
     ----------
     marker
-        Number of the flight test aid while it is flown, zero or negative between.
+        Number of the flight test aid during its maneuver, zero or negative between.
     rate_hz
         Samples per second. [Hz]
     """
@@ -87,7 +87,7 @@ def find_marked(
     )
 
 
-def _moving(command: Float[np.ndarray, " n_samples"]) -> Bool[np.ndarray, " n_samples"]:
+def _find_moving(command: Float[np.ndarray, " n_samples"]) -> Bool[np.ndarray, " n_samples"]:
     """Samples away from the level at which a command rests."""
     values, counts = np.unique(command, return_counts=True)
     rest = float(values[np.argmax(counts)])
@@ -97,13 +97,13 @@ def _moving(command: Float[np.ndarray, " n_samples"]) -> Bool[np.ndarray, " n_sa
         return np.zeros(command.size, dtype=bool)
     if counts.max() > 0.05 * command.size:
         return away > _ACTIVE * most
-    # It never rests exactly: what is quiet for most of a flight is noise.
+    # A command that never rests exactly has noise, estimated from the quieter samples.
     away = np.abs(command - np.median(command))
     noise = 1.4826 * float(np.percentile(away, 25)) / 0.4726  # quartile of a half normal
     return away > max(_NOISY * noise, 0.05 * most)
 
 
-def _stretches(moving: Bool[np.ndarray, " n_samples"], pause: int) -> list[tuple[int, int]]:
+def _join_intervals(moving: Bool[np.ndarray, " n_samples"], pause: int) -> list[tuple[int, int]]:
     edges = np.diff(np.r_[False, moving, False].astype(np.int8))
     first, stop = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
     joined: list[tuple[int, int]] = []
@@ -115,7 +115,7 @@ def _stretches(moving: Bool[np.ndarray, " n_samples"], pause: int) -> list[tuple
     return joined
 
 
-def _described(
+def _describe_interval(
     commands: Float[np.ndarray, "n_samples n_inputs"], first: int, stop: int, rate_hz: float
 ) -> ExcitedInterval:
     """Count the periods of an excitation and recognise its sines.
@@ -124,7 +124,7 @@ def _described(
     """
     x = commands[first:stop]
     busy = np.flatnonzero(np.ptp(x, axis=0) > 0)
-    lag = _repeats_after(x[:, busy], round(_SHORTEST_PERIOD_S * rate_hz))
+    lag = _find_period(x[:, busy], round(_SHORTEST_PERIOD_S * rate_hz))
     n_periods = 1 if lag is None else max(1, round((stop - first) / lag))
     length = (stop - first) / n_periods if lag is None else float(lag)
     best = None
@@ -132,10 +132,10 @@ def _described(
         for period in range(round(length) - _SLACK, round(length) + _SLACK + 1):
             if start + period > commands.shape[0] or period < 8:
                 continue
-            harmonics = _harmonics(commands[start : start + period], busy)
+            harmonics = _find_harmonics(commands[start : start + period], busy)
             if harmonics is None:
                 continue
-            left = _unexplained(commands[start : start + period], harmonics)
+            left = _compute_unexplained(commands[start : start + period], harmonics)
             if best is None or left < best[0]:
                 best = left, start, period, harmonics
     if best is None:
@@ -150,8 +150,8 @@ def _described(
     )
 
 
-def _repeats_after(x: Float[np.ndarray, "n_samples n_inputs"], least: int) -> int | None:
-    """Smallest lag after which the excitation is the same again; None where it never is."""
+def _find_period(x: Float[np.ndarray, "n_samples n_inputs"], least: int) -> int | None:
+    """Smallest lag after which the excitation repeats; None if it does not repeat."""
     n = x.shape[0]
     if n < 2 * least:
         return None
@@ -171,29 +171,29 @@ def _repeats_after(x: Float[np.ndarray, "n_samples n_inputs"], least: int) -> in
     return int(group[np.argmax(likeness[group])])
 
 
-def _harmonics(
+def _find_harmonics(
     period: Float[np.ndarray, "n_samples n_inputs"], busy: Int[np.ndarray, " n_busy"]
 ) -> tuple[tuple[int, ...], ...] | None:
-    """Harmonics of every input; None unless each is a multisine and none shares a line."""
+    """Harmonics of every input; None unless each is a multisine and none shares a harmonic."""
     found: list[tuple[int, ...]] = [() for _ in range(period.shape[1])]
-    owned: set[int] = set()
+    assigned: set[int] = set()
     for column in busy.tolist():
         try:
-            tones, length = recognise(np.ascontiguousarray(period[:, column]))
+            tones, length = recognise_multisine(np.ascontiguousarray(period[:, column]))
         except BadInput:
             return None
         lines = tuple(int(line) for line in tones.harmonics)
-        if length != period.shape[0] or owned & set(lines) or 0 in lines:
+        if length != period.shape[0] or assigned & set(lines) or 0 in lines:
             return None
-        owned |= set(lines)
+        assigned |= set(lines)
         found[column] = lines
     return tuple(found)
 
 
-def _unexplained(
+def _compute_unexplained(
     period: Float[np.ndarray, "n_samples n_inputs"], harmonics: Sequence[tuple[int, ...]]
 ) -> float:
-    """Share of the power that lies outside the lines: least where the period begins."""
+    """Share of the power outside the harmonics: least where the period begins."""
     power = np.abs(np.fft.rfft(period, axis=0)) ** 2
     power[0] = 0.0
     on = sum(float(power[list(lines), k].sum()) for k, lines in enumerate(harmonics))

@@ -1,4 +1,4 @@
-"""Which few sensors are at fault, by what all sensors agree on.
+"""Detection of a few faulty sensors by the agreement of all sensors.
 
 With 8 to 16 sensors, of which left and right pairs read the same, the delays of all sensors
 cannot be estimated together: hardly more sensors are independent than motions. That one or
@@ -16,48 +16,47 @@ from scipy import linalg
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.preparation.redundancy import (
-    Candidates,
-    Faults,
-    RedundantLines,
-    strong_lines,
+    FaultParameters,
+    RedundantSensors,
+    SensorFaults,
+    select_strong_frequencies,
 )
 from flexsid.sysid.signals import FrequencyData
 
-OTHERS = "the other sensors"
-"""What the delay of a single sensor is counted from."""
+OTHER_SENSORS = "the other sensors"
+"""Reference of the delay of a single sensor."""
 
-_ENTERS = (
-    25.0  # twice the gain in log likelihood, 5 sigma: of some thirty candidates none by chance
-)
-_RESOLVED = 1e-6  # of a candidate's information that no motion takes up
-_LEAST_OWN = 0.02  # of a candidate's information that the faults found leave it
-_LARGEST_STEP_RAD = 0.3  # at the highest line: beyond that a delay may slip by a whole turn
-_LARGEST_GAIN_STEP = 0.3
+_LEAST_GAIN = 25.0  # in 2 ln L to enter, 5 sigma: none of thirty candidates by chance
+_RESOLVED = 1e-6  # of a candidate's information, least part outside the span of the motion
+_LEAST_OWN = 0.02  # of a candidate's information, least part outside the faults found
+_LARGEST_STEP_RAD = 0.3  # at the highest frequency: beyond that a delay may slip by a whole turn
+_LARGEST_GAIN_STEP = 0.3  # of the log scale factor, per step
 _STEPS = 20
 _NOISE_ROUNDS = 3
-_SMALL = 0.05  # of a standard error: steps below change nothing
+_NOISE_CONVERGED = 0.05  # relative change of the noise that ends the rounds
+_STEP_TOLERANCE = 0.05  # of a standard error: smaller steps end the iteration
 _LEAST_FREEDOM = 0.05  # of a sensor, below which its own noise is not known
-_TURNED = 0.1  # of the misfit is left where one sign was wrong
-_TELLS = 4.0  # times the misfit of the best sign that any other leaves, else it is ambiguous
+_SIGN_MISFIT = 0.1  # largest misfit after a sign is corrected, over that before
+_AMBIGUITY_RATIO = 4.0  # least misfit of any other sign over the best one
 _MODEL_ERROR = 0.01  # of a sensor's level: calibration and shapes are not known better
-_KNOWN_S = 0.05  # a larger standard error says that a delay is not known at all
-_KNOWN_GAIN = 0.5
-_NEIGHBOURS = 8  # lines whose residuals a missing mode makes alike
-_LEAST_SHARE = 0.1  # of signal in what resolves a delay: below, it may be none
+_KNOWN_S = 0.05  # with a larger standard error a delay is not identifiable [s]
+_KNOWN_GAIN = 0.5  # with a larger standard error a log scale factor is not identifiable
+_NEIGHBOURS = 8  # frequencies whose residuals are correlated by an unmodelled mode
+_LEAST_SHARE = 0.1  # of signal in the information on a delay: a lower share is not significant
 
 
 @dataclass(frozen=True, slots=True)
-class Detection:
+class FaultDetection:
     """Faults of single sensors.
 
     Of a sensor in ``found`` the delay or scale factor was estimated with those of all others
     found; of any other sensor ``faults`` has what it would be if it were at fault too.
     ``signs`` is -1 for a sensor that is turned round, ``rival`` another sensor that would
-    explain this as well. ``misfit`` is the disagreement of each sensor that is left, over what
-    was expected; ``criterion`` compares models of other modes, the smallest is best.
+    explain this as well. ``misfit`` is the disagreement of each sensor after the fit, over the
+    expected one; ``criterion`` compares models of other modes, the smallest is best.
     """
 
-    faults: Faults
+    faults: SensorFaults
     signs: Float[np.ndarray, " n_y"]
     found: tuple[str, ...]
     misfit: Float[np.ndarray, " n_y"]
@@ -65,13 +64,13 @@ class Detection:
     rival: str | None = None
 
 
-def detect_faults(
+def detect_sensor_faults(
     model: AeroelasticModel,
     outputs: FrequencyData,
     instruments: Complex[np.ndarray, "n_omega n_y"],
     scaled: tuple[str, ...] = (),
     noise: Float[np.ndarray, " n_y"] | None = None,
-) -> Detection:
+) -> FaultDetection:
     """Find the fewest delays and scale factors that make all sensors agree on the motion.
 
     Parameters
@@ -95,19 +94,19 @@ def detect_faults(
 
     Notes
     -----
-    The motion is projected out at each line (variable projection: Golub and Pereyra, SIAM Journal
-    on Numerical Analysis 10, 1973), which leaves the likelihood of delays and log scale factors
-    alone.
-    They enter one after the other by the score test while twice the gain in log likelihood
-    exceeds 25 (orthogonal matching pursuit: Pati et al., Asilomar 1993), relinearised until
-    nothing changes. Noise grows to what is left of each sensor, so that a sensor with another
-    fault loses its weight. The criterion is Akaike's, with two real parameters at each line for
-    every motion. Standard errors are the larger of two: white residuals, and residuals that
-    neighbouring lines share (Newey and West, Econometrica 55, 1987).
+    The motion is projected out at each frequency (variable projection: Golub and Pereyra, SIAM
+    Journal on Numerical Analysis 10, 1973), which leaves the likelihood of delays and log scale
+    factors alone. They enter one after the other by the score test while twice the gain in log
+    likelihood exceeds 25 (orthogonal matching pursuit: Pati et al., Asilomar 1993),
+    relinearised until nothing changes. Noise grows to the residual of each sensor, so that a
+    sensor with another fault loses its weight. The criterion is Akaike's, with two real
+    parameters per frequency for every motion. Standard errors are the larger of two: white
+    residuals, and residuals that neighbouring frequencies share (Newey and West, Econometrica
+    55, 1987).
     """
     names = model.outputs
     z = outputs.pick(names).values
-    some = strong_lines(z)
+    some = select_strong_frequencies(z)
     omega, z = outputs.omega[some], z[some]
     rows = instruments[some][:, :, None] * model.sensors.response(omega)
     n_y, n_r = rows.shape[1:]
@@ -115,33 +114,33 @@ def detect_faults(
     if not level.all():
         silent = names[int(np.argmin(level))]
         raise NotIdentifiable(
-            f"'{silent}' never moves; leave it out", code="silent-channel", channel=silent
+            f"'{silent}' never moves; exclude it", code="silent-channel", channel=silent
         )
     if n_y <= n_r:
         raise NotIdentifiable(
-            f"{n_y} outputs see {n_r} motions; a check needs more sensors than motions",
+            f"{n_y} outputs measure {n_r} motions; a check needs more sensors than motions",
             code="no-redundancy",
         )
     floor = _MODEL_ERROR * level
     if noise is not None:
         floor = np.hypot(floor, np.where(np.isfinite(noise), noise, 0.0))
-    candidates = Candidates(
+    candidates = FaultParameters(
         np.arange(n_y), np.array([names.index(name) for name in scaled], dtype=int)
     )
-    lines = RedundantLines(omega, z, rows)
-    signs, rival = _turned(lines, candidates, floor)
+    lines = RedundantSensors(omega, z, rows)
+    signs, rival = _find_sign_errors(lines, candidates, floor)
     lines = replace(lines, z=z * signs)
     sigma, value = floor, np.zeros(candidates.count)
     support: list[int] = []
     for _ in range(_NOISE_ROUNDS):
         value, support = _pursue(lines, candidates, value, sigma)
-        update = _noise(lines, candidates, value, sigma, floor)
-        settled = np.max(np.abs(np.log(update / sigma))) < 0.05
+        update = _estimate_noise(lines, candidates, value, sigma, floor)
+        settled = np.max(np.abs(np.log(update / sigma))) < _NOISE_CONVERGED
         sigma = update
         if settled:
             break
     residual, slope, q = lines.project(candidates, value, sigma)
-    estimate, std = _conditional(lines, candidates, value, support, (residual, slope, q))
+    estimate, std = _estimate_conditional(lines, candidates, value, support, (residual, slope, q))
     n_delays = candidates.delays.size
     unknown = std > np.where(np.arange(std.size) < n_delays, _KNOWN_S, _KNOWN_GAIN)
     estimate, std = np.where(unknown, 0.0, estimate), np.where(unknown, np.inf, std)
@@ -150,10 +149,10 @@ def detect_faults(
     misfit = sigma / floor
     criterion = 2.0 * float(np.sum(np.abs(residual) ** 2))
     criterion += 4.0 * omega.size * float(np.sum(np.log(misfit))) + 4.0 * omega.size * n_r
-    criterion += _ENTERS * (len(support) + int(np.sum(signs < 0)))
-    faults = Faults(
+    criterion += _LEAST_GAIN * (len(support) + int(np.sum(signs < 0)))
+    faults = SensorFaults(
         names=names,
-        reference=OTHERS,
+        reference=OTHER_SENSORS,
         delay_s=delay,
         delay_std=delay_std,
         scale=signs * np.exp(gain),
@@ -162,13 +161,13 @@ def detect_faults(
         band_hz=(float(omega[0] / 2.0 / np.pi), float(omega[-1] / 2.0 / np.pi)),
     )
     found = tuple(dict.fromkeys(names[candidates.channels[k]] for k in support))
-    return Detection(
+    return FaultDetection(
         faults, signs, found, misfit, criterion, None if rival is None else names[rival]
     )
 
 
-def _turned(
-    lines: RedundantLines, candidates: Candidates, sigma: Float[np.ndarray, " n_y"]
+def _find_sign_errors(
+    lines: RedundantSensors, candidates: FaultParameters, sigma: Float[np.ndarray, " n_y"]
 ) -> tuple[Float[np.ndarray, " n_y"], int | None]:
     """Signs of all sensors, at most one of them wrong; and whether another would do as well."""
     n_y = sigma.size
@@ -176,7 +175,7 @@ def _turned(
     residual, _, _ = lines.project(candidates, value, sigma)
     cost = float(np.sum(np.abs(residual) ** 2))
     signs = np.ones(n_y)
-    if cost < _ENTERS * residual.size:
+    if cost < _LEAST_GAIN * residual.size:
         return signs, None
     tried = np.empty(n_y)
     for k in range(n_y):
@@ -184,15 +183,15 @@ def _turned(
         left, _, _ = replace(lines, z=lines.z * turned).project(candidates, value, sigma)
         tried[k] = np.sum(np.abs(left) ** 2)
     best, second = np.argsort(tried)[:2]
-    if not tried[best] < _TURNED * cost:
+    if not tried[best] < _SIGN_MISFIT * cost:
         return signs, None
     signs[best] = -1.0
-    return signs, int(second) if tried[second] < _TELLS * tried[best] else None
+    return signs, int(second) if tried[second] < _AMBIGUITY_RATIO * tried[best] else None
 
 
 def _pursue(
-    lines: RedundantLines,
-    candidates: Candidates,
+    lines: RedundantSensors,
+    candidates: FaultParameters,
     start: Float[np.ndarray, " n_free"],
     sigma: Float[np.ndarray, " n_y"],
 ) -> tuple[Float[np.ndarray, " n_free"], list[int]]:
@@ -203,18 +202,18 @@ def _pursue(
     for _ in range(_STEPS):
         residual, slope, q = lines.project(candidates, value, sigma)
         normal, gradient = lines.normal(candidates, slope, q, residual)
-        target, support = _select(normal, normal @ value - gradient, _resolved(normal, slope))
+        target, support = _select(normal, normal @ value - gradient, _find_resolved(normal, slope))
         step = np.clip(target - value, -largest, largest)
         value = value + step
-        if np.max(np.abs(step) * np.sqrt(np.maximum(np.diag(normal), 0.0))) < _SMALL:
+        if np.max(np.abs(step) * np.sqrt(np.maximum(np.diag(normal), 0.0))) < _STEP_TOLERANCE:
             break
     return value, support
 
 
-def _resolved(
+def _find_resolved(
     normal: Float[np.ndarray, "n_free n_free"], slope: Complex[np.ndarray, "n_omega n_free"]
 ) -> Bool[np.ndarray, " n_free"]:
-    """Candidates that no motion explains wholly."""
+    """Candidates outside the span of the motion."""
     return np.diag(normal) > _RESOLVED * np.sum(np.abs(slope) ** 2, axis=0)
 
 
@@ -239,7 +238,7 @@ def _select(
         )
         gain[support] = 0.0
         best = int(np.argmax(gain))
-        if not 2.0 * gain[best] > _ENTERS:
+        if not 2.0 * gain[best] > _LEAST_GAIN:
             break
         support.append(best)
         block = normal[np.ix_(support, support)]
@@ -248,15 +247,15 @@ def _select(
     return value, support
 
 
-def _noise(
-    lines: RedundantLines,
-    candidates: Candidates,
+def _estimate_noise(
+    lines: RedundantSensors,
+    candidates: FaultParameters,
     value: Float[np.ndarray, " n_free"],
     sigma: Float[np.ndarray, " n_y"],
     floor: Float[np.ndarray, " n_y"],
     rounds: int = 5,
 ) -> Float[np.ndarray, " n_y"]:
-    """What is left of each sensor, its own pull on the motion removed; never below the floor."""
+    """Residual of each sensor, corrected for its own leverage; never below the floor."""
     for _ in range(rounds):
         residual, _, q = lines.project(candidates, value, sigma)
         freedom = np.sum(1.0 - np.sum(np.abs(q) ** 2, axis=2), axis=0)
@@ -265,14 +264,14 @@ def _noise(
     return sigma
 
 
-def _conditional(
-    lines: RedundantLines,
-    candidates: Candidates,
+def _estimate_conditional(
+    lines: RedundantSensors,
+    candidates: FaultParameters,
     value: Float[np.ndarray, " n_free"],
     support: list[int],
     at: tuple[np.ndarray, np.ndarray, np.ndarray],
 ) -> tuple[Float[np.ndarray, " n_free"], Float[np.ndarray, " n_free"]]:
-    """Every candidate with those found, and its standard error; infinite where none is known."""
+    """Every candidate estimated with those found, and its standard error (inf if unresolved)."""
     residual, slope, q = at
     normal, gradient = lines.normal(candidates, slope, q, residual)
     signal = normal - lines.of_noise(candidates, q)
@@ -283,7 +282,7 @@ def _conditional(
         shared = (1.0 - lag / (_NEIGHBOURS + 1.0)) * (score[lag:].T @ score[:-lag])
         meat += shared + shared.T
     estimate, std = np.zeros(candidates.count), np.full(candidates.count, np.inf)
-    for k in np.flatnonzero(_resolved(normal, slope)):
+    for k in np.flatnonzero(_find_resolved(normal, slope)):
         own = [*(s for s in support if s != k), k]
         block = normal[np.ix_(own, own)]
         size = np.sqrt(np.maximum(np.diag(block), 0.0))

@@ -1,9 +1,8 @@
 """Time skews of the measured surfaces against the motion that they cause.
 
-Redundancy times sensors against each other; surfaces have none. But the coefficients that
-the motion tells are sums over motion and surfaces with real derivatives (Eq. 23). A surface
-that was recorded late by tau leaves tau times its derivative as that of its rate, and all
-coefficients must agree on tau.
+Sensors have redundancy; surfaces have none. But the coefficients of the reconstructed motion
+are sums over motion and surfaces with real derivatives (Eq. 23). A surface that was recorded
+late by tau gives its rate a derivative of tau times its own, with one tau for all coefficients.
 """
 
 from __future__ import annotations
@@ -16,19 +15,20 @@ from jaxtyping import Complex, Float
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation.equation_error import (
     MotionNoise,
-    aerodynamic_coefficients,
-    regressors,
+    build_regressors,
+    compute_aerodynamic_coefficients,
 )
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
-from flexsid.sysid.estimation.regression import Disturbance, regress
+from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import coefficients
-from flexsid.sysid.preparation.redundancy import strong_lines
+from flexsid.sysid.preparation.redundancy import select_strong_frequencies
 from flexsid.sysid.signals import FrequencyData
 
 _STEPS = 8
-_SMALL_S = 2e-6
-_IN_BAND = 1.3  # of the highest line: modes further above are known by little but their stiffness
+_SMALL_S = 2e-6  # smaller steps of a delay end the iteration [s]
+_LARGEST_CONDITION = 1e10  # of the scaled information: above it, delays are not identifiable
+_IN_BAND = 1.3  # of the highest frequency: modes further above respond by their stiffness only
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,14 +40,14 @@ class InputSkews:
     delay_std: Float[np.ndarray, " n_u"]
 
 
-def find_input_skews(
+def estimate_input_skews(
     model: AeroelasticModel,
     motion: ReconstructedMotion,
     inputs: FrequencyData,
     noise: Float[np.ndarray, "n_omega n_u"] | None = None,
     near: InputSkews | None = None,
 ) -> InputSkews:
-    """Find the delays on which the derivatives of all coefficients agree.
+    """Estimate the delays on which the derivatives of all coefficients agree.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def find_input_skews(
     Raises
     ------
     NotIdentifiable
-        If there are fewer lines than derivatives, or a surface causes nothing.
+        If there are fewer frequencies than derivatives, or a surface has no effect.
 
     Notes
     -----
@@ -76,7 +76,7 @@ def find_input_skews(
     n_u = u.shape[1]
     if n_u == 0:
         raise NotIdentifiable("no surface was recorded", code="no-input")
-    some = strong_lines(u)
+    some = select_strong_frequencies(u)
     seen = ReconstructedMotion(
         motion.omega[some], motion.values[some], motion.covariance[some], motion.noise
     )
@@ -101,7 +101,7 @@ class _Equations:
     motion: ReconstructedMotion
     C: Complex[np.ndarray, "n_omega n_rows"]
     rows: tuple[int, ...]
-    errors: tuple[Disturbance, ...]
+    errors: tuple[ErrorsInVariables, ...]
 
     @classmethod
     def of(
@@ -121,18 +121,20 @@ class _Equations:
             of_inputs[:, p:] = noise * motion.omega[:, None] ** 2
         errors = []
         for row in rows:
-            known = motion_noise.of_row(row, np.zeros(p), np.arange(p))
+            known = motion_noise.compute_row_errors(row, np.zeros(p), np.arange(p))
             spread = of_inputs[:, :, None] * np.eye(p + n_u)
             spread[:, :p, :p] += known.regressors
             cross = np.zeros((motion.omega.size, p + n_u))
             cross[:, :p] = known.cross
-            errors.append(Disturbance(spread, cross, known.dependent))
-        return cls(model, motion, aerodynamic_coefficients(model, motion), rows, tuple(errors))
+            errors.append(ErrorsInVariables(spread, cross, known.dependent))
+        return cls(
+            model, motion, compute_aerodynamic_coefficients(model, motion), rows, tuple(errors)
+        )
 
     def step(self, inputs: FrequencyData) -> tuple[np.ndarray, np.ndarray, float]:
-        """Further delay, what tells it, and by how much the rows disagree on it."""
+        """Further delay, its information, and the scatter of the rows over their errors."""
         n_u = len(inputs.names)
-        X = regressors(self.model, self.motion, inputs)
+        X = build_regressors(self.model, self.motion, inputs)
         X = np.concatenate([X, 1j * inputs.omega[:, None] * inputs.values], axis=1)
         names = coefficients(self.model.modes.numbers)
         gains, rates, weights = [], [], []
@@ -145,9 +147,13 @@ class _Equations:
         theta, rate, weight = np.array(gains), np.array(rates), np.array(weights)
         information = np.einsum("ru,ruv,rv->uv", theta, weight, theta)
         size = np.sqrt(np.diag(information))
-        if not np.all(size > 0) or np.linalg.cond(information / np.outer(size, size)) > 1e10:
+        if (
+            not np.all(size > 0)
+            or np.linalg.cond(information / np.outer(size, size)) > _LARGEST_CONDITION
+        ):
             raise NotIdentifiable(
-                "the coefficients do not tell when the surfaces moved", code="no-redundancy"
+                "the delays of the surfaces are not identifiable from the coefficients",
+                code="no-redundancy",
             )
         step = np.linalg.solve(information, np.einsum("ru,ruv,rv->u", theta, weight, rate))
         apart = rate - theta * step

@@ -1,10 +1,10 @@
 """Rigid and modal motion in time: Kalman filter and Rauch-Tung-Striebel smoother.
 
-Beside the reconstruction line by line: the state is [alpha, q, theta], [eta, etadot] of every
-mode, the surfaces, and what the aerodynamic coefficients C_Z, C_m and C_Qi do besides following
-motion and surfaces. Kinematics and the structure in vacuo are known; how coefficients follow is
-fitted to the lines; surfaces and what is left are white noise through a Butterworth filter, as
-large as the lines tell; every sensor is a linear row of the state.
+In addition to the reconstruction at each frequency. The state is [alpha, q, theta], [eta,
+etadot] of every mode, the surfaces, and the process noise of the aerodynamic coefficients C_Z,
+C_m and C_Qi. Kinematics and the structure in vacuo are known; the derivatives of the
+coefficients are fitted to the spectra; surfaces and process noise are white noise through a
+Butterworth filter, with the density of the spectra; every sensor is a linear row of the state.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import coefficients
 from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE
-from flexsid.sysid.preparation.driving import fit_driving
+from flexsid.sysid.preparation.process_model import fit_process_model
 
-_SETTLED = 1e-9  # relative change of a covariance that ends its recursion
-_CORNER = 0.5  # of the highest line: coefficients that follow leave slow errors
-_START = 3.0  # of the level of each state: knows little of where the record begins
+_CONVERGED = 1e-9  # relative change of a covariance that ends its recursion
+_CORNER = 0.5  # of the highest frequency: corner of the process noise
+_START = 3.0  # of the level of each state: standard deviation of the initial state
 
 
 @dataclass(frozen=True, slots=True)
 class FilteredMotion:
-    """States (n_samples, n_x) with standard errors; ``names`` tells their order.
+    """States (n_samples, n_x) with standard errors; ``names`` has their order.
 
     After the states come q-dot, normal acceleration as read at the c.g., and etaddot of
     every mode. All in SI; coefficients are nondimensional.
@@ -41,7 +41,7 @@ class FilteredMotion:
     std: Float[np.ndarray, "n_samples n_names"]
 
     def column(self, name: str) -> int:
-        """Place of a name."""
+        """Column of a name."""
         return self.names.index(name)
 
 
@@ -54,54 +54,54 @@ def filter_motion(
     inputs: Deflections,
     trim_s: float,
 ) -> FilteredMotion:
-    """Estimate motion from all sensors, forwards and then backwards.
+    """Estimate motion from all sensors by a Kalman filter and a smoother.
 
     Parameters
     ----------
     model
-        Gives the sensor rows and what is known of the dynamics.
+        Gives the sensor rows and the known dynamics.
     samples
         Outputs of the model on one clock, instruments and delays undone, trim removed; the
         record starts at trim. [output unit]
     rate_hz
         Samples per second, well above the highest mode. [Hz]
     motion
-        The same maneuver line by line: tells noise of sensors and size of coefficients.
+        The same maneuver at each frequency: gives noise of sensors and size of coefficients.
     duration_s
-        Length of the record that the lines were transformed from. [s]
+        Length of the transformed record. [s]
     inputs
         Surfaces of the model on the same clock, potentiometers undone.
     trim_s
-        How long the stretch was whose mean was taken off as trim. [s]
+        Length of the interval whose mean was subtracted as trim. [s]
 
     Raises
     ------
     NotIdentifiable
-        If the sensors leave a motion open.
+        If a motion is not observable by the sensors.
 
     Notes
     -----
-    Source: Kalman 1960; Rauch, Tung and Striebel 1965. A line of a transform of white
-    samples has variance sigma^2 T / rate, which brings the noise of lines to samples.
+    Source: Kalman 1960; Rauch, Tung and Striebel 1965. The transform of white
+    samples has variance sigma^2 T / rate, which relates the noise of spectra and samples.
     """
     system = _System.of(model, motion, duration_s, inputs)
     noise = np.concatenate([motion.noise, inputs.noise]) * np.sqrt(rate_hz / duration_s)
     H = system.outputs(model) / noise[:, None]
     seen = np.concatenate([samples, inputs.samples], axis=1) / noise
     F, W = system.step(1.0 / rate_hz)
-    rows = system.told()
+    rows = system.output_rows()
     states, predicted, filtered = _forward(F, W, H.T @ H, seen @ H)
     values, spread = _backward(F, states, predicted, filtered, rows)
     if not np.all(np.isfinite(values)):
-        raise NotIdentifiable("the sensors leave the motion open", code="unobservable")
-    # What the mean of the trim was wrong by stays all the time.
-    spread += np.sum((rows @ system.held(H, rate_hz)) ** 2, axis=1) / (rate_hz * trim_s)
+        raise NotIdentifiable("the motion is not observable by the sensors", code="unobservable")
+    # The error of the mean of the trim is constant.
+    spread += np.sum((rows @ system.offset_states(H, rate_hz)) ** 2, axis=1) / (rate_hz * trim_s)
     return FilteredMotion(rate_hz, system.names, values @ rows.T, np.sqrt(np.maximum(spread, 0.0)))
 
 
 @dataclass(frozen=True, slots=True)
 class Deflections:
-    """Surfaces on the clock of the samples [rad], at the lines and their noise there [rad s]."""
+    """Surfaces on the clock of the samples [rad], their spectra and noise [rad s]."""
 
     samples: Float[np.ndarray, "n_samples n_u"]
     lines: Complex[np.ndarray, "n_omega n_u"]
@@ -127,17 +127,17 @@ class _System:
         duration_s: float,
         inputs: Deflections,
     ) -> _System:
-        """Dynamics with surfaces and what is left of the coefficients as states.
+        """Dynamics with surfaces and process noise of the coefficients as states.
 
-        Scaled by what the lines tell.
+        Scaled by the spectra.
         """
         c, numbers = model.condition, model.modes.numbers
         n, n_u = len(numbers), len(model.inputs)
         n_r = 2 + n
         corner = _CORNER * float(motion.omega[-1])
         shape = duration_s / (motion.omega**4 + corner**4)
-        driving = fit_driving(model, motion, inputs.lines, shape)
-        known = model.state_space(driving.derivatives)
+        process = fit_process_model(model, motion, inputs.lines, shape)
+        known = model.state_space(process.derivatives)
         n_k, n_v = known.A.shape[0], n_r + n_u
         A = np.zeros((n_k + 2 * n_v, n_k + 2 * n_v))
         A[:n_k, :n_k] = known.A
@@ -150,16 +150,16 @@ class _System:
         A[slope, value] = -(corner**2)
         A[slope, slope] = -np.sqrt(2.0) * corner
         density = np.zeros((n_v, n_v))
-        density[:n_r, :n_r] = driving.density
+        density[:n_r, :n_r] = process.density
         density[n_r:, n_r:] = np.diag(np.mean(np.abs(inputs.lines) ** 2 / shape[:, None], axis=0))
         W = np.zeros_like(A)
         W[np.ix_(slope, slope)] = density
         size = np.sqrt(np.diag(density) / (2.0 * np.sqrt(2.0) * corner**3))
-        level = np.concatenate([_levels(motion, duration_s), size, size * corner])
-        # coefficients; a_z = V (alpha-dot - q) and what thrust and gravity take: V k_Z C_Z
+        level = np.concatenate([_compute_levels(motion, duration_s), size, size * corner])
+        # coefficients; a_z = V (alpha-dot - q) and thrust and gravity: V k_Z C_Z
         extra = np.zeros((2 * n_r, len(A)))
         moved = np.r_[0, 1, 3 : 3 + 2 * n, value[n_r:]]
-        table = driving.derivatives.values * model.column_factors()
+        table = process.derivatives.values * model.column_factors()
         extra[:n_r, moved] = table
         extra[np.arange(n_r), value[:n_r]] = 1.0
         extra[n_r] = c.airspeed * factors[0] * extra[0]
@@ -174,7 +174,7 @@ class _System:
         return cls(names, A, W, level, extra, n_u)
 
     def step(self, step_s: float) -> tuple[np.ndarray, np.ndarray]:
-        """Transition over one sample and covariance of what drives it, both exact."""
+        """Transition over one sample and covariance of the process noise, both exact."""
         A = self.A / self.level[:, None] * self.level
         W = self.W / np.outer(self.level, self.level)
         n_x = A.shape[0]
@@ -197,8 +197,10 @@ class _System:
         H[n_y + np.arange(n_u), first + np.arange(n_u)] = 1.0
         return H * self.level
 
-    def held(self, H: Float[np.ndarray, "n_y n_x"], rate_hz: float) -> Float[np.ndarray, "n_x n_y"]:
-        """Scaled states that a constant offset of each sensor, in its noise, is taken for."""
+    def offset_states(
+        self, H: Float[np.ndarray, "n_y n_x"], rate_hz: float
+    ) -> Float[np.ndarray, "n_x n_y"]:
+        """Scaled states due to a constant offset of each sensor, in units of its noise."""
         A = self.A / self.level[:, None] * self.level
         W = self.W / np.outer(self.level, self.level)
         pushed = np.diag(W) > 0.0
@@ -208,14 +210,16 @@ class _System:
         normal = rate_hz * seen.T @ seen + left.T @ np.linalg.solve(W[np.ix_(pushed, pushed)], left)
         return still @ np.linalg.solve(normal, rate_hz * seen.T)
 
-    def told(self) -> Float[np.ndarray, "n_names n_x"]:
+    def output_rows(self) -> Float[np.ndarray, "n_names n_x"]:
         """Motion and further quantities from scaled states."""
         n_k = len(self.names) - len(self.extra)
         return np.concatenate([np.eye(n_k, self.A.shape[0]), self.extra]) * self.level
 
 
-def _levels(motion: ReconstructedMotion, duration_s: float) -> Float[np.ndarray, " n_known"]:
-    """Root mean square of alpha, q, theta, eta and etadot over the lines."""
+def _compute_levels(
+    motion: ReconstructedMotion, duration_s: float
+) -> Float[np.ndarray, " n_known"]:
+    """Root mean square of alpha, q, theta, eta and etadot from the spectra."""
     r, w = motion.values, motion.omega[:, None]
     columns = [r[:, :2], r[:, 1:2] / w, r[:, 2:], r[:, 2:] * w]
     power = np.sum(np.abs(np.concatenate(columns, axis=1)) ** 2, axis=0)
@@ -226,14 +230,14 @@ def _levels(motion: ReconstructedMotion, duration_s: float) -> Float[np.ndarray,
 def _forward(
     F: np.ndarray, W: np.ndarray, information: np.ndarray, pull: np.ndarray
 ) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
-    """Filtered states, and predicted and filtered covariances until they settle."""
+    """Filtered states, and predicted and filtered covariances until they converge."""
     n_x = F.shape[0]
     eye = np.eye(n_x)
     predicted, filtered = [_START**2 * eye], []
     x = np.zeros(n_x)
     states = np.empty_like(pull)
     settled = False
-    gain = keep = eye
+    gain = complement = eye
     for k, now in enumerate(pull):
         if not settled:
             P = predicted[-1]
@@ -242,20 +246,20 @@ def _forward(
             half = linalg.solve_triangular(inner, root.T, lower=True)
             gain = half.T @ half
             filtered.append(gain)
-            keep = eye - gain @ information
+            complement = eye - gain @ information
             following = F @ gain @ F.T + W
             following = 0.5 * (following + following.T)
             change = np.max(np.abs(following - P) / np.sqrt(np.outer(np.diag(P), np.diag(P))))
-            settled = bool(k > 10 and change < _SETTLED)
+            settled = bool(k > 10 and change < _CONVERGED)
             predicted.append(following)
-        x = keep @ x + gain @ now
+        x = complement @ x + gain @ now
         states[k] = x
         x = F @ x
     return states, predicted, filtered
 
 
 def _root(P: np.ndarray) -> np.ndarray:
-    """A factor of a covariance, whatever rounding did to it."""
+    """A factor of a covariance, negative eigenvalues from rounding set to zero."""
     values, vectors = linalg.eigh(P)
     return vectors * np.sqrt(np.maximum(values, 0.0))
 
@@ -267,7 +271,7 @@ def _backward(
     filtered: list[np.ndarray],
     rows: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Smoothed states of every sample, and the variance of what the rows tell."""
+    """Smoothed states of every sample, and the variance of the output rows."""
     last = len(filtered) - 1
     values = states.copy()
     covariance = filtered[last]

@@ -1,4 +1,4 @@
-"""Symmetric and antisymmetric parts of what left and right sensors read (Eq. 3).
+"""Symmetric and antisymmetric parts of left and right sensors (Eq. 3).
 
 In a symmetric motion both sides heave, surge and twist alike, and move sideways, roll and
 yaw with opposite signs. So the symmetric part of a pair is half the sum, but half the
@@ -18,14 +18,14 @@ _SUFFIX = {"symmetric": "s", "antisymmetric": "a"}
 
 
 def mirror_sign(kind: str, axis: str) -> float:
-    """What a symmetric motion makes of the right sensor over the left one: 1 or -1.
+    """Right over left sensor in a symmetric motion: 1 or -1.
 
     Parameters
     ----------
     kind
         ``accelerometer``, ``gyro``, ``attitude``, ``vane`` or ``strain``.
     axis
-        x, y or z of what it measures, or turns about.
+        x, y or z, of measurement or of rotation.
     """
     if kind == "accelerometer":
         return -1.0 if axis in _TURNED_TRANSLATION else 1.0
@@ -35,7 +35,7 @@ def mirror_sign(kind: str, axis: str) -> float:
 
 
 def find_pairs(names: Iterable[str]) -> tuple[tuple[str, str, str], ...]:
-    """Left and right names that differ in nothing but the side, and what both are called.
+    """Left and right names that differ only in the side, and the common name.
 
     A side is the last letter of a part between underscores: ``az_ofl`` and ``az_ofr`` make
     ``az_of{}``, ``s_ros1l_m45`` and ``s_ros1r_m45`` make ``s_ros1{}_m45``.

@@ -1,1 +1,1 @@
-"""Truth simulation: a flexible aircraft flown in closed loop, sample by sample."""
+"""Truth simulation of a flexible aircraft in closed loop, sample by sample."""

@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Actuator:
-    """One kind of actuator for all surfaces. [rad/s], [1], [s], [rad/s], [rad]"""
+    """Actuator model of all surfaces. [rad/s], [1], [s], [rad/s], [rad]"""
 
     natural_frequency: float
     damping: float
@@ -25,14 +25,14 @@ class Actuator:
         rate: Float[np.ndarray, " n_u"],
         step_s: float,
     ) -> None:
-        """Hold a step of the linear actuator within its limits, in place.
+        """Limit a step of the linear actuator in rate and position, in place.
 
         Parameters
         ----------
         before
             Positions at the start of the step. [rad]
         position, rate
-            What the linear actuator reached at its end; changed here. [rad], [rad/s]
+            Values of the linear actuator at its end; changed here. [rad], [rad/s]
         step_s
             Length of the step. [s]
         """

@@ -1,7 +1,7 @@
 """Airframe: the aeroelastic equations of motion in state-space form (Eqs. 5-16).
 
-Written apart from the estimators' model on purpose: what flies here is the
-truth that they are judged by.
+Independent of the estimators' model on purpose: this is the truth model for their
+verification.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Airframe:
     """x = [alpha, q, theta, eta..., etadot...], u = surfaces; rows act on [x, u].
 
     ``rates`` gives x-dot, ``lift_row`` the normal force and ``drag_row`` the
-    forward force, both per unit mass [m/s2], as an accelerometer feels them.
+    forward force, both per unit mass [m/s2], as measured by an accelerometer.
     """
 
     condition: FlightCondition
@@ -81,11 +81,11 @@ def assemble_airframe(
     force = condition.dynamic_pressure * condition.area
 
     # Columns of the table (alpha, q, eta, etadot, u) in the vector [x, u].
-    place = np.r_[ALPHA, Q, 3 : n_x + n_u]
+    columns = np.r_[ALPHA, Q, 3 : n_x + n_u]
     half = chord / (2.0 * speed)
     scale = np.concatenate([[1.0, half], np.ones(n), np.full(n, half), np.ones(n_u)])
     table = np.zeros((2 + n, n_x + n_u))
-    table[:, place] = derivatives.values * scale
+    table[:, columns] = derivatives.values * scale
 
     rates = np.zeros((n_x, n_x + n_u))
     rates[ALPHA] = force / (condition.mass * speed) * table[0]

@@ -1,4 +1,4 @@
-"""Fly an airframe in closed loop through an excitation, sample by sample."""
+"""Closed-loop simulation of an airframe under an excitation, sample by sample."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from flexsid.sysid.simulation.controller import ScheduledController
 
 @dataclass(frozen=True, slots=True)
 class SimulatedMotion:
-    """What truly happened: states and surfaces, and what was commanded before the actuators."""
+    """True states and surface positions, and the commands before the actuators."""
 
     rate_hz: float
     states: Float[np.ndarray, "n_samples n_x"]
@@ -23,11 +23,11 @@ class SimulatedMotion:
     commands: Float[np.ndarray, "n_samples n_u"]
 
     def sense(self, rows: Float[np.ndarray, "n_y n_w"]) -> Float[np.ndarray, "n_samples n_y"]:
-        """Outputs of sensor rows on [states, surfaces]. [unit of the rows]"""
+        """Compute the outputs of sensor rows on [states, surfaces]. [unit of the rows]"""
         return np.hstack([self.states, self.surfaces]) @ rows.T
 
 
-def fly_closed_loop(
+def simulate_closed_loop(
     airframe: Airframe,
     actuator: Actuator,
     excitation: Float[np.ndarray, "n_samples n_u"],
@@ -35,7 +35,7 @@ def fly_closed_loop(
     controller: ScheduledController | None = None,
     feedback: Float[np.ndarray, "2 n_w"] | None = None,
 ) -> SimulatedMotion:
-    """Simulate from trim at rest.
+    """Simulate the closed loop from trim at rest.
 
     Parameters
     ----------
@@ -46,18 +46,18 @@ def fly_closed_loop(
     excitation
         Added to the commands after control law and mixer. [rad]
     rate_hz
-        Rate of the excitation, of the control law and of the answer. [Hz]
+        Rate of the excitation, of the control law and of the result. [Hz]
     controller
-        Control law; None flies open loop.
+        Control law; None for open loop.
     feedback
-        Rows of the gyro and of the attitude sensor that the control law reads.
+        Rows of the gyro and of the attitude sensor, inputs of the control law.
 
     Notes
     -----
     Between samples commands are held, and airframe, actuators and filters are
     advanced together by their exact transition matrix; only the actuators'
-    limits are applied step by step. The control law runs once per sample: what
-    it reads at one sample is commanded at the next at the earliest.
+    limits are applied step by step. The control law runs once per sample: a
+    measurement at one sample is commanded at the next at the earliest.
     Source: Sec. V.A, Fig. 7.
     """
     step_s = 1.0 / rate_hz
@@ -71,9 +71,9 @@ def fly_closed_loop(
     if controller is not None and feedback is not None:
         reading, corner = feedback[:, :n_x], controller.filter_corner
         wait += round(controller.delay_s * rate_hz)
-        places = [airframe.inputs.index(name) for name in controller.surfaces]
-        to_commands[places] = -controller.gains_at(airframe.condition.airspeed)
-    transition, entry = _exact_step(
+        rows = [airframe.inputs.index(name) for name in controller.surfaces]
+        to_commands[rows] = -controller.gains_at(airframe.condition.airspeed)
+    transition, entry = _discretise(
         _join(airframe, actuator, reading, corner), actuator, n_x, step_s
     )
 
@@ -82,7 +82,7 @@ def fly_closed_loop(
     states = np.zeros((n_samples, transition.shape[0]))
     x = states[0].copy()
     rest = np.zeros(n_u)
-    # Nobody can be outside the limits while every linear rate and position is inside.
+    # Limits are not active while every linear rate and position is inside them.
     for k in range(n_samples):
         states[k] = x
         commands[k + wait] += to_commands @ x[lagged]
@@ -100,7 +100,7 @@ def _join(
     reading: Float[np.ndarray, "2 n_x"],
     corner: float,
 ) -> Float[np.ndarray, "n_all n_all"]:
-    """State matrix of airframe, actuator positions, actuator rates and measurement lags."""
+    """Build the state matrix of airframe, actuator positions and rates, and measurement lags."""
     n_x, n_u = airframe.n_x, len(airframe.inputs)
     natural, damping = actuator.natural_frequency, actuator.damping
     return np.block(
@@ -118,10 +118,10 @@ def _join(
     )
 
 
-def _exact_step(
+def _discretise(
     matrix: Float[np.ndarray, "n_all n_all"], actuator: Actuator, n_x: int, step_s: float
 ) -> tuple[Float[np.ndarray, "n_all n_all"], Float[np.ndarray, "n_all n_u"]]:
-    """Transition over one step, and the effect of commands held over it."""
+    """Compute the transition over one step, and the effect of constant commands over it."""
     n_all = matrix.shape[0]
     n_u = (n_all - n_x - 2) // 2
     entry = np.zeros((n_all, n_u))

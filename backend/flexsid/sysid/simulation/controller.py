@@ -1,4 +1,4 @@
-"""Controller: the scheduled pitch-rate and attitude feedback that keeps the aircraft stable."""
+"""Controller: scheduled pitch-rate and attitude feedback that stabilises the aircraft."""
 
 from __future__ import annotations
 
@@ -25,6 +25,6 @@ class ScheduledController:
     delay_s: float
 
     def gains_at(self, airspeed: float) -> Float[np.ndarray, "n_surfaces 2"]:
-        """Gains scheduled with airspeed [m/s]."""
+        """Compute the gains at an airspeed. [m/s]"""
         fraction = (airspeed - self.low_speed) / (self.high_speed - self.low_speed)
         return float(np.clip(fraction, self.least_gain, 1.0)) * self.gains

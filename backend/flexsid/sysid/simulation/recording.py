@@ -1,4 +1,4 @@
-"""Pass true quantities through instruments: sensor dynamics, filters and delays."""
+"""Recording: sensor dynamics, filters and delays applied to true quantities."""
 
 from __future__ import annotations
 
@@ -10,24 +10,23 @@ from scipy import fft
 
 from flexsid.sysid.model.instruments import Instrument
 
-# Longer than any delay and any ringing of a filter on board.
-_SETTLING_S = 2.0
+_SETTLING_S = 2.0  # longer than delay and transient of any filter on board
 
 
-def pass_instruments(
+def apply_instruments(
     true: Float[np.ndarray, "n_samples n_channels"],
     rate_hz: float,
     instruments: Sequence[Instrument],
 ) -> Float[np.ndarray, "n_samples n_channels"]:
-    """Give what instruments make of true quantities that start at rest.
+    """Apply instruments to true quantities that start at rest.
 
     Parameters
     ----------
     true
         One column per channel. [unit]
     rate_hz
-        Sampling rate; what lies near half of it must be filtered out by the
-        instrument or absent. [Hz]
+        Sampling rate; content near half of it must be removed by the instrument or
+        absent. [Hz]
     instruments
         One per column.
 
@@ -39,10 +38,10 @@ def pass_instruments(
     n_samples = true.shape[0]
     length = fft.next_fast_len(n_samples + round(_SETTLING_S * rate_hz), real=True)
     omega = 2.0 * np.pi * fft.rfftfreq(length, 1.0 / rate_hz)
-    seen = np.empty_like(true)
+    recorded = np.empty_like(true)
     for instrument in dict.fromkeys(instruments):
-        columns = [place for place, own in enumerate(instruments) if own == instrument]
+        columns = [k for k, own in enumerate(instruments) if own == instrument]
         spectra = fft.rfft(true[:, columns], length, axis=0)
         spectra *= instrument.response(omega)[:, None]
-        seen[:, columns] = fft.irfft(spectra, length, axis=0)[:n_samples]
-    return seen
+        recorded[:, columns] = fft.irfft(spectra, length, axis=0)[:n_samples]
+    return recorded

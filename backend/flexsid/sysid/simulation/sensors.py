@@ -1,4 +1,4 @@
-"""What sensors on the flexing airframe feel, as rows on [x, u]."""
+"""Sensors on the flexible airframe, as rows on [x, u]."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from flexsid.sysid.simulation.airframe import ALPHA, THETA, Airframe, Q
 def accelerometer(
     airframe: Airframe, axis: str, point: str, position: Float[np.ndarray, " xyz"]
 ) -> Float[np.ndarray, " n_w"]:
-    """Accelerometer along a body axis, with the gravity that local tilt leaks in. [m/s2]
+    """Build the row of an accelerometer along a body axis, with gravity by tilt. [m/s2]
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def accelerometer(
 
 
 def gyro(airframe: Airframe, point: str) -> Float[np.ndarray, " n_w"]:
-    """Pitch rate of the airframe and of the structure where the gyro sits. [rad/s]"""
+    """Build the row of a gyro: pitch rate of airframe and local structure. [rad/s]"""
     _, rotation = _shapes(airframe, point)
     n = rotation.shape[1]
     row = np.zeros(airframe.rates.shape[1])
@@ -52,7 +52,7 @@ def gyro(airframe: Airframe, point: str) -> Float[np.ndarray, " n_w"]:
 
 
 def attitude(airframe: Airframe, point: str) -> Float[np.ndarray, " n_w"]:
-    """Pitch attitude with the local slope of the structure. [rad]"""
+    """Build the row of pitch attitude with the local slope of the structure. [rad]"""
     _, rotation = _shapes(airframe, point)
     row = np.zeros(airframe.rates.shape[1])
     row[THETA] = 1.0
@@ -63,7 +63,7 @@ def attitude(airframe: Airframe, point: str) -> Float[np.ndarray, " n_w"]:
 def vane(
     airframe: Airframe, point: str, position: Float[np.ndarray, " xyz"]
 ) -> Float[np.ndarray, " n_w"]:
-    """Angle-of-attack vane on a boom that moves, turns and bends. [rad]"""
+    """Build the row of an angle-of-attack vane on a flexible boom. [rad]"""
     translation, rotation = _shapes(airframe, point)
     n = rotation.shape[1]
     speed = airframe.condition.airspeed
@@ -76,7 +76,7 @@ def vane(
 
 
 def strain_gauge(airframe: Airframe, gauge: str) -> Float[np.ndarray, " n_w"]:
-    """Strain under a gauge. [1]"""
+    """Build the row of a strain gauge. [1]"""
     modes = airframe.modes
     row = np.zeros(airframe.rates.shape[1])
     row[3 : 3 + len(modes.numbers)] = modes.strain[modes.gauges.index(gauge)]

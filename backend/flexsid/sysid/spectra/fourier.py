@@ -1,4 +1,4 @@
-"""Finite Fourier transform of sampled channels at chosen frequencies."""
+"""Finite Fourier transform of sampled channels at arbitrary frequencies."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def finite_fourier_transform(
     omega
         Angular frequencies, any spacing, from 0 to the Nyquist frequency. [rad/s]
     start_s
-        Time of the first sample, so that channels of different clocks keep
-        their phase relation. [s]
+        Time of the first sample, which preserves the phase relation of channels
+        of different clocks. [s]
     end_corrected
         For records that start or end away from trim: integrate from the
         first sample to the last instead of summing them.
@@ -52,8 +52,8 @@ def finite_fourier_transform(
     Notes
     -----
     The Euler sum is exact for a band-limited transient that starts and ends at
-    trim, which a whole recorded maneuver is. Lines that fall on a grid of
-    n/(m period) are read from a zero-padded fast transform; many lines at equal
+    trim, which a whole recorded maneuver is. Frequencies on a grid of
+    n/(m period) are read from a zero-padded fast transform; many at equal
     spacing come from a chirp-z transform; others cost one product with a cached
     trigonometric matrix.
     """
@@ -82,7 +82,9 @@ def finite_fourier_transform(
     return transform
 
 
-def unit_lines(harmonics: np.ndarray, period_s: float) -> Float[np.ndarray, " n_omega"]:
+def compute_harmonic_frequencies(
+    harmonics: np.ndarray, period_s: float
+) -> Float[np.ndarray, " n_omega"]:
     """Angular frequencies of harmonics of 1/period. [rad/s]"""
     return 2.0 * np.pi * np.asarray(harmonics, dtype=float) / period_s
 
@@ -90,7 +92,7 @@ def unit_lines(harmonics: np.ndarray, period_s: float) -> Float[np.ndarray, " n_
 def _grid_of(
     omega: Float[np.ndarray, " n_omega"], n_samples: int, rate_hz: float
 ) -> tuple[int, np.ndarray] | None:
-    """Length of a zero-padded transform that has bins at all lines, and these bins."""
+    """Length of a zero-padded transform that has bins at all frequencies, and these bins."""
     lines = omega / (2.0 * np.pi)
     spacing = np.diff(lines)
     if lines.size < 8 or spacing.min() <= 0:

@@ -1,4 +1,4 @@
-"""Peaks of response spectra: found, fitted by one resonance, with standard errors."""
+"""Peaks of response spectra, fitted by one resonance, with standard errors."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Complex, Float
 from scipy.optimize import least_squares
 
-_PROMINENT = 3.0  # times the median of the band
-_REACH = 0.2  # of the frequency, on either side of a peak that is fitted
+_PEAK_RATIO = 3.0  # least power of a peak over the median of the band
+_HALF_WIDTH = 0.2  # of the frequency, fitted on either side of a peak
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,14 +30,14 @@ class Peak:
 
 
 @dataclass(frozen=True, slots=True)
-class RatioLines:
-    """Outputs over the excitation that owns the lines."""
+class InputRatios:
+    """Ratios of outputs to the assigned excitation at its harmonics."""
 
     omega: Float[np.ndarray, " n_omega"]
     values: Complex[np.ndarray, "n_omega n_y"]
 
 
-def power_of(ratios: Sequence[RatioLines]) -> tuple[np.ndarray, np.ndarray]:
+def compute_mean_power(ratios: Sequence[InputRatios]) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies [Hz] and mean power of all channels over their means, in order."""
     omega = np.concatenate([r.omega for r in ratios])
     power = np.concatenate(
@@ -50,9 +50,9 @@ def power_of(ratios: Sequence[RatioLines]) -> tuple[np.ndarray, np.ndarray]:
     return omega[order] / (2.0 * np.pi), power[order]
 
 
-def smooth_power(ratios: Sequence[RatioLines]) -> tuple[np.ndarray, np.ndarray]:
-    """The power averaged over so many neighbours that every input has its say."""
-    frequency, power = power_of(ratios)
+def smooth_power(ratios: Sequence[InputRatios]) -> tuple[np.ndarray, np.ndarray]:
+    """Smooth the power over as many neighbours as include every input."""
+    frequency, power = compute_mean_power(ratios)
     window = 2 * len(ratios) + 1
     if power.size < 2 * window:
         return frequency, power
@@ -60,42 +60,44 @@ def smooth_power(ratios: Sequence[RatioLines]) -> tuple[np.ndarray, np.ndarray]:
     return frequency, np.convolve(padded, np.ones(window) / window, "valid")
 
 
-def find_peaks(ratios: Sequence[RatioLines]) -> list[float]:
+def find_peaks(ratios: Sequence[InputRatios]) -> list[float]:
     """Frequencies at which the power stands out, highest peak first. [Hz]"""
     frequency, smooth = smooth_power(ratios)
     inner = np.arange(1, smooth.size - 1)
     top = inner[(smooth[inner] >= smooth[inner - 1]) & (smooth[inner] > smooth[inner + 1])]
-    tall = top[smooth[top] > _PROMINENT * np.median(smooth)]
+    tall = top[smooth[top] > _PEAK_RATIO * np.median(smooth)]
     return [float(frequency[i]) for i in sorted(tall, key=lambda i: -smooth[i])]
 
 
-def fit_peak(ratios: Sequence[RatioLines], near_hz: float, sizes: np.ndarray | None = None) -> Peak:
+def fit_peak(
+    ratios: Sequence[InputRatios], near_hz: float, sizes: np.ndarray | None = None
+) -> Peak:
     """Fit one resonance to all channels and inputs around a peak.
 
     Parameters
     ----------
     ratios
-        One set of lines per input.
+        One set of ratios per input.
     near_hz
         Where the peak was found. [Hz]
     sizes
-        Size of each channel that amplitudes are told in; its mean by default.
+        Unit of the amplitudes of each channel; its rms by default.
 
     Notes
     -----
-    Frequency and damping are common; every channel has its own residue and a rest
+    Frequency and damping are common; every channel has its own residue and a background
     that is quadratic in frequency for each input, which follow linearly (variable
     projection). Standard errors are those of the residuals' scatter.
     """
     near = [
-        RatioLines(r.omega[keep], r.values[keep])
+        InputRatios(r.omega[inside], r.values[inside])
         for r in ratios
-        if (keep := np.abs(r.omega / (2.0 * np.pi) - near_hz) < _REACH * near_hz).sum() >= 4
+        if (inside := np.abs(r.omega / (2.0 * np.pi) - near_hz) < _HALF_WIDTH * near_hz).sum() >= 4
     ]
-    scale = typical_size(ratios) if sizes is None else sizes
+    scale = compute_channel_rms(ratios) if sizes is None else sizes
 
     def residual(x: np.ndarray) -> np.ndarray:
-        return np.concatenate([_left_over(r, scale, x).ravel() for r in near])
+        return np.concatenate([_compute_residual(r, scale, x).ravel() for r in near])
 
     def split(x: np.ndarray) -> np.ndarray:
         found = residual(x)
@@ -110,7 +112,7 @@ def fit_peak(ratios: Sequence[RatioLines], near_hz: float, sizes: np.ndarray | N
     root = np.linalg.inv(np.linalg.qr(slope)[1])
     covariance = variance * (root @ root.T)
     std = np.sqrt(np.diag(covariance))
-    amplitude = _amplitude(near, scale, fit.x)
+    amplitude = _compute_amplitude(near, scale, fit.x)
     damping = abs(float(fit.x[1]))
     return Peak(
         frequency_hz=float(fit.x[0]) / (2.0 * np.pi),
@@ -123,8 +125,8 @@ def fit_peak(ratios: Sequence[RatioLines], near_hz: float, sizes: np.ndarray | N
     )
 
 
-def typical_size(ratios: Sequence[RatioLines]) -> Float[np.ndarray, " n_y"]:
-    """Root mean square of every channel over all inputs' lines."""
+def compute_channel_rms(ratios: Sequence[InputRatios]) -> Float[np.ndarray, " n_y"]:
+    """Compute the root mean square of every channel over all inputs' harmonics."""
     every = np.concatenate([r.values for r in ratios])
     return np.sqrt(np.mean(np.abs(every) ** 2, axis=0))
 
@@ -135,17 +137,19 @@ def _basis(omega: np.ndarray, x: np.ndarray) -> np.ndarray:
     return np.stack([resonance, (omega / x[0]) ** 2 + 0j], axis=1)
 
 
-def _solved(lines: RatioLines, scale: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _solve_residues(
+    lines: InputRatios, scale: np.ndarray, x: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     basis = _basis(lines.omega, x)
     weights, *_ = np.linalg.lstsq(basis, lines.values / scale, rcond=None)
     return basis, weights
 
 
-def _left_over(lines: RatioLines, scale: np.ndarray, x: np.ndarray) -> np.ndarray:
-    basis, weights = _solved(lines, scale, x)
+def _compute_residual(lines: InputRatios, scale: np.ndarray, x: np.ndarray) -> np.ndarray:
+    basis, weights = _solve_residues(lines, scale, x)
     return lines.values / scale - basis @ weights
 
 
-def _amplitude(ratios: Sequence[RatioLines], scale: np.ndarray, x: np.ndarray) -> float:
-    residues = np.stack([_solved(lines, scale, x)[1][0] for lines in ratios])
+def _compute_amplitude(ratios: Sequence[InputRatios], scale: np.ndarray, x: np.ndarray) -> float:
+    residues = np.stack([_solve_residues(lines, scale, x)[1][0] for lines in ratios])
     return float(np.sqrt(np.mean(np.abs(residues) ** 2)) / (2.0 * abs(x[1])))

@@ -27,7 +27,7 @@ def correct_ends(
     transform
         Sum of x exp(-j omega t) / rate, time counted from the first sample.
     samples
-        What was summed; at least twelve samples.
+        The summed samples; at least twelve.
     rate_hz
         Samples per second. [Hz]
     omega
@@ -62,7 +62,7 @@ def correct_ends(
 
 
 def _end_weights(theta: Float[np.ndarray, " n_omega"]) -> Complex[np.ndarray, "n_omega n_end"]:
-    """What the first samples add to the sum at theta = omega / rate. [1]"""
+    """Weights of the first samples in the correction at theta = omega / rate. [1]"""
     powers = (-1j * theta[:, None]) ** np.arange(_TERMS)
     return powers @ _series()
 

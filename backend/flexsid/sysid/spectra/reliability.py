@@ -1,4 +1,4 @@
-"""Which points of a response are fit to be looked at, and why the others are not."""
+"""Reliability of the points of a frequency response."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from jaxtyping import Bool, Float
 
 from flexsid.sysid.signals import FrequencyResponse
 
-WORST_RELATIVE_STD = 0.3
-WORST_CONDITION = 1e3
+WORST_RELATIVE_STD = 0.3  # of the magnitude: a larger standard error hides the response
+WORST_CONDITION = 1e3  # of the surfaces' responses to the commands: nearly dependent above
 
 UNCERTAIN = f"standard error above {WORST_RELATIVE_STD:.0%} of the magnitude"
 ILL_CONDITIONED = "the surfaces' responses to the commands are nearly alike"
@@ -22,8 +22,10 @@ def relative_std(response: FrequencyResponse) -> Float[np.ndarray, "n_omega n_y 
     return np.divide(response.std, size, out=np.full(size.shape, np.inf), where=size > 0)
 
 
-def unreliable(response: FrequencyResponse) -> dict[str, Bool[np.ndarray, "n_omega n_y n_u"]]:
-    """Points that should be blanked, by the reason; every reason is there."""
+def find_unreliable_points(
+    response: FrequencyResponse,
+) -> dict[str, Bool[np.ndarray, "n_omega n_y n_u"]]:
+    """Find points to be blanked, by the reason; every reason is a key."""
     relative = relative_std(response)
     nowhere = np.zeros(response.values.shape, dtype=bool)
     uncertain = nowhere if relative is None else ~(relative <= WORST_RELATIVE_STD)

@@ -1,1 +1,1 @@
-"""Poles of identified models and what becomes of them with airspeed."""
+"""Poles of identified models, and their change with airspeed."""

@@ -1,4 +1,4 @@
-"""Uncertainty of roots and flutter speeds that the covariance of the derivatives brings."""
+"""Uncertainty of roots and flutter speeds due to the covariance of the derivatives."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from flexsid.sysid.stability.speeds import (
     Aeroelastic,
     Modal,
     StateFamily,
-    decompose,
-    slopes,
-    state_family,
+    build_state_family,
+    compute_eigenvalue_slopes,
+    decompose_states,
 )
 
-_BENT = 0.35  # second order over first: more, and standard errors are off by a tenth
-_EVERY = 5  # speeds apart, where all that bends a root is looked at; it changes slowly
-_DRAWS = 1000
+_SECOND_ORDER_RATIO = 0.35  # over first order: above it, standard errors are wrong by a tenth
+_STRIDE = 5  # speeds between evaluations of the coupling of all roots, which changes slowly
+_DRAWS = 1000  # of Monte Carlo
 _STEP = 1e-4  # of the airspeed, for the slope of a root
 
 
 @dataclass(frozen=True, slots=True)
-class Uncertain:
-    """Derivatives that are known with a covariance; the others are held.
+class UncertainDerivatives:
+    """Derivatives with a covariance; the others are fixed.
 
-    ``rows`` and ``columns`` say where in the table each is.
+    ``rows`` and ``columns`` are their places in the table.
     """
 
     rows: np.ndarray
@@ -39,7 +39,7 @@ class Uncertain:
     def draw(
         self, table: DerivativeTable, count: int, seed: int
     ) -> Float[np.ndarray, "n_draws n_rows n_columns"]:
-        """Tables scattered as the covariance says."""
+        """Draw tables from the covariance."""
         scale = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
         unit = np.where(scale > 0.0, scale, 1.0)
         values, vectors = np.linalg.eigh(self.covariance / np.outer(unit, unit))
@@ -51,10 +51,10 @@ class Uncertain:
 
 
 @dataclass(frozen=True, slots=True)
-class Bands:
+class RootBands:
     """Standard errors of real and imaginary parts [rad/s] and of the damping ratio [1].
 
-    ``by_draws`` tells at which speeds roots lie so close that draws replaced first order.
+    ``by_draws`` marks speeds at which roots lie so close that draws replaced first order.
     """
 
     real_std: Float[np.ndarray, "n_v n_branches"]
@@ -63,46 +63,51 @@ class Bands:
     by_draws: Bool[np.ndarray, " n_v"]
 
 
-def root_bands(
-    aircraft: Aeroelastic, locus: RootLocus, uncertain: Uncertain, density: float | None = None
-) -> Bands:
-    """Standard errors of all roots over airspeed.
+def estimate_root_bands(
+    aircraft: Aeroelastic,
+    locus: RootLocus,
+    uncertain: UncertainDerivatives,
+    density: float | None = None,
+) -> RootBands:
+    """Estimate standard errors of all roots over airspeed.
 
     Notes
     -----
-    By the derivative of a simple eigenvalue. Its second derivative is what the root and the
-    others are coupled by, over their distances; where that is no longer small, near a
-    coalescence or where the first derivative vanishes, a thousand draws are counted instead.
+    By the derivative of a simple eigenvalue. Its second derivative is the coupling of the root
+    with the others, over their distances; where it is not small, near a coalescence or where
+    the first derivative vanishes, a thousand draws replace first order.
     """
-    family = state_family(aircraft, locus.airspeed, density)
-    modal = decompose(family)
-    own = _columns(modal, locus)
-    gradient = slopes(family, modal, uncertain.rows, uncertain.columns, own, own)
-    real, imag, damping = _deviations(gradient, locus.roots, uncertain.covariance)
-    bend = _bends(family, modal, own, uncertain)
-    crowded = np.any(bend > _BENT * np.hypot(real, imag), axis=1, keepdims=True)[:, 0]
-    if crowded.any():
-        drawn = bands_by_draws(aircraft, locus, uncertain, density, only=crowded)
+    family = build_state_family(aircraft, locus.airspeed, density)
+    modal = decompose_states(family)
+    own = _match_columns(modal, locus)
+    gradient = compute_eigenvalue_slopes(family, modal, uncertain.rows, uncertain.columns, own, own)
+    real, imag, damping = _compute_deviations(gradient, locus.roots, uncertain.covariance)
+    second_order = _compute_second_order(family, modal, own, uncertain)
+    close = np.any(
+        second_order > _SECOND_ORDER_RATIO * np.hypot(real, imag), axis=1, keepdims=True
+    )[:, 0]
+    if close.any():
+        drawn = sample_root_bands(aircraft, locus, uncertain, density, only=close)
         for mine, other in ((real, drawn.real_std), (imag, drawn.imag_std)):
-            mine[crowded] = other
-        damping[crowded] = drawn.damping_std
-    return Bands(real, imag, damping, crowded)
+            mine[close] = other
+        damping[close] = drawn.damping_std
+    return RootBands(real, imag, damping, close)
 
 
-def bands_by_draws(
+def sample_root_bands(
     aircraft: Aeroelastic,
     locus: RootLocus,
-    uncertain: Uncertain,
+    uncertain: UncertainDerivatives,
     density: float | None = None,
     *,
     only: Bool[np.ndarray, " n_v"] | None = None,
     count: int = _DRAWS,
     seed: int = 0,
-) -> Bands:
-    """The same from draws, at all speeds or some; roots are matched by their distance."""
-    chosen = np.ones(locus.airspeed.size, dtype=bool) if only is None else only
-    at, roots = locus.airspeed[chosen], locus.roots[chosen]
-    family = state_family(aircraft, at, density)
+) -> RootBands:
+    """Estimate standard errors by Monte Carlo, at all speeds or some; roots matched by distance."""
+    selected = np.ones(locus.airspeed.size, dtype=bool) if only is None else only
+    at, roots = locus.airspeed[selected], locus.roots[selected]
+    family = build_state_family(aircraft, at, density)
     tables = uncertain.draw(aircraft.derivatives, count, seed)
     n_x = family.A.shape[1]
     change = (tables - aircraft.derivatives.values)[:, :, :n_x]
@@ -115,7 +120,7 @@ def bands_by_draws(
             cost = np.abs(roots[k][:, None] - values[draw])
             found[draw, k] = values[draw, linear_sum_assignment(cost)[1]]
     size = np.maximum(np.abs(found), 1e-12)
-    return Bands(
+    return RootBands(
         np.real(found).std(axis=0),
         np.imag(found).std(axis=0),
         (-np.real(found) / size).std(axis=0),
@@ -135,29 +140,29 @@ class CrossingError:
     gradient: Float[np.ndarray, " n_theta"]
 
 
-def crossing_error(
+def estimate_crossing_error(
     aircraft: Aeroelastic,
     crossing: FlutterCrossing,
-    uncertain: Uncertain,
+    uncertain: UncertainDerivatives,
     density: float | None = None,
 ) -> CrossingError:
-    """First-order standard error of a flutter speed.
+    """Estimate the first-order standard error of a flutter speed.
 
     Notes
     -----
     On the axis Re lambda(V, theta) = 0, so that dV = -Re(lambda_theta) / Re(lambda_V). A root
     that diverges where attitude integrates has no eigenvector of its own: the errors are NaN,
-    as they are with a covariance that holds what is no number.
+    as they are with a covariance that is not finite.
     """
     speed = crossing.airspeed
     near = speed * (1.0 + _STEP * np.array([-1.0, 0.0, 1.0]))
-    family = state_family(aircraft, near, density)
-    modal = decompose(family)
+    family = build_state_family(aircraft, near, density)
+    modal = decompose_states(family)
     target = 1j * crossing.frequency
     root = int(np.argmin(np.abs(modal.values[1] - target)))
     left, right = modal.left[1, :, root], modal.right[1, :, root]
     by_speed = left.conj() @ (family.A[2] - family.A[0]) @ right / (near[2] - near[0])
-    by_theta = slopes(family, modal, uncertain.rows, uncertain.columns)[1, root]
+    by_theta = compute_eigenvalue_slopes(family, modal, uncertain.rows, uncertain.columns)[1, root]
     known = np.isfinite(uncertain.covariance).all() and np.isfinite(by_theta).all()
     if not (known and np.isfinite(by_speed) and np.real(by_speed)):
         return CrossingError(np.nan, np.nan, np.full(by_theta.shape, np.nan))
@@ -171,20 +176,20 @@ def crossing_error(
     )
 
 
-def frequency_slopes(
+def compute_frequency_slopes(
     aircraft: Aeroelastic, crossing: FlutterCrossing, density: float | None = None
 ) -> Float[np.ndarray, " n_modes"]:
     """Change of a crossing's airspeed with the squared frequency of every mode. [m/s per rad2/s2]
 
     Notes
     -----
-    As ``crossing_error``: dV = -Re(lambda_k) / Re(lambda_V), with k = omega_i^2, which enters the
-    state matrix as -k where eta_i accelerates itself.
+    As ``estimate_crossing_error``: dV = -Re(lambda_k) / Re(lambda_V), with k = omega_i^2,
+    which enters the state matrix as -k where eta_i accelerates itself.
     """
     speed = crossing.airspeed
     near = speed * (1.0 + _STEP * np.array([-1.0, 0.0, 1.0]))
-    family = state_family(aircraft, near, density)
-    modal = decompose(family)
+    family = build_state_family(aircraft, near, density)
+    modal = decompose_states(family)
     root = int(np.argmin(np.abs(modal.values[1] - 1j * crossing.frequency)))
     left, right = modal.left[1, :, root], modal.right[1, :, root]
     by_speed = left.conj() @ (family.A[2] - family.A[0]) @ right / (near[2] - near[0])
@@ -196,13 +201,13 @@ def frequency_slopes(
     return -np.real(by_stiffness) / np.real(by_speed)
 
 
-def _columns(modal: Modal, locus: RootLocus) -> np.ndarray:
-    """Where the roots of a locus stand among the eigenvalues of every speed."""
+def _match_columns(modal: Modal, locus: RootLocus) -> np.ndarray:
+    """Columns of the eigenvalues of every speed nearest to the roots of a locus."""
     distance = np.abs(modal.values[:, None, :] - locus.roots[:, :, None])
     return np.argmin(distance, axis=2)
 
 
-def _deviations(
+def _compute_deviations(
     gradient: np.ndarray, roots: np.ndarray, covariance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     size = np.maximum(np.abs(roots), 1e-12)
@@ -211,54 +216,65 @@ def _deviations(
     damping = -by_real / size[:, :, None] + (np.real(roots) / size**2)[:, :, None] * modulus
 
     return (
-        _deviation(by_real, covariance),
-        _deviation(by_imag, covariance),
-        _deviation(damping, covariance),
+        _compute_deviation(by_real, covariance),
+        _compute_deviation(by_imag, covariance),
+        _compute_deviation(damping, covariance),
     )
 
 
-def _deviation(slope: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+def _compute_deviation(slope: np.ndarray, covariance: np.ndarray) -> np.ndarray:
     flat = slope.reshape(-1, slope.shape[2])
     variance = np.sum((flat @ covariance) * flat, axis=1)
     return np.sqrt(np.maximum(variance, 0.0)).reshape(slope.shape[:2])
 
 
-def _size(slope: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+def _compute_size(slope: np.ndarray, covariance: np.ndarray) -> np.ndarray:
     """Standard deviation of a complex number."""
-    return np.hypot(_deviation(np.real(slope), covariance), _deviation(np.imag(slope), covariance))
+    return np.hypot(
+        _compute_deviation(np.real(slope), covariance),
+        _compute_deviation(np.imag(slope), covariance),
+    )
 
 
-def _bends(
-    family: StateFamily, modal: Modal, own: np.ndarray, uncertain: Uncertain
+def _compute_second_order(
+    family: StateFamily, modal: Modal, own: np.ndarray, uncertain: UncertainDerivatives
 ) -> Float[np.ndarray, "n_v n_branches"]:
     """Standard deviation of every root's second-order change. [rad/s]
 
     From its nearest neighbour at every speed, from all roots at some speeds.
     """
     n_v, n_x = modal.values.shape
-    some = np.unique(np.append(np.arange(0, n_v, _EVERY), n_v - 1))
+    some = np.unique(np.append(np.arange(0, n_v, _STRIDE), n_v - 1))
     few = replace(family, A=family.A[some], scale=family.scale[some])
     there = Modal(modal.values[some], modal.left[some], modal.right[some])
     square = np.zeros((some.size, own.shape[1]))
     for other in range(n_x):
         beside = np.full_like(own[some], other)
-        square += _bend_by(few, there, own[some], beside, uncertain) ** 2
+        square += _compute_coupling(few, there, own[some], beside, uncertain) ** 2
     at = np.arange(n_v)
     everywhere = np.stack([np.interp(at, some, column) for column in np.sqrt(square).T], axis=1)
     roots = np.take_along_axis(modal.values, own, axis=1)
     gap = np.abs(roots[:, :, None] - modal.values[:, None, :])
     np.put_along_axis(gap, own[:, :, None], np.inf, axis=2)
     near = np.argmin(gap, axis=2)
-    return np.maximum(everywhere, _bend_by(family, modal, own, near, uncertain))
+    return np.maximum(everywhere, _compute_coupling(family, modal, own, near, uncertain))
 
 
-def _bend_by(
-    family: StateFamily, modal: Modal, own: np.ndarray, other: np.ndarray, uncertain: Uncertain
+def _compute_coupling(
+    family: StateFamily,
+    modal: Modal,
+    own: np.ndarray,
+    other: np.ndarray,
+    uncertain: UncertainDerivatives,
 ) -> np.ndarray:
-    """How far coupling with one other root bends each root."""
+    """Standard deviation of the second-order change of each root by coupling with one other."""
     places = (uncertain.rows, uncertain.columns)
-    there = _size(slopes(family, modal, *places, own, other), uncertain.covariance)
-    back = _size(slopes(family, modal, *places, other, own), uncertain.covariance)
+    there = _compute_size(
+        compute_eigenvalue_slopes(family, modal, *places, own, other), uncertain.covariance
+    )
+    back = _compute_size(
+        compute_eigenvalue_slopes(family, modal, *places, other, own), uncertain.covariance
+    )
     roots, others = (np.take_along_axis(modal.values, k, axis=1) for k in (own, other))
     distance = np.where(own == other, np.inf, np.abs(roots - others))
     return there * back / np.maximum(distance, 1e-12)

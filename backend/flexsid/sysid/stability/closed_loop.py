@@ -1,4 +1,4 @@
-"""The loop closed by a controller: poles, and how far each surface's loop is from instability."""
+"""Loop closed by a controller: poles, and stability margins of each surface's loop."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _FINE = 4000  # frequencies between which margins are interpolated
 class Margins:
     """Margins of one loop, broken at its surface while the others stay closed.
 
-    Gains are factors that the loop bears upwards and downwards, phase is in rad, each with
+    Gains are the largest and smallest stable factors, phase is in rad, each with
     its frequency [rad/s]; infinite where nothing is crossed. ``disk`` is the balanced disk
     margin: gain may change by (2 + disk)/(2 - disk) and phase by 2 atan(disk/2) at once.
     """
@@ -34,20 +34,20 @@ class Margins:
 
 
 def close_loop(plant: StateSpace, controller: StateSpace) -> StateSpace:
-    """Connect a controller, u = K y with the sign in K, to the outputs and inputs it names.
+    """Connect a controller, u = K y with the sign in K, to the outputs and inputs of its names.
 
     Raises
     ------
     BadInput
-        If the controller reads or drives what the plant has not, or the loop is algebraic
-        without solution.
+        If the controller reads outputs or drives inputs that the plant does not have, or the
+        algebraic loop has no solution.
     """
     read, driven = _places(plant, controller)
     n_u = plant.B.shape[1]
     D = plant.D[read][:, driven]
     direct = np.eye(len(read)) - D @ controller.D
     if abs(np.linalg.det(direct)) < 1e-12:
-        raise BadInput("the loop has no solution: plant and controller feed through to each other")
+        raise BadInput("the algebraic loop of plant and controller feedthrough has no solution")
     B = plant.B[:, driven]
     # y_r = S (C x + D Ck xk + Dr u), u_d = Ck xk + Dk y_r
     S = np.linalg.solve(direct, np.eye(len(read)))
@@ -72,10 +72,10 @@ def close_loop(plant: StateSpace, controller: StateSpace) -> StateSpace:
     )
 
 
-def loop_margins(
+def compute_loop_margins(
     plant: StateSpace, controller: StateSpace, band: tuple[float, float]
 ) -> tuple[Margins, ...]:
-    """Margins of every surface's loop over a band of frequencies. [rad/s]
+    """Compute the margins of every surface's loop over a band of frequencies. [rad/s]
 
     Notes
     -----
@@ -83,14 +83,16 @@ def loop_margins(
     L_i = 1 / [(I - L)^-1]_ii - 1; it encircles -1 where the closed loop is unstable.
     """
     omega = np.geomspace(band[0], band[1], _FINE)
-    loops = broken_loops(plant, controller, omega)
-    return tuple(margins_of(name, omega, loops[:, k]) for k, name in enumerate(controller.outputs))
+    loops = compute_broken_loops(plant, controller, omega)
+    return tuple(
+        compute_margins(name, omega, loops[:, k]) for k, name in enumerate(controller.outputs)
+    )
 
 
-def broken_loops(
+def compute_broken_loops(
     plant: StateSpace, controller: StateSpace, omega: Float[np.ndarray, " n_omega"]
 ) -> Complex[np.ndarray, "n_omega n_driven"]:
-    """Loop gain at every surface, broken there while the others stay closed. [1]"""
+    """Compute the loop gain at every surface, broken there, the others closed. [1]"""
     read, driven = _places(plant, controller)
     G = frequency_response(plant, omega)[:, read][:, :, driven]
     L = frequency_response(controller, omega) @ G
@@ -98,11 +100,11 @@ def broken_loops(
     return 1.0 / np.einsum("kii->ki", closed) - 1.0
 
 
-def margin_spread(
+def estimate_margin_std(
     plants: Sequence[StateSpace], controller: StateSpace, band: tuple[float, float]
 ) -> dict[str, tuple[float, float]]:
-    """Standard deviation of the disk margin and of the phase margin [rad] over drawn plants."""
-    drawn = [loop_margins(plant, controller, band) for plant in plants]
+    """Estimate standard deviations of disk and phase margin [rad] over drawn plants."""
+    drawn = [compute_loop_margins(plant, controller, band) for plant in plants]
     return {
         name: (
             float(np.std([margins[k].disk for margins in drawn])),
@@ -120,7 +122,7 @@ def _places(plant: StateSpace, controller: StateSpace) -> tuple[list[int], list[
         missing = [name for name in names if name not in known]
         if missing:
             raise BadInput(
-                f"the controller {what} '{missing[0]}', which the model has not; it has "
+                f"the controller {what} '{missing[0]}', which the model does not have; it has "
                 f"{', '.join(known)}",
                 code="unknown-channel",
                 channel=missing[0],
@@ -141,10 +143,10 @@ def frequency_response(
     return system.C @ forced + system.D
 
 
-def margins_of(
+def compute_margins(
     name: str, omega: Float[np.ndarray, " n_omega"], L: Complex[np.ndarray, " n_omega"]
 ) -> Margins:
-    """Read the margins of a loop gain that is given finely over frequency."""
+    """Compute the margins of a loop gain at closely spaced frequencies."""
     gains, gains_at = _axis_crossings(omega, L)
     up = [(1.0 / g, w) for g, w in zip(gains, gains_at, strict=True) if g < 1.0]
     down = [1.0 / g for g in gains if g > 1.0]
@@ -169,8 +171,8 @@ def _axis_crossings(
     share = imag[at] / (imag[at] - imag[at + 1])
     size = -(real[at] + share * (real[at + 1] - real[at]))
     where = omega[at] + share * (omega[at + 1] - omega[at])
-    keep = size > 0.0
-    return size[keep].tolist(), where[keep].tolist()
+    positive = size > 0.0
+    return size[positive].tolist(), where[positive].tolist()
 
 
 def _unit_crossings(

@@ -1,4 +1,4 @@
-"""Equivalent modes: what air does to a mode's own frequency and damping (Eq. 25)."""
+"""Equivalent modes: frequency and damping of a mode with its own aerodynamics (Eq. 25)."""
 
 from __future__ import annotations
 
@@ -9,14 +9,16 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.estimation.regression import inverse_of_triangular
-from flexsid.sysid.stability.bands import Uncertain
+from flexsid.sysid.estimation.regression import invert_triangular
+from flexsid.sysid.stability.bands import UncertainDerivatives
 from flexsid.sysid.stability.speeds import Aeroelastic
+
+_SAME_CONDITION = 1e-6  # of the dynamic pressure: a smaller range is one condition
 
 
 @dataclass(frozen=True, slots=True)
 class EquivalentMode:
-    """A mode as if it stood alone in the air, with standard errors.
+    """A mode with its own aerodynamic stiffness and damping, and standard errors.
 
     ``stiffness`` is omega_eq^2 [rad2/s2], ``rate`` 2 zeta_eq omega_eq [rad/s].
     """
@@ -31,7 +33,7 @@ class EquivalentMode:
 
     @property
     def omega(self) -> float:
-        """Equivalent frequency; not a number where the air has taken all stiffness. [rad/s]"""
+        """Equivalent frequency; NaN where the stiffness is not positive. [rad/s]"""
         return float(np.sqrt(self.stiffness)) if self.stiffness > 0.0 else float("nan")
 
     @property
@@ -53,7 +55,7 @@ class EquivalentMode:
 
 @dataclass(frozen=True, slots=True)
 class InVacuo:
-    """What straight lines over dynamic pressure say of a mode, with standard errors.
+    """In-vacuo mode from straight lines over dynamic pressure, with standard errors.
 
     ``stiffness_derivative`` and ``damping_derivative`` are C_Qi_eta_i and C_Qi_etadot_i.
     """
@@ -69,14 +71,16 @@ class InVacuo:
     damping_derivative_std: float
 
 
-def equivalent_modes(aircraft: Aeroelastic, uncertain: Uncertain) -> tuple[EquivalentMode, ...]:
-    """Equivalent stiffness and damping of every mode at the aircraft's own condition.
+def compute_equivalent_modes(
+    aircraft: Aeroelastic, uncertain: UncertainDerivatives
+) -> tuple[EquivalentMode, ...]:
+    """Compute equivalent stiffness and damping of every mode at the aircraft's own condition.
 
     Notes
     -----
     Source: Eq. 25: omega_eq^2 = omega^2 - (q S c / m) C_Q_eta and
-    2 zeta_eq omega_eq = 2 zeta omega - (q S c / m) (c / 2V) C_Q_etadot. The data tell only
-    these sums: structural values and derivatives of one condition are confounded.
+    2 zeta_eq omega_eq = 2 zeta omega - (q S c / m) (c / 2V) C_Q_etadot. Only these sums
+    are identifiable: structural values and derivatives of one condition are confounded.
     """
     c, modes = aircraft.condition, aircraft.modes
     n = len(modes.numbers)
@@ -92,7 +96,7 @@ def equivalent_modes(aircraft: Aeroelastic, uncertain: Uncertain) -> tuple[Equiv
     for i, number in enumerate(modes.numbers):
         factor = c.dynamic_pressure * c.area * c.chord / float(modes.mass[i])
         eta, etadot = (2 + i, 2 + i), (2 + i, 2 + n + i)
-        # What was held is not known exactly: it was not estimated.
+        # A fixed derivative is not known exactly: it was not estimated.
         errors = [float(std[place[key]]) if key in place else np.nan for key in (eta, etadot)]
         omega, zeta = float(modes.omega[i]), float(modes.zeta[i])
         found.append(
@@ -109,10 +113,10 @@ def equivalent_modes(aircraft: Aeroelastic, uncertain: Uncertain) -> tuple[Equiv
     return tuple(found)
 
 
-def fit_in_vacuo(
+def fit_in_vacuo_mode(
     points: Sequence[EquivalentMode], area: float, chord: float, mass: float
 ) -> InVacuo:
-    """Straight lines through equivalent modes of several conditions; no FEM is needed.
+    """Fit straight lines to equivalent modes of several conditions; no FEM is needed.
 
     Parameters
     ----------
@@ -129,10 +133,10 @@ def fit_in_vacuo(
         If there are fewer than three, or all were flown at one dynamic pressure.
     """
     if len({point.mode for point in points}) != 1:
-        raise BadInput("equivalent modes of different modes cannot be on one line")
+        raise BadInput("equivalent modes of different modes cannot be fitted by one line")
     if len(points) < 3:
         raise NotIdentifiable(
-            f"{len(points)} conditions are too few for a line with an error; it takes three",
+            f"{len(points)} conditions are too few for a line with an error; it needs three",
             code="too-few-points",
         )
     q = np.array([point.dynamic_pressure for point in points])
@@ -142,7 +146,7 @@ def fit_in_vacuo(
     )
     rate, of_rate = _line(q / V, [p.rate for p in points], [p.rate_std for p in points])
     if stiffness[0] <= 0.0:
-        raise NotIdentifiable("the line leaves the mode no stiffness without air")
+        raise NotIdentifiable("the fitted stiffness in vacuo is not positive")
     per_eta, per_etadot = area * chord / mass, 0.5 * area * chord**2 / mass
     omega = float(np.sqrt(stiffness[0]))
     omega_std = float(np.sqrt(of_stiffness[0, 0])) / (2.0 * omega)
@@ -161,8 +165,8 @@ def fit_in_vacuo(
     )
 
 
-def separation(frequencies: Sequence[float], short_period: float) -> float:
-    """Lowest elastic over rigid-body frequency; the field calls five decoupled. [1]
+def compute_separation(frequencies: Sequence[float], short_period: float) -> float:
+    """Compute the lowest elastic over the rigid-body frequency; decoupled from five on. [1]
 
     Raises
     ------
@@ -181,17 +185,17 @@ def _line(
     sigma = np.asarray(std, dtype=float)
     known = bool((sigma > 0.0).all())
     weight = 1.0 / sigma if known else np.ones(x.size)
-    if float(np.ptp(x)) <= 1e-6 * float(np.abs(x).max()):
+    if float(np.ptp(x)) <= _SAME_CONDITION * float(np.abs(x).max()):
         raise NotIdentifiable(
-            "all points were flown at one condition; a line takes different dynamic pressures"
+            "all points were flown at one condition; a line needs different dynamic pressures"
         )
     size = float(np.abs(x).max())
     A = np.stack([weight, weight * x / size], axis=1)
     q, r = np.linalg.qr(A)
-    root = inverse_of_triangular(r)
+    root = invert_triangular(r)
     found = root @ (q.T @ (weight * np.asarray(y, dtype=float)))
     covariance = root @ root.T
-    if not known:  # then the points' scatter about the line gives the errors
+    if not known:  # the scatter of the points about the line gives the errors
         left = np.asarray(y, dtype=float) - A @ found
         covariance *= float(left @ left) / (x.size - 2)
     back = np.array([1.0, 1.0 / size])

@@ -1,4 +1,4 @@
-"""Whether the flights that a prediction is made from contradict it, or cannot determine it."""
+"""Comparison of predicted instabilities with the roots identified in flight."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from flexsid.sysid.stability.flutter import FlutterCrossing, RootLocus
 from flexsid.sysid.stability.speeds import Aeroelastic
 
 _SIGMAS = 2.0  # standard errors from zero at which the sign of a growth rate is determined
-_SHARE = 0.25  # of the unstable root: a motion with less does not decide whether it is unstable
-_MARGIN = 0.1  # of the band: lines this near to a mode's frequency in vacuo still excite it
+_LEAST_PARTICIPATION = 0.25  # of the unstable root, to determine its stability
+_BAND_MARGIN = 0.1  # of the band: a mode in vacuo this far outside is still excited
 
 
 @dataclass(frozen=True, slots=True)
 class FlownPoint:
-    """Open-loop roots that a run identified at the speed it was flown.
+    """Open-loop roots identified by a run, at its airspeed.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ class FlownPoint:
     band
         Lowest and highest frequency of the data. [rad/s]
     name
-        What to call the run.
+        Label of the run.
     comparable
         False where the loading differs too much from the model's for its roots to be compared.
     """
@@ -46,7 +46,7 @@ class FlownPoint:
 
 
 class Standing(StrEnum):
-    """What flight says of an instability that a model has."""
+    """Status of a predicted instability with respect to flight."""
 
     AHEAD = "ahead"
     FLOWN = "flown"
@@ -57,7 +57,7 @@ class Standing(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class FlownInstability:
-    """Speeds between which one root of a model is unstable [m/s], and the motions that move."""
+    """Speeds between which one root of a model is unstable [m/s], and its participation."""
 
     words: str
     low: float
@@ -74,7 +74,7 @@ def compare_with_flight(
     flown: Sequence[FlownPoint],
     names: Mapping[str, str],
 ) -> tuple[Standing, str]:
-    """Say how an instability of a model stands against the flights, and why in a sentence.
+    """Compare an instability of a model with the flights; return its status and a sentence.
 
     Parameters
     ----------
@@ -89,20 +89,20 @@ def compare_with_flight(
     flown
         Runs that the model is made from.
     names
-        What to call motions.
+        Labels of motions.
 
     Notes
     -----
     A maneuver flown in closed loop may lie beyond open-loop flutter, so that a speed that was
-    merely flown contradicts nothing. What counts is the same root as the run there identified it
-    (the nearest one): stable by two standard errors contradicts the model, unstable by as much
-    agrees with it, and what lies between determines nothing; neither does a root faster than the
-    data. A root that is moved by a mode whose frequency no data excited is not determined by them,
-    whatever its standard error.
+    merely flown contradicts nothing. It is compared with the same root as identified by the run
+    there (the nearest one): stable by two standard errors contradicts the model, unstable by as
+    much agrees with it, and a root in between, or faster than the data, is undetermined. A root
+    with participation of a mode whose frequency was not excited is not identifiable, whatever
+    its standard error.
     """
     if not flown:
         return Standing.AHEAD, ""
-    blind = _not_excited(instability, aircraft, estimated, flown)
+    blind = _find_unexcited(instability, aircraft, estimated, flown)
     if blind:
         low, high = (edge / (2.0 * np.pi) for edge in _band(flown))
         modes = ", ".join(
@@ -112,7 +112,7 @@ def compare_with_flight(
         return Standing.UNDETERMINED, (
             f"{instability.words} is not determined by these runs: {modes} lies outside the band"
             f" of their data, {low:.2g} to {high:.3g} Hz, so that its derivatives are not"
-            " identifiable. Leave the mode out of the model, or fly a wider band."
+            " identifiable. Remove the mode from the model, or fly a wider band."
         )
     alike = [point for point in flown if point.comparable]
     fastest = max(alike or flown, key=lambda point: point.airspeed)
@@ -127,10 +127,13 @@ def compare_with_flight(
     if not within:
         return Standing.PASSED, (
             f"{instability.words}, stable again from {instability.high:.1f} m/s, lies below"
-            f" {fastest.airspeed:.1f} m/s, which {fastest.name} was flown at; it was passed and is"
+            f" {fastest.airspeed:.1f} m/s, the speed of {fastest.name}; it was passed and is"
             " not the flutter speed ahead."
         )
-    found = [(point, *_nearest(point, _model_root(instability, locus, point))) for point in within]
+    found = [
+        (point, *_find_nearest_root(point, _model_root(instability, locus, point)))
+        for point in within
+    ]
     agreeing = [one for one in found if one[1] > _SIGMAS * one[2]]
     against = [one for one in found if one[1] < -_SIGMAS * one[2]]
     if agreeing:
@@ -146,39 +149,39 @@ def compare_with_flight(
             f"{instability.words} is contradicted by flight: {point.name} was flown at"
             f" {point.airspeed:.1f} m/s and identifies this root as stable there,"
             f" {growth:+.2f} ± {2.0 * std:.2f} rad/s. The derivatives that couple"
-            f" {_moving(instability, names)} do not hold over these speeds."
+            f" {_name_leading(instability, names)} do not hold over these speeds."
         )
     point, growth, std = min(found, key=lambda one: one[2] if np.isfinite(one[2]) else np.inf)
     error = f" ± {2.0 * std:.2f}" if np.isfinite(std) else " with unknown error, in"
     return Standing.UNDETERMINED, (
         f"{instability.words} lies below {point.airspeed:.1f} m/s, which {point.name} was flown at,"
         f" and is not determined: that run identifies the root at {growth:+.2f}{error} rad/s, which"
-        f" may be stable. The derivatives that couple {_moving(instability, names)} are not"
+        f" may be stable. The derivatives that couple {_name_leading(instability, names)} are not"
         " identifiable from these data."
     )
 
 
-def instability_of(crossing: FlutterCrossing, words: str) -> FlownInstability:
-    """The unstable speeds that begin at a crossing."""
+def build_instability(crossing: FlutterCrossing, words: str) -> FlownInstability:
+    """Build the range of unstable speeds that begins at a crossing."""
     high = np.inf if crossing.recovers_at is None else crossing.recovers_at
     return FlownInstability(words, crossing.airspeed, high, crossing.branch, crossing.participation)
 
 
-def _not_excited(
+def _find_unexcited(
     instability: FlownInstability,
     aircraft: Aeroelastic,
     estimated: frozenset[str],
     flown: Sequence[FlownPoint],
 ) -> list[str]:
-    """Estimated modes that decide the root and lie outside the band of all data."""
+    """Estimated modes with a large share of the root and outside the band of all data."""
     low, high = _band(flown)
     return [
         name
         for name, share in instability.participation.items()
-        if share >= _SHARE
+        if share >= _LEAST_PARTICIPATION
         and name in estimated
         and name != "SP"
-        and not low * (1.0 - _MARGIN) <= _omega(aircraft, name) <= high * (1.0 + _MARGIN)
+        and not low * (1.0 - _BAND_MARGIN) <= _omega(aircraft, name) <= high * (1.0 + _BAND_MARGIN)
     ]
 
 
@@ -196,7 +199,7 @@ def _model_root(instability: FlownInstability, locus: RootLocus, point: FlownPoi
     return complex(locus.roots[near, instability.branch])
 
 
-def _nearest(point: FlownPoint, root: complex) -> tuple[float, float]:
+def _find_nearest_root(point: FlownPoint, root: complex) -> tuple[float, float]:
     """Growth rate of the identified root next to the model's, and its standard error.
 
     The error is NaN where the root is faster than the data.
@@ -204,12 +207,12 @@ def _nearest(point: FlownPoint, root: complex) -> tuple[float, float]:
     if not point.roots.size:
         return 0.0, float("nan")
     place = int(np.argmin(np.abs(point.roots - root)))
-    is_seen = abs(point.roots[place]) <= point.band[1] * (1.0 + _MARGIN)
+    is_seen = abs(point.roots[place]) <= point.band[1] * (1.0 + _BAND_MARGIN)
     std = float(point.growth_std[place]) if is_seen else float("nan")
     return float(point.roots[place].real), std
 
 
-def _moving(instability: FlownInstability, names: Mapping[str, str]) -> str:
+def _name_leading(instability: FlownInstability, names: Mapping[str, str]) -> str:
     shares = instability.participation
     leading = sorted(shares, key=shares.__getitem__)[::-1][:2]
     return " and ".join(names[name] for name in leading)

@@ -1,4 +1,4 @@
-"""Flutter: roots followed over airspeed, and where one of them loses its damping."""
+"""Flutter: roots tracked over airspeed, and their crossings of the imaginary axis."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from flexsid.sysid.stability.speeds import (
     Aeroelastic,
     Modal,
     StateFamily,
-    decompose,
-    state_family,
+    build_state_family,
+    decompose_states,
 )
 
-_STILL = 1e-3  # rad/s: a root slower than this neither oscillates nor diverges in a maneuver
+STATIC_ROOT_RAD_S = 1e-3  # a slower root neither oscillates nor diverges in a maneuver
 
 
 class Mechanism(StrEnum):
-    """What happens where a root becomes unstable."""
+    """Mechanism of an instability."""
 
     FLUTTER = "flutter"
     DIVERGENCE = "divergence"
@@ -47,9 +47,9 @@ class FlutterCrossing:
 
 @dataclass(frozen=True, slots=True)
 class RootLocus:
-    """Roots over airspeed (or what else they were followed along); a column is one root.
+    """Roots over airspeed (or another parameter); a column is one root.
 
-    Of complex pairs the root above the real axis is kept; where a pair has become two real
+    Of complex pairs it is the root above the real axis; where a pair has become two real
     roots, the less stable of them. ``names`` are the motions that
     dominate the roots at the lowest speed.
     """
@@ -61,7 +61,7 @@ class RootLocus:
 
     @property
     def flutter(self) -> FlutterCrossing | None:
-        """The first crossing, of whatever mechanism."""
+        """First crossing of any mechanism."""
         return self.crossings[0] if self.crossings else None
 
     def damping(self) -> Float[np.ndarray, "n_v n_branches"]:
@@ -71,15 +71,15 @@ class RootLocus:
 
 
 Family = Callable[[Float[np.ndarray, " n"]], StateFamily]
-"""State matrices at places on the axis that roots are followed along."""
+"""State matrices at values of the parameter along which roots are tracked."""
 
 
-def follow_roots(
+def track_roots(
     aircraft: Aeroelastic,
     airspeed: Float[np.ndarray, " n_v"],
     density: float | None = None,
 ) -> RootLocus:
-    """Follow all roots over rising airspeeds and find their crossings exactly.
+    """Track all roots over rising airspeeds and find their crossings exactly.
 
     Parameters
     ----------
@@ -99,15 +99,15 @@ def follow_roots(
     """
     if not (np.diff(airspeed) > 0.0).all():
         raise BadInput("airspeeds must rise from one to the next", code="bad-airspeed")
-    return follow_family(
-        lambda speeds: state_family(aircraft, speeds, density), airspeed, aircraft.motions
+    return track_family_roots(
+        lambda speeds: build_state_family(aircraft, speeds, density), airspeed, aircraft.motions
     )
 
 
-def follow_family(
+def track_family_roots(
     family: Family, along: Float[np.ndarray, " n_v"], motions: tuple[str, ...]
 ) -> RootLocus:
-    """Follow all roots along rising airspeeds, or whatever else the state matrices change with.
+    """Track all roots along rising airspeeds or another parameter of the state matrices.
 
     Parameters
     ----------
@@ -125,22 +125,24 @@ def follow_family(
     by Brent's method on the real parts.
     """
     x = np.asarray(along, dtype=float)
-    modal = decompose(family(x))
-    order = _followed(modal)
+    modal = decompose_states(family(x))
+    order = _match_roots(modal)
     values = np.take_along_axis(modal.values, order, axis=1)
-    upper, branch_of = _pairs(values)
-    names = _names(modal, order[0, upper], motions)
+    upper, branch_of = _find_pairs(values)
+    names = _name_roots(modal, order[0, upper], motions)
     crossings: list[FlutterCrossing] = []
     for column, branch in enumerate(branch_of):
-        crossings += _crossings(family, x, modal, order[:, column], int(branch), motions)
-    # Both roots of a pair tell of the same crossing.
+        crossings += _find_crossings(family, x, modal, order[:, column], int(branch), motions)
+    # Both roots of a pair have the same crossing.
     once = {(c.branch, round(c.airspeed / x[-1], 8)): c for c in crossings}
     found = tuple(sorted(once.values(), key=lambda crossing: crossing.airspeed))
-    return RootLocus(x, _weaker(values, upper, branch_of), names, found)
+    return RootLocus(x, _select_less_stable(values, upper, branch_of), names, found)
 
 
-def participation(modal: Modal, at: int, root: int, motions: tuple[str, ...]) -> dict[str, float]:
-    """Share of every motion in a root: left times right vector, states of a motion added."""
+def compute_participation(
+    modal: Modal, at: int, root: int, motions: tuple[str, ...]
+) -> dict[str, float]:
+    """Compute the share of every motion in a root: left times right vector, summed by motion."""
     share = np.abs(modal.left[at, :, root] * modal.right[at, :, root])
     n = len(motions) - 1
     parts = [share[:2].sum(), *(share[2 + k] + share[2 + n + k] for k in range(n))]
@@ -148,7 +150,7 @@ def participation(modal: Modal, at: int, root: int, motions: tuple[str, ...]) ->
     return {name: float(part) / total for name, part in zip(motions, parts, strict=True)}
 
 
-def _followed(modal: Modal) -> np.ndarray:
+def _match_roots(modal: Modal) -> np.ndarray:
     """Column of every branch at every speed, (n_v, n_x)."""
     n_v, n_x = modal.values.shape
     order = np.empty((n_v, n_x), dtype=int)
@@ -163,10 +165,10 @@ def _followed(modal: Modal) -> np.ndarray:
     return order
 
 
-def _pairs(values: Complex[np.ndarray, "n_v n_x"]) -> tuple[np.ndarray, np.ndarray]:
+def _find_pairs(values: Complex[np.ndarray, "n_v n_x"]) -> tuple[np.ndarray, np.ndarray]:
     """One column of every pair, that above the real axis, and the branch of every column."""
     height = np.imag(values).sum(axis=0)
-    lone = np.abs(np.imag(values)).max(axis=0) < _STILL
+    lone = np.abs(np.imag(values)).max(axis=0) < STATIC_ROOT_RAD_S
     upper = np.flatnonzero((height > 0.0) | lone)
     branch_of = np.empty(values.shape[1], dtype=int)
     branch_of[upper] = np.arange(upper.size)
@@ -176,20 +178,23 @@ def _pairs(values: Complex[np.ndarray, "n_v n_x"]) -> tuple[np.ndarray, np.ndarr
     return upper, branch_of
 
 
-def _weaker(
+def _select_less_stable(
     values: Complex[np.ndarray, "n_v n_x"], upper: np.ndarray, branch_of: np.ndarray
 ) -> Complex[np.ndarray, "n_v n_branches"]:
     roots = values[:, upper].copy()
     for column, branch in enumerate(branch_of):
         other = values[:, column]
-        real = np.maximum(np.abs(np.imag(other)), np.abs(np.imag(roots[:, branch]))) < _STILL
+        real = (
+            np.maximum(np.abs(np.imag(other)), np.abs(np.imag(roots[:, branch])))
+            < STATIC_ROOT_RAD_S
+        )
         worse = real & (np.real(other) > np.real(roots[:, branch]))
         roots[worse, branch] = other[worse]
     return roots
 
 
-def _names(modal: Modal, roots: np.ndarray, motions: tuple[str, ...]) -> tuple[str, ...]:
-    shares = [participation(modal, 0, int(root), motions) for root in roots]
+def _name_roots(modal: Modal, roots: np.ndarray, motions: tuple[str, ...]) -> tuple[str, ...]:
+    shares = [compute_participation(modal, 0, int(root), motions) for root in roots]
     table = np.array([list(share.values()) for share in shares])
     named = [max(share, key=share.__getitem__) for share in shares]
     rows, columns = linear_sum_assignment(-table)
@@ -198,7 +203,7 @@ def _names(modal: Modal, roots: np.ndarray, motions: tuple[str, ...]) -> tuple[s
     return tuple(named)
 
 
-def _crossings(
+def _find_crossings(
     family: Family,
     x: Float[np.ndarray, " n_v"],
     modal: Modal,
@@ -211,22 +216,22 @@ def _crossings(
     exits = np.flatnonzero((growth[:-1] >= 0.0) & (growth[1:] < 0.0))
     found = []
     for k in entries.tolist():
-        at = _refined(family, x, modal, k)
-        there = decompose(family(np.array([at])))
-        root = _on_the_axis(there)
+        at = _refine_crossing(family, x, modal, k)
+        there = decompose_states(family(np.array([at])))
+        root = _find_axis_root(there)
         frequency = float(np.imag(there.values[0, root]))
         later = exits[exits > k]
-        recovery = _refined(family, x, modal, int(later[0])) if later.size else None
-        mechanism = Mechanism.FLUTTER if frequency > _STILL else Mechanism.DIVERGENCE
-        shares = participation(there, 0, root, motions)
+        recovery = _refine_crossing(family, x, modal, int(later[0])) if later.size else None
+        mechanism = Mechanism.FLUTTER if frequency > STATIC_ROOT_RAD_S else Mechanism.DIVERGENCE
+        shares = compute_participation(there, 0, root, motions)
         found.append(FlutterCrossing(at, max(frequency, 0.0), mechanism, branch, shares, recovery))
     return found
 
 
-def _refined(family: Family, x: Float[np.ndarray, " n_v"], modal: Modal, k: int) -> float:
+def _refine_crossing(family: Family, x: Float[np.ndarray, " n_v"], modal: Modal, k: int) -> float:
     """Place between x[k] and x[k + 1] at which the number of unstable roots changes.
 
-    Real parts in order of size are continuous, whatever the roots do to each other.
+    Real parts in order of size are continuous.
     """
     unstable = np.count_nonzero(np.real(modal.values[k : k + 2]) >= 0.0, axis=1)
     place = int(unstable.min())
@@ -236,13 +241,13 @@ def _refined(family: Family, x: Float[np.ndarray, " n_v"], modal: Modal, k: int)
         return float(np.sort(np.real(np.linalg.eigvals(A)))[::-1][place])
 
     low, high = float(x[k]), float(x[k + 1])
-    if growth(low) * growth(high) > 0.0:  # one root comes as another goes
+    if growth(low) * growth(high) > 0.0:  # one root becomes unstable as another becomes stable
         return 0.5 * (low + high)
     return float(brentq(growth, low, high, xtol=1e-10 * high, rtol=1e-14))
 
 
-def _on_the_axis(there: Modal) -> int:
+def _find_axis_root(there: Modal) -> int:
     """The root nearest the imaginary axis; of a pair, the one above the real axis."""
     values = there.values[0]
-    below = np.imag(values) < -_STILL
+    below = np.imag(values) < -STATIC_ROOT_RAD_S
     return int(np.argmin(np.where(below, np.inf, np.abs(np.real(values)))))

@@ -1,4 +1,4 @@
-"""The loop that a controller closes, at one airspeed after another, with what is uncertain."""
+"""Closed loop over airspeed, with uncertainty."""
 
 from __future__ import annotations
 
@@ -13,16 +13,21 @@ from scipy.optimize import brentq
 from flexsid.sysid.model.aeroelastic import AeroelasticModel, StateSpace
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.instruments import Instrument
-from flexsid.sysid.model.laws import chain_of, delay_of, series
-from flexsid.sysid.stability.closed_loop import Margins, close_loop, frequency_response, margins_of
+from flexsid.sysid.model.laws import build_delays, build_instrument_chain, series
+from flexsid.sysid.stability.closed_loop import (
+    Margins,
+    close_loop,
+    compute_margins,
+    frequency_response,
+)
 
 _FINE = 400  # frequencies between which margins are interpolated
-_STILL = 1e-3  # rad/s: a root slower than this neither grows nor decays
+_STILL = 1e-3  # rad/s: a slower root neither grows nor decays
 
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """What stands between the outputs of an aircraft and its deflections.
+    """Control law, actuators and delay between outputs and deflections of an aircraft.
 
     ``law`` is u = K y; ``actuators`` belong to its outputs in order; ``delay_s`` is
     from measurement to command.
@@ -52,16 +57,21 @@ class LoopPoint:
 
     @property
     def stable(self) -> bool:
-        """Whether nothing grows."""
+        """Whether all roots are stable."""
         return self.growth < _STILL
 
-    def beside(self, others: Sequence[LoopPoint]) -> LoopPoint:
-        """The same with errors that hold what stable points of other structures say too."""
+    def widen(self, others: Sequence[LoopPoint]) -> LoopPoint:
+        """Widen the errors by the differences to stable points of other model structures."""
         alike = [other for other in others if other.stable]
 
-        def widened(std: Float[np.ndarray, " n"], told: Callable[[Margins], float]) -> np.ndarray:
+        def widened(
+            std: Float[np.ndarray, " n"], quantity: Callable[[Margins], float]
+        ) -> np.ndarray:
             off = [
-                [told(b) - told(a) for a, b in zip(self.margins, other.margins, strict=True)]
+                [
+                    quantity(b) - quantity(a)
+                    for a, b in zip(self.margins, other.margins, strict=True)
+                ]
                 for other in alike
             ]
             values = np.array(off, dtype=float).reshape(-1, std.size)
@@ -77,21 +87,21 @@ class LoopPoint:
         )
 
 
-def loop_point(
+def evaluate_loop_point(
     model: AeroelasticModel,
     table: DerivativeTable,
     draws: Sequence[DerivativeTable],
     loop: Loop,
     band: tuple[float, float],
 ) -> LoopPoint:
-    """Roots and margins at the condition of a model.
+    """Compute roots and margins at the condition of a model.
 
     Parameters
     ----------
     model
         With the outputs that the law reads.
     table, draws
-        Derivatives, and tables scattered as they are uncertain.
+        Derivatives, and tables drawn from their covariance.
     loop
         Law, actuators and delay.
     band
@@ -100,42 +110,42 @@ def loop_point(
     Raises
     ------
     BadInput
-        If the law reads or drives what the model has not.
+        If the law reads outputs or drives inputs that the model does not have.
 
     Notes
     -----
     Margins are read from frequency responses with exact delays, roots from third-order
     Pade delays. Gain margins scatter as factors, standard deviation of their logarithm.
     """
-    roots = _roots(model, table, loop)
-    growths = np.array([largest_growth(model, one, loop) for one in draws])
+    roots = _compute_roots(model, table, loop)
+    growths = np.array([compute_largest_growth(model, one, loop) for one in draws])
     omega = np.geomspace(band[0], band[1], _FINE)
     lead = _law_response(loop, omega)
-    margins = _margins(model, table, loop, omega, lead)
-    drawn = [_margins(model, one, loop, omega, lead) for one in draws]
+    margins = _compute_margins(model, table, loop, omega, lead)
+    drawn = [_compute_margins(model, one, loop, omega, lead) for one in draws]
     return LoopPoint(
         airspeed=model.condition.airspeed,
         roots=roots,
         growth=float(np.real(roots).max()),
         growth_std=float(growths.std()) if growths.size else 0.0,
         margins=margins,
-        gain_std=_scatter([[np.log(m.gain_up) for m in row] for row in drawn], len(margins)),
-        phase_std=_scatter([[m.phase for m in row] for row in drawn], len(margins)),
-        disk_std=_scatter([[m.disk for m in row] for row in drawn], len(margins)),
+        gain_std=_compute_std([[np.log(m.gain_up) for m in row] for row in drawn], len(margins)),
+        phase_std=_compute_std([[m.phase for m in row] for row in drawn], len(margins)),
+        disk_std=_compute_std([[m.disk for m in row] for row in drawn], len(margins)),
     )
 
 
-def largest_growth(model: AeroelasticModel, table: DerivativeTable, loop: Loop) -> float:
+def compute_largest_growth(model: AeroelasticModel, table: DerivativeTable, loop: Loop) -> float:
     """Largest real part of the closed loop's roots. [rad/s]"""
-    return float(np.real(_roots(model, table, loop)).max())
+    return float(np.real(_compute_roots(model, table, loop)).max())
 
 
-def lost_at(
+def find_stability_limit(
     points: Sequence[LoopPoint],
     growth_at: Callable[[float], float],
     growths_at: Callable[[float], Float[np.ndarray, " n_draws"]],
 ) -> tuple[float | None, tuple[float, float] | None]:
-    """Airspeed at which stability is lost first, and the middle 95 % of what the draws say.
+    """Find the lowest airspeed at which stability is lost, and its 95 % interval from draws.
 
     Parameters
     ----------
@@ -146,7 +156,7 @@ def lost_at(
 
     Notes
     -----
-    Draws cross where a straight line through two airspeeds at the crossing puts them.
+    The crossings of draws are extrapolated from two airspeeds at the crossing.
     """
     between = next(
         (
@@ -169,13 +179,13 @@ def lost_at(
     return lost, (max(0.0, float(low)), float(high))
 
 
-def _roots(
+def _compute_roots(
     model: AeroelasticModel, table: DerivativeTable, loop: Loop
 ) -> Complex[np.ndarray, " n_roots"]:
     driven = loop.law.outputs
-    law = series(loop.law, delay_of([loop.delay_s] * len(driven), driven))
-    law = series(law, delay_of([one.delay_s for one in loop.actuators], driven))
-    law = series(law, chain_of(loop.actuators, driven))
+    law = series(loop.law, build_delays([loop.delay_s] * len(driven), driven))
+    law = series(law, build_delays([one.delay_s for one in loop.actuators], driven))
+    law = series(law, build_instrument_chain(loop.actuators, driven))
     return np.linalg.eigvals(close_loop(model.state_space(table), law).A)
 
 
@@ -188,7 +198,7 @@ def _law_response(
     return lead[:, :, None] * frequency_response(loop.law, omega)
 
 
-def _margins(
+def _compute_margins(
     model: AeroelasticModel,
     table: DerivativeTable,
     loop: Loop,
@@ -200,10 +210,10 @@ def _margins(
     G = model.response(table, omega)[:, read][:, :, driven]
     closed = np.linalg.inv(np.eye(len(driven)) - lead @ G)
     loops = 1.0 / np.einsum("kii->ki", closed) - 1.0
-    return tuple(margins_of(n, omega, loops[:, k]) for k, n in enumerate(loop.law.outputs))
+    return tuple(compute_margins(n, omega, loops[:, k]) for k, n in enumerate(loop.law.outputs))
 
 
-def _scatter(rows: list[list[float]], count: int) -> Float[np.ndarray, " n_driven"]:
+def _compute_std(rows: list[list[float]], count: int) -> Float[np.ndarray, " n_driven"]:
     """Standard deviation over draws of those that are finite."""
     if not rows:
         return np.zeros(count)

@@ -1,4 +1,4 @@
-"""How many modes a condition needs: reduced models of every order against the full one."""
+"""Model order: reduced models with every number of modes compared with the full one."""
 
 from __future__ import annotations
 
@@ -10,21 +10,22 @@ from scipy.optimize import linear_sum_assignment
 
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.model.reduction import residualize, static_recovery, truncate
+from flexsid.sysid.model.reduction import compute_static_recovery, residualize, truncate
 
 BAND = 0.10
 """Within this share of the full model's a derivative counts as unbiased (Fig. 13)."""
 
 POLE_BAND = 0.05
-_SMALL = 0.05
+"""Within this relative distance of the full model's a pole counts as unbiased."""
+_SMALL_SHARE = 0.05  # of the largest of its kind: smaller derivatives are not compared
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReducedModel:
-    """A model that keeps the first modes of the full one.
+    """A model with the first modes of the full one.
 
-    ``worst`` names the derivative of the rigid body that is farthest off, ``bias`` its
-    relative error; ``pole_error`` is the largest relative distance of a pole in the band from
+    ``worst`` is the rigid-body derivative with the largest relative error
+    ``bias``; ``pole_error`` is the largest relative distance of a pole in the band from
     the full model's, ``response_error`` the relative rms error of the responses there (None
     without sensors).
     """
@@ -69,45 +70,45 @@ def study_order(
     ----------
     model
         Condition, structure and sensors of the full model, modes in the order in which
-        they are to be kept (by frequency).
+        they are retained (by frequency).
     derivatives
         Of the full model.
     omega
-        Lines of the band that matters; poles up to its end are compared. [rad/s]
+        Frequencies of the band of interest; poles up to its end are compared. [rad/s]
 
     Notes
     -----
     Source: Sec. VI.B and Fig. 13. The derivatives judged are those of C_Z and C_m in alpha,
-    q and the inputs; those below a twentieth of the largest of their kind are left out, as
-    a ratio tells nothing of them. That poles must be right as well is ours: beyond flutter
-    unbiased rigid-body derivatives alone would let the wrong root be unstable.
+    q and the inputs; those below a twentieth of the largest of their kind are omitted, as
+    their ratio is not significant. Departure: poles are compared as well, since beyond
+    flutter a model with unbiased rigid-body derivatives can have the wrong unstable root.
     """
     numbers = derivatives.modes
-    poles = oscillations(model, derivatives)
+    poles = compute_oscillatory_poles(model, derivatives)
     full_response = model.response(derivatives, omega) if model.outputs else None
     highest = float(np.max(omega))
     steps = []
     for count in range(len(numbers) + 1):
-        keep = numbers[:count]
-        kept = residualize(derivatives, model.modes, model.condition, keep)
-        cut = truncate(derivatives, keep)
+        retained = numbers[:count]
+        residualized = residualize(derivatives, model.modes, model.condition, retained)
+        cut = truncate(derivatives, retained)
         smaller = model.with_modes(count)
-        reduced_poles = oscillations(smaller, kept)
-        worst, bias = _bias(derivatives, kept)
+        reduced_poles = compute_oscillatory_poles(smaller, residualized)
+        worst, bias = _compute_bias(derivatives, residualized)
         error = None
         if full_response is not None:
-            reduced = reduced_response(model, derivatives, keep, omega)
-            error = _relative(reduced - full_response, full_response)
+            reduced = compute_reduced_response(model, derivatives, retained, omega)
+            error = _compute_relative_error(reduced - full_response, full_response)
         steps.append(
             ReducedModel(
-                modes=keep,
-                residualized=kept,
+                modes=retained,
+                residualized=residualized,
                 truncated=cut,
                 poles=reduced_poles,
-                truncated_poles=oscillations(smaller, cut),
+                truncated_poles=compute_oscillatory_poles(smaller, cut),
                 worst=worst,
                 bias=bias,
-                pole_error=_pole_error(poles, reduced_poles, highest),
+                pole_error=_compute_pole_error(poles, reduced_poles, highest),
                 response_error=error,
             )
         )
@@ -118,36 +119,36 @@ def study_order(
     return OrderStudy(derivatives, poles, tuple(steps), needed)
 
 
-def oscillations(
+def compute_oscillatory_poles(
     model: AeroelasticModel, derivatives: DerivativeTable
 ) -> Complex[np.ndarray, " n_poles"]:
-    """Poles above the real axis, by frequency. [rad/s]"""
+    """Compute the poles above the real axis, by frequency. [rad/s]"""
     roots = np.linalg.eigvals(model.state_space(derivatives).A)
     above = roots[np.imag(roots) > 0].astype(complex)
     return above[np.argsort(np.abs(above))]
 
 
-def reduced_response(
+def compute_reduced_response(
     model: AeroelasticModel,
     derivatives: DerivativeTable,
-    keep: tuple[int, ...],
+    retained: tuple[int, ...],
     omega: Float[np.ndarray, " n_omega"],
 ) -> Complex[np.ndarray, "n_omega n_y n_u"]:
-    """Responses of a residualised model, whose sensors see the modes left out move statically.
+    """Compute responses of a residualised model, omitted modes static in the sensors.
 
     Parameters
     ----------
     model, derivatives
         The full model.
-    keep
+    retained
         Numbers of its first modes.
     omega
-        Lines. [rad/s]
+        Frequencies. [rad/s]
     """
-    n, k, n_u = len(derivatives.modes), len(keep), len(model.inputs)
-    kept = residualize(derivatives, model.modes, model.condition, keep)
-    motion = model.with_modes(k).motion(kept, omega)
-    _, static = static_recovery(derivatives, model.modes, model.condition, keep)
+    n, k, n_u = len(derivatives.modes), len(retained), len(model.inputs)
+    residualized = residualize(derivatives, model.modes, model.condition, retained)
+    motion = model.with_modes(k).motion(residualized, omega)
+    _, static = compute_static_recovery(derivatives, model.modes, model.condition, retained)
     rate = model.condition.rate_factor
     s = 1j * omega[:, None, None]
     variables = np.concatenate(
@@ -161,22 +162,22 @@ def reduced_response(
         axis=1,
     )
     whole = np.zeros((omega.size, 2 + n, n_u), dtype=complex)
-    places = [0, 1, *(2 + derivatives.modes.index(number) for number in keep)]
+    places = [0, 1, *(2 + derivatives.modes.index(number) for number in retained)]
     whole[:, places] = motion
     whole[:, [row for row in range(2 + n) if row not in places]] = static @ variables
     return model.sensors.response(omega) @ whole
 
 
-def _bias(full: DerivativeTable, kept: DerivativeTable) -> tuple[str, float]:
-    """The rigid-body derivative that is farthest off, relative to its own value."""
-    true, found = full.named(), kept.named()
+def _compute_bias(full: DerivativeTable, residualized: DerivativeTable) -> tuple[str, float]:
+    """The rigid-body derivative with the largest relative error."""
+    true, found = full.named(), residualized.named()
     worst, bias = "", 0.0
     for row in ("CZ", "Cm"):
         inputs = [f"{row}_{name}" for name in full.inputs]
         for group in ([f"{row}_alpha"], [f"{row}_q"], inputs):
             largest = max((abs(true[name]) for name in group), default=0.0)
             for name in group:
-                if abs(true[name]) <= _SMALL * largest:
+                if abs(true[name]) <= _SMALL_SHARE * largest:
                     continue
                 error = abs(found[name] / true[name] - 1.0)
                 if error > bias:
@@ -184,21 +185,23 @@ def _bias(full: DerivativeTable, kept: DerivativeTable) -> tuple[str, float]:
     return worst, bias
 
 
-def _pole_error(
+def _compute_pole_error(
     full: Complex[np.ndarray, " n_full"], reduced: Complex[np.ndarray, " n_reduced"], highest: float
 ) -> float:
     """Largest relative distance of a full model's pole in the band from the reduced one's."""
-    wanted = full[np.abs(full) <= highest]
-    if wanted.size == 0:
+    inside = full[np.abs(full) <= highest]
+    if inside.size == 0:
         return 0.0
-    if reduced.size < wanted.size:
+    if reduced.size < inside.size:
         return float("inf")
-    distance = np.abs(wanted[:, None] - reduced) / np.abs(wanted)[:, None]
-    chosen = linear_sum_assignment(distance)
-    return float(distance[chosen].max())
+    distance = np.abs(inside[:, None] - reduced) / np.abs(inside)[:, None]
+    pairs = linear_sum_assignment(distance)
+    return float(distance[pairs].max())
 
 
-def _relative(error: Complex[np.ndarray, "..."], of: Complex[np.ndarray, "..."]) -> float:
+def _compute_relative_error(
+    error: Complex[np.ndarray, "..."], of: Complex[np.ndarray, "..."]
+) -> float:
     """Mean over the outputs and inputs of their relative rms errors."""
     scale = np.sqrt(np.mean(np.abs(of) ** 2, axis=0))
     size = np.sqrt(np.mean(np.abs(error) ** 2, axis=0))

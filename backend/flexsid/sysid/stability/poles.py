@@ -1,4 +1,4 @@
-"""Poles of the identified model, named by what moves in them, with standard errors."""
+"""Poles of the identified model, named by participation, with standard errors."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ class NamedPole:
         return -self.value.real / abs(self.value)
 
 
-def named_poles(
+def compute_named_poles(
     model: AeroelasticModel,
     parameters: Parameters,
     theta: Float[np.ndarray, " n_theta"],
     covariance: Float[np.ndarray, "n_theta n_theta"],
     mode_names: tuple[str, ...],
 ) -> tuple[NamedPole, ...]:
-    """Eigenvalues of A with first-order standard errors.
+    """Compute eigenvalues of A with first-order standard errors.
 
     Parameters
     ----------
@@ -55,12 +55,12 @@ def named_poles(
     theta, covariance
         Estimate.
     mode_names
-        What to call the pole that each structural mode dominates.
+        Names of the poles dominated by each structural mode.
 
     Returns
     -------
     tuple
-        Rigid-body pole first, then by mode; the integrator of theta is left out.
+        Rigid-body pole first, then by mode; the integrator of theta is omitted.
 
     Notes
     -----
@@ -77,12 +77,12 @@ def named_poles(
     A = A[np.ix_(dynamic, dynamic)]
     values, right = np.linalg.eig(A.astype(complex))
     left = np.linalg.inv(right).conj().T  # scaled so that left^H right = 1
-    keep = np.flatnonzero(np.imag(values) >= 0)
-    names = _assign_names(left, right, keep, dynamic, mode_names)
-    gradient = _gradients(model, parameters, theta, left[:, keep], right[:, keep], dynamic)
+    upper = np.flatnonzero(np.imag(values) >= 0)
+    names = _assign_names(left, right, upper, dynamic, mode_names)
+    gradient = _gradients(model, parameters, theta, left[:, upper], right[:, upper], dynamic)
     poles = [
         _pole(name, complex(values[k]), row, covariance)
-        for name, k, row in zip(names, keep, gradient, strict=True)
+        for name, k, row in zip(names, upper, gradient, strict=True)
     ]
     order = {name: rank for rank, name in enumerate((SHORT_PERIOD, *mode_names))}
     return tuple(sorted(poles, key=lambda p: (order.get(p.name, len(order)), abs(p.value))))
@@ -106,29 +106,29 @@ def _pole(
             -by_real / size + value.real * change / size**2,
         ]
     )
-    # What does not move the pole needs no standard error of its own.
+    # Parameters without effect on the pole may have no standard error.
     moves = np.any(rows != 0.0, axis=0)
     rows = rows[:, moves]
     variance = np.einsum("ri,ij,rj->r", rows, covariance[np.ix_(moves, moves)], rows)
-    # A pole that only what is held decides is not known exactly: it was not estimated.
+    # A pole that depends on fixed parameters only is not known exactly: it was not estimated.
     return NamedPole(name, value, *map(float, np.sqrt(np.where(variance > 0.0, variance, np.nan))))
 
 
 def _assign_names(
     left: Complex[np.ndarray, "n_x n_x"],
     right: Complex[np.ndarray, "n_x n_x"],
-    keep: np.ndarray,
+    upper: np.ndarray,
     dynamic: np.ndarray,
     mode_names: tuple[str, ...],
 ) -> list[str]:
     n = len(mode_names)
-    participation = np.abs(left * right)[:, keep]
+    participation = np.abs(left * right)[:, upper]
     participation = participation / participation.sum(axis=0)
     groups = [np.isin(dynamic, (0, 1, 2))]
     groups += [np.isin(dynamic, (3 + i, 3 + n + i)) for i in range(n)]
     share = np.stack([participation[group].sum(axis=0) for group in groups])
     rows, columns = linear_sum_assignment(-share)
-    names = [""] * keep.size
+    names = [""] * upper.size
     for row, column in zip(rows, columns, strict=True):
         names[column] = (SHORT_PERIOD, *mode_names)[row]
     for column, name in enumerate(names):
@@ -188,8 +188,8 @@ def _add_structural(
             gradient[:, index] = -2.0 * force * z[i] * found.omega[i] * etadot
 
 
-def separation_factor(A: Float[np.ndarray, "n_x n_x"], n_modes: int) -> float | None:
-    """Lowest structural over highest rigid-body frequency of a model.
+def compute_separation_factor(A: Float[np.ndarray, "n_x n_x"], n_modes: int) -> float | None:
+    """Compute the lowest structural over the highest rigid-body frequency of a model.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ def separation_factor(A: Float[np.ndarray, "n_x n_x"], n_modes: int) -> float | 
     Notes
     -----
     A pole is structural when modal states take the larger part in it. References 22 and 23
-    of the paper hold the motions apart from a factor of five on.
+    of the paper treat the motions as decoupled from a factor of five on.
     """
     if n_modes == 0:
         return None

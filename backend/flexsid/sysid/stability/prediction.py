@@ -1,4 +1,4 @@
-"""Flutter speed from identified derivatives: fused over maneuvers, spread over structures."""
+"""Flutter speed from identified derivatives, fused over maneuvers, with its uncertainty."""
 
 from __future__ import annotations
 
@@ -10,23 +10,28 @@ from jaxtyping import Float
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.stability.bands import Uncertain, crossing_error, frequency_slopes
+from flexsid.sysid.stability.bands import (
+    UncertainDerivatives,
+    compute_frequency_slopes,
+    estimate_crossing_error,
+)
 from flexsid.sysid.stability.flight_evidence import (
     FlownInstability,
     FlownPoint,
     Standing,
+    build_instability,
     compare_with_flight,
-    instability_of,
 )
-from flexsid.sysid.stability.flutter import FlutterCrossing, RootLocus, follow_roots
+from flexsid.sysid.stability.flutter import FlutterCrossing, RootLocus, track_roots
 from flexsid.sysid.stability.speeds import Aeroelastic
 
-_POINTS = 120
-_SIGMAS = 1.96
-_LINE = 3  # dynamic pressures that a straight line through derivatives needs
-_SPAN = 0.1  # of the largest dynamic pressure that they must spread over
-_UNTOLD = 0.3  # of a flutter speed: with a larger error it is not known
-_TURNS = 30  # of repeated prediction
+_POINTS = 120  # airspeeds of a root locus
+_SIGMAS = 1.96  # of a 95 % interval
+_TREND_POINTS = 3  # dynamic pressures needed for a straight line through derivatives
+_TREND_SPAN = 0.1  # of the largest dynamic pressure: least range of a straight line
+_UNRESOLVED_SHARE = 0.3  # of a flutter speed: with a larger error it is not identifiable
+_LARGEST_EXTRAPOLATION = 2.0  # of the largest dynamic pressure flown, of a straight line
+_MOST_PREDICTIONS = 30  # of a fixed-point iteration
 
 
 MODAL_FREQUENCY = 0.02
@@ -48,25 +53,25 @@ class StiffnessError:
 
 @dataclass(frozen=True, slots=True)
 class IdentifiedModes:
-    """What one run says: derivatives on a structure, and which of them it estimated.
+    """Derivatives of one run on a model structure, and which of them it estimated.
 
     ``stiffness`` is None where the frequencies of the structure are exact.
     """
 
     aircraft: Aeroelastic
-    uncertain: Uncertain
+    uncertain: UncertainDerivatives
     stiffness: StiffnessError | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class FlutterPrediction:
-    """Where the aircraft loses stability, and how sure that is.
+    """Predicted flutter speed and its uncertainty.
 
-    ``crossing`` is None for an aircraft that stays stable up to the highest speed looked at;
-    ``sentence`` says it in words. ``airspeed_std`` is statistical; ``spread`` what other model
-    structures make of the same data, ``modal_std`` what the uncertainty of the modal table's
-    frequencies does [m/s]. Where flight contradicts the model or does not determine its unstable
-    root, ``refusal`` says so and there is no crossing.
+    ``crossing`` is None for an aircraft that is stable up to the highest speed searched;
+    ``sentence`` states the result. ``airspeed_std`` is statistical; ``spread`` is due to other
+    model structures, ``modal_std`` to the uncertainty of the modal table's frequencies [m/s].
+    Where flight contradicts the model or does not determine its unstable root, ``refusal`` states
+    the reason and there is no crossing.
     """
 
     locus: RootLocus
@@ -100,7 +105,7 @@ def predict_flutter(
     called: Mapping[str, str] | None = None,
     flown: Sequence[FlownPoint] = (),
 ) -> FlutterPrediction:
-    """Follow the roots over a band of airspeeds and say where stability ends.
+    """Predict the flutter speed from roots tracked over a band of airspeeds.
 
     Parameters
     ----------
@@ -113,7 +118,7 @@ def predict_flutter(
     spread
         Standard deviation between model structures. [m/s]
     called
-        What to call motions in words, by name.
+        Labels of motions, by name.
     flown
         Runs that the derivatives come from: a crossing that they contradict, or do not
         determine, is no prediction.
@@ -126,16 +131,16 @@ def predict_flutter(
         If a derivative is no number.
     """
     low, high = band
-    names = {name: _called(name) for name in found.aircraft.motions} | dict(called or {})
+    names = {name: _name_motion(name) for name in found.aircraft.motions} | dict(called or {})
     if not 0.0 < low < high < np.inf:
         raise BadInput(
-            f"airspeeds from {low:g} to {high:g} m/s are no band; the lowest must be positive "
+            f"airspeeds from {low:g} to {high:g} m/s are not a band; the lowest must be positive "
             "and come first",
             code="bad-airspeed",
         )
-    locus = follow_roots(found.aircraft, np.linspace(low, high, _POINTS), density)
+    locus = track_roots(found.aircraft, np.linspace(low, high, _POINTS), density)
     growing = np.flatnonzero(np.real(locus.roots[0]) > 0.0)
-    crossing, remark, refusal = _judged(found, locus, flown, names)
+    crossing, remark, refusal = _compare_crossings(found, locus, flown, names)
     if refusal:
         sentence = f"No flutter speed is predicted. {refusal}"
         return FlutterPrediction(locus, None, np.nan, np.nan, spread, sentence, refusal=refusal)
@@ -153,27 +158,27 @@ def predict_flutter(
             f"{names[locus.names[weakest]]}.{remark}"
         )
         return FlutterPrediction(locus, None, np.nan, np.nan, spread, sentence)
-    error = crossing_error(found.aircraft, crossing, found.uncertain, density)
+    error = estimate_crossing_error(found.aircraft, crossing, found.uncertain, density)
     modal_std = _modal_std(found, crossing, density)
-    told = FlutterPrediction(
+    prediction = FlutterPrediction(
         locus, crossing, error.airspeed_std, error.frequency_std, spread, "", modal_std
     )
-    reach = 2.0 * told.total_std
+    reach = 2.0 * prediction.total_std
     sentence = f"{already} " if already else ""
-    sentence += f"{_words(crossing, names)} at {crossing.airspeed:.2f}"
+    sentence += f"{_describe_crossing(crossing, names)} at {crossing.airspeed:.2f}"
     sentence += f" ± {reach:.2f} m/s" if np.isfinite(reach) else " m/s, with unknown error"
     sentence += f", {crossing.frequency:.2f} rad/s." if crossing.frequency else "."
     if crossing.recovers_at is not None:
         sentence += f" It is a hump: stable again from {crossing.recovers_at:.2f} m/s."
-    if np.isfinite(reach) and reach > _UNTOLD * crossing.airspeed:
-        sentence += " So large an error means that these runs do not tell it."
-    return replace(told, sentence=f"{sentence}{remark}")
+    if np.isfinite(reach) and reach > _UNRESOLVED_SHARE * crossing.airspeed:
+        sentence += " With so large an error the flutter speed is not identifiable from these runs."
+    return replace(prediction, sentence=f"{sentence}{remark}")
 
 
-def _judged(
+def _compare_crossings(
     found: IdentifiedModes, locus: RootLocus, flown: Sequence[FlownPoint], names: Mapping[str, str]
 ) -> tuple[FlutterCrossing | None, str, str]:
-    """The crossing that stands against the flights, a remark on it, and why there is none."""
+    """The crossing that agrees with the flights, a remark on it, or the reason for none."""
     if not flown:
         return locus.flutter, "", ""
     numbers = found.aircraft.modes.numbers
@@ -185,13 +190,13 @@ def _judged(
 
     remarks = ""
     for branch in np.flatnonzero(np.real(locus.roots[0]) > 0.0).tolist():
-        standing, words = compare(_from_the_start(locus, branch, names))
+        standing, words = compare(_build_initial_instability(locus, branch, names))
         if standing in (Standing.CONTRADICTED, Standing.UNDETERMINED):
             return None, "", words
         remarks += f" {words}" if standing is Standing.PASSED else ""
     for crossing in locus.crossings:
-        words = f"{_words(crossing, names)} at {crossing.airspeed:.1f} m/s"
-        standing, words = compare(instability_of(crossing, words))
+        words = f"{_describe_crossing(crossing, names)} at {crossing.airspeed:.1f} m/s"
+        standing, words = compare(build_instability(crossing, words))
         if standing in (Standing.CONTRADICTED, Standing.UNDETERMINED):
             return None, "", words
         remarks += f" {words}" if words else ""
@@ -200,7 +205,9 @@ def _judged(
     return None, remarks, ""
 
 
-def _from_the_start(locus: RootLocus, branch: int, names: Mapping[str, str]) -> FlownInstability:
+def _build_initial_instability(
+    locus: RootLocus, branch: int, names: Mapping[str, str]
+) -> FlownInstability:
     """A root that is unstable at the lowest speed; its motion is that of its name."""
     stable = np.flatnonzero(np.real(locus.roots[:, branch]) <= 0.0)
     high = float(locus.airspeed[stable[0]]) if stable.size else np.inf
@@ -209,7 +216,7 @@ def _from_the_start(locus: RootLocus, branch: int, names: Mapping[str, str]) -> 
     return FlownInstability(words, low, high, branch, {name: 1.0})
 
 
-def _words(crossing: FlutterCrossing, names: Mapping[str, str]) -> str:
+def _describe_crossing(crossing: FlutterCrossing, names: Mapping[str, str]) -> str:
     shares = crossing.participation
     leading = sorted(shares, key=shares.__getitem__)[::-1][:2]
     moving = " with ".join(names[name] for name in leading)
@@ -222,8 +229,8 @@ def _modal_std(found: IdentifiedModes, crossing: FlutterCrossing, density: float
     Notes
     -----
     At the dynamic pressure q_e flown, data determine the sum omega^2 - q_e S c C_Q_eta / m of
-    Eq. 25: an estimated C_Q_eta makes up for an error of omega^2 there, and 1 - q / q_e of it is
-    left at q. A C_Q_eta that was not estimated makes up for nothing.
+    Eq. 25: an estimated C_Q_eta compensates an error of omega^2 there, and 1 - q / q_e of it
+    remains at q. A C_Q_eta that was not estimated compensates nothing.
     """
     if found.stiffness is None:
         return 0.0
@@ -239,12 +246,12 @@ def _modal_std(found: IdentifiedModes, crossing: FlutterCrossing, density: float
         ]
     )
     change = 2.0 * modes.omega**2 * stiffness.relative_std * left
-    slopes = frequency_slopes(aircraft, crossing, density)
+    slopes = compute_frequency_slopes(aircraft, crossing, density)
     return float(np.sqrt(np.sum((slopes * change) ** 2)))
 
 
 def fuse_identified(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> IdentifiedModes:
-    """Weigh the derivatives that all parts estimated by their information.
+    """Average the derivatives that all parts estimated, weighted by their information.
 
     Parameters
     ----------
@@ -259,7 +266,7 @@ def fuse_identified(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> Identi
     BadInput
         If the structures differ.
     NotIdentifiable
-        If a covariance is singular, or something is no number.
+        If a covariance is singular, or a value is not finite.
 
     Notes
     -----
@@ -280,26 +287,26 @@ def fuse_identified(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> Identi
             )
     rows, columns = first.uncertain.rows, first.uncertain.columns
     if rows.size == 0:  # nothing was estimated: there is nothing to weigh
-        return IdentifiedModes(to, first.uncertain, _stiffness_of(parts))
+        return IdentifiedModes(to, first.uncertain, _average_stiffness(parts))
     values = np.stack([part.aircraft.derivatives.values[rows, columns] for part in parts])
     covariances = [part.uncertain.covariance for part in parts]
     if not (np.all(np.isfinite(values)) and all(np.all(np.isfinite(C)) for C in covariances)):
         raise NotIdentifiable(
-            "a derivative, or its standard error, is no number: a run did not converge or did"
-            " not identify it; leave that run out, or hold the derivative fixed"
+            "a derivative, or its standard error, is not finite: a run did not converge or did"
+            " not identify it; exclude that run, or fix the derivative"
         )
-    mean, covariance = weighted_mean(values, covariances)
+    mean, covariance = compute_weighted_mean(values, covariances)
     table = to.derivatives.values.copy()
     table[rows, columns] = mean
     derivatives = DerivativeTable(to.modes.numbers, to.derivatives.inputs, table)
     return IdentifiedModes(
         replace(to, derivatives=derivatives),
-        Uncertain(rows, columns, covariance),
-        _stiffness_of(parts),
+        UncertainDerivatives(rows, columns, covariance),
+        _average_stiffness(parts),
     )
 
 
-def _stiffness_of(parts: Sequence[IdentifiedModes]) -> StiffnessError | None:
+def _average_stiffness(parts: Sequence[IdentifiedModes]) -> StiffnessError | None:
     """The mean of the parts': errors of one modal table are the same in all of them."""
     known = [part.stiffness for part in parts if part.stiffness is not None]
     if not known:
@@ -313,10 +320,10 @@ def _stiffness_of(parts: Sequence[IdentifiedModes]) -> StiffnessError | None:
 def fuse_with_trend(
     parts: Sequence[IdentifiedModes], to: Aeroelastic, pressure: float
 ) -> IdentifiedModes:
-    """Weigh derivatives that drift with dynamic pressure, and carry them to one.
+    """Fit derivatives by straight lines over dynamic pressure, and evaluate them at one.
 
-    A straight line goes through every derivative: those of a model with too few modes hold
-    the others' static response, which changes with dynamic pressure.
+    Derivatives of a model with too few modes include the static response of the unmodelled
+    ones, which changes with dynamic pressure.
 
     Parameters
     ----------
@@ -338,10 +345,10 @@ def fuse_with_trend(
     rows, columns = fused.uncertain.rows, fused.uncertain.columns
     pressures = np.array([part.aircraft.condition.dynamic_pressure for part in parts])
     distinct = np.unique(np.round(pressures / pressures.max(), 2))
-    if distinct.size < _LINE or distinct[-1] - distinct[0] < _SPAN:
+    if distinct.size < _TREND_POINTS or distinct[-1] - distinct[0] < _TREND_SPAN:
         raise BadInput(
-            f"a trend needs runs at {_LINE} dynamic pressures or more, spread over"
-            f" {100 * _SPAN:.0f} % of the largest; these have"
+            f"a trend needs runs at {_TREND_POINTS} dynamic pressures or more, spread over"
+            f" {100 * _TREND_SPAN:.0f} % of the largest; these have"
             f" {', '.join(f'{p:.0f}' for p in np.sort(pressures))} Pa",
             code="no-trend",
         )
@@ -367,54 +374,54 @@ def fuse_with_trend(
     return replace(
         fused,
         aircraft=replace(fused.aircraft, derivatives=derivatives),
-        uncertain=Uncertain(rows, columns, covariance),
+        uncertain=UncertainDerivatives(rows, columns, covariance),
     )
 
 
-def at_own_crossing(
+def fuse_at_crossing(
     fuse: Callable[[float], IdentifiedModes],
     band: tuple[float, float],
     density: float,
     tested: float,
 ) -> IdentifiedModes:
-    """The fused derivatives at the dynamic pressure where they themselves lose stability.
+    """Fuse derivatives at the dynamic pressure of their own flutter crossing.
 
     Parameters
     ----------
     fuse
         Gives the derivatives that stand for a dynamic pressure. [Pa]
     band, density, tested
-        Airspeeds to look in, air, and the fastest airspeed flown. [m/s], [kg/m3]
+        Airspeeds to search, air density, and the fastest airspeed flown. [m/s], [kg/m3]
 
     Notes
     -----
-    Found by repeated prediction, half of every step taken. Without a crossing they stand
-    for the fastest point flown.
+    Fixed-point iteration with half steps. Without a crossing the derivatives are those of
+    the fastest point flown.
     """
     speed = tested
-    for _ in range(_TURNS):
+    for _ in range(_MOST_PREDICTIONS):
         found = fuse(0.5 * density * speed**2)
         crossing = predict_flutter(found, band, density).crossing
         if crossing is None:
             return fuse(0.5 * density * tested**2)
-        # Beyond twice the fastest dynamic pressure a straight line is a guess.
-        aim = min(crossing.airspeed, np.sqrt(2.0) * tested)
+        # A straight line is not extrapolated beyond twice the fastest dynamic pressure.
+        aim = min(crossing.airspeed, np.sqrt(_LARGEST_EXTRAPOLATION) * tested)
         if abs(aim - speed) < 1e-4 * speed:
             return found
         speed = float(0.5 * (speed + aim))
     return fuse(0.5 * density * speed**2)
 
 
-def weighted_mean(
+def compute_weighted_mean(
     values: Float[np.ndarray, "n_parts n_theta"],
     covariances: Sequence[Float[np.ndarray, "n_theta n_theta"]],
 ) -> tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, "n_theta n_theta"]]:
-    """Mean by information, and its covariance widened by how much the parts disagree."""
+    """Compute the mean weighted by information, and its covariance widened by Birge's ratio."""
     if len(values) == 1:
         return values[0], covariances[0]
     scale = np.sqrt(np.mean([np.diag(C) for C in covariances], axis=0))
     if not (scale > 0.0).all():
-        raise NotIdentifiable("a derivative without standard error cannot be weighed")
+        raise NotIdentifiable("a derivative without standard error cannot be weighted")
     outer, identity = np.outer(scale, scale), np.eye(scale.size)
     weights = [np.linalg.solve(C / outer, identity) for C in covariances]
     information = np.sum(weights, axis=0)
@@ -426,12 +433,12 @@ def weighted_mean(
     return mean * scale, birge * np.linalg.solve(information, identity) * outer
 
 
-def structure_spread(speeds: Sequence[float], preferred: float) -> float:
-    """Standard deviation of other structures' flutter speeds about the preferred one."""
+def compute_structure_spread(speeds: Sequence[float], preferred: float) -> float:
+    """Compute the standard deviation of other structures' speeds about the preferred one."""
     if not speeds:
         return 0.0
     return float(np.sqrt(np.mean((np.asarray(speeds, dtype=float) - preferred) ** 2)))
 
 
-def _called(motion: str) -> str:
+def _name_motion(motion: str) -> str:
     return "the short period" if motion == "SP" else f"mode {motion}"

@@ -15,7 +15,7 @@ from flexsid.sysid.modes.shapes import StructuralModes
 
 @dataclass(frozen=True, slots=True)
 class Aeroelastic:
-    """Derivatives on a structure in one loading, to be flown at any speed.
+    """Derivatives, structure and loading of an aircraft at any speed.
 
     ``condition`` is one trimmed condition; others follow from it by constant weight.
     """
@@ -26,7 +26,7 @@ class Aeroelastic:
 
     @property
     def motions(self) -> tuple[str, ...]:
-        """What can move: the short period and each mode by number."""
+        """Motions: the short period and each mode by number."""
         return ("SP", *(str(number) for number in self.modes.numbers))
 
 
@@ -43,12 +43,12 @@ class StateFamily:
     variable_states: np.ndarray
 
 
-def state_family(
+def build_state_family(
     aircraft: Aeroelastic,
     airspeed: Float[np.ndarray, " n_v"],
     density: float | None = None,
 ) -> StateFamily:
-    """Assemble A at every airspeed, trimmed in level flight.
+    """Build A at every airspeed, trimmed in level flight.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def state_family(
                 mode=number,
             )
     if not np.isfinite(aircraft.derivatives.values).all():
-        raise NotIdentifiable("the model holds a derivative that is no number; choose other runs")
+        raise NotIdentifiable("the model has a derivative that is not finite; select other runs")
     n = len(modes.numbers)
     force = 0.5 * air * V**2 * c.area
     weight = c.mass * GRAVITY * np.cos(c.gamma)
@@ -123,14 +123,14 @@ class Modal:
     right: Complex[np.ndarray, "n_v n_x n_x"]
 
 
-def decompose(family: StateFamily) -> Modal:
-    """Eigenvalues and vectors at every speed."""
+def decompose_states(family: StateFamily) -> Modal:
+    """Compute eigenvalues and vectors at every speed."""
     values, right = (part.astype(complex) for part in np.linalg.eig(family.A))
     left = np.linalg.inv(right).conj().transpose(0, 2, 1)
     return Modal(values, left, right)
 
 
-def slopes(
+def compute_eigenvalue_slopes(
     family: StateFamily,
     modal: Modal,
     rows: np.ndarray,
@@ -138,7 +138,7 @@ def slopes(
     left_of: np.ndarray | None = None,
     right_of: np.ndarray | None = None,
 ) -> Complex[np.ndarray, "n_v n_roots n_theta"]:
-    """Change of every eigenvalue with the derivatives at (rows, columns) of the table.
+    """Compute the change of every eigenvalue with the derivatives at (rows, columns).
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def slopes(
         Of the derivatives.
     left_of, right_of
         Eigenvalues at every speed (n_v, n_roots) whose left and right vectors to take; all
-        by default. Of two different ones it is how much they are coupled.
+        by default. For two different ones it is their coupling.
 
     Notes
     -----
@@ -164,8 +164,8 @@ def slopes(
 
 
 def _vectors(
-    vectors: Complex[np.ndarray, "n_v n_x n_x"], chosen: np.ndarray | None, states: np.ndarray
+    vectors: Complex[np.ndarray, "n_v n_x n_x"], roots: np.ndarray | None, states: np.ndarray
 ) -> Complex[np.ndarray, "n_v n_roots n_theta"]:
     """Entries of eigenvectors, one of every parameter."""
-    beside = vectors if chosen is None else np.take_along_axis(vectors, chosen[:, None, :], axis=2)
+    beside = vectors if roots is None else np.take_along_axis(vectors, roots[:, None, :], axis=2)
     return beside.transpose(0, 2, 1)[:, :, states]

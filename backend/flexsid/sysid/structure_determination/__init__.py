@@ -1,1 +1,1 @@
-"""Model structure determination: which terms the data ask for."""
+"""Model structure determination: selection of the terms of a model."""

@@ -1,4 +1,4 @@
-"""Search among models fitted by output error or frequency response error."""
+"""Search of model structures by output error or frequency response error."""
 
 from __future__ import annotations
 
@@ -11,45 +11,49 @@ from jaxtyping import Bool, Float
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.leakage import correct_leakage
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.record_edges import settle_edges
-from flexsid.sysid.structure_determination.evidence import Evidence, look
-from flexsid.sysid.structure_determination.likelihood import likelihood_evidence, reduced
+from flexsid.sysid.structure_determination.evidence import Evidence, estimate_subset
+from flexsid.sysid.structure_determination.likelihood import (
+    compute_likelihood_evidence,
+    select_candidates,
+)
 from flexsid.sysid.structure_determination.selection import (
-    USUAL,
+    DEFAULT_THRESHOLDS,
     Selection,
+    SelectionState,
     SelectionStep,
     Thresholds,
-    Walk,
-    selection_at,
-    walk,
+    select_terms,
+    summarise_selection,
 )
 
 Report = Callable[[int, str], None]
-"""Told how many models were fitted, and what is done now."""
+"""Called with the number of fitted models, and a message."""
 
-_AS_ALWAYS = FitSettings()
-_ROUNDS = 8
-_FAITHFUL = 3.0  # likelihood ratio over what the quadratic foretold: beyond, it is no guide
+_DEFAULT_SETTINGS = FitSettings()
+_ROUNDS = 8  # fitted models, at most
+_QUADRATIC_RATIO = 3.0  # likelihood ratio over its prediction: not valid above
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CandidateTerm:
-    """A model that was fitted on the way.
+class CandidateModel:
+    """A model that was fitted during the search.
 
     ``cost`` is the negative log likelihood of all maneuvers, ``bic`` Schwarz's criterion,
-    ``likelihood_ratio`` twice what the cost rose by (negative: fell) from the model before, and
-    ``foretold`` what the quadratic around that one promised. ``estimates`` are by maneuver.
+    ``likelihood_ratio`` twice the rise of the cost (negative: fall) from the model before, and
+    ``predicted_ratio`` the same predicted by the quadratic expansionaround that one.
+    ``estimates`` are by maneuver.
     """
 
     why: str
-    chosen: tuple[str, ...]
+    selected: tuple[str, ...]
     changed: tuple[SelectionStep, ...]
     cost: float
     bic: float
     likelihood_ratio: float
-    foretold: float
+    predicted_ratio: float
     estimates: tuple[Estimate, ...]
 
     @property
@@ -59,11 +63,11 @@ class CandidateTerm:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CandidatesFound:
-    """All models that were fitted, the one to propose, and what it says of every term."""
+class CandidateSearchResult:
+    """All fitted models, the one to propose, and the evidence on every term."""
 
-    candidates: tuple[CandidateTerm, ...]
-    best: CandidateTerm
+    candidates: tuple[CandidateModel, ...]
+    best: CandidateModel
     selection: Selection
     evidences: tuple[Evidence, ...]
 
@@ -72,12 +76,12 @@ def search_candidates(
     maneuvers: Sequence[Experiment],
     candidates: Parameters,
     start: Sequence[str] | None = None,
-    thresholds: Thresholds = USUAL,
-    settings: FitSettings = _AS_ALWAYS,
+    thresholds: Thresholds = DEFAULT_THRESHOLDS,
+    settings: FitSettings = _DEFAULT_SETTINGS,
     report: Report | None = None,
     values: Sequence[Float[np.ndarray, " n_theta"]] | None = None,
-) -> CandidatesFound:
-    """Choose terms by Wald's test, the score and the likelihood ratio.
+) -> CandidateSearchResult:
+    """Select terms by Wald's test, the score test and the likelihood ratio.
 
     Parameters
     ----------
@@ -94,16 +98,16 @@ def search_candidates(
     settings
         Of every fit.
     report
-        Told of every fit; what it raises ends the search.
+        Called before every fit; an exception ends the search.
     values
         Starting values of all candidates by maneuver, where they are not those of
         ``candidates``.
 
     Returns
     -------
-    CandidatesFound
-        The best is the last one, whose Wald and score tests ask for no more change; where
-        the search came back to a model it had, the one of least BIC.
+    CandidateSearchResult
+        The best is the last one, for which Wald and score tests select no change; where
+        the search returned to an earlier model, the one of least BIC.
 
     Raises
     ------
@@ -114,50 +118,55 @@ def search_candidates(
 
     Notes
     -----
-    One round fits a model, expands its likelihood over all candidates, and walks that
-    quadratic: terms out by Wald's test, in by the score. Where the likelihood ratio of the
-    next model is much more than foretold, half of the terms that left come back.
+    One round fits a model, expands its likelihood over all candidates, and selects
+    terms by that quadratic: out by Wald's test, in by the score test. Where the likelihood
+    ratio of the next model is much larger than predicted, half of the dropped terms are
+    restored.
     """
-    tell = report or (lambda fitted, message: None)
+    report_progress = report or (lambda fitted, message: None)
     forced = np.arange(len(candidates.names)) >= candidates.rows.size
-    chosen = _mask(candidates, start) | forced
+    selected = _mask(candidates, start) | forced
     theta = list(values or [candidates.start] * len(maneuvers))
-    fitted: list[CandidateTerm] = []
+    fitted: list[CandidateModel] = []
     visited: set[bytes] = set()
     evidences: tuple[Evidence, ...] = ()
     path: tuple[SelectionStep, ...] = ()
-    why, foretold = "start", 0.0
-    while len(fitted) < _ROUNDS and chosen.tobytes() not in visited:
-        visited.add(chosen.tobytes())
-        tell(len(fitted), f"Fitting {int(chosen.sum())} parameters")
-        lines, estimates = _fit(maneuvers, candidates, chosen, theta, settings)
+    why, predicted_ratio = "start", 0.0
+    while len(fitted) < _ROUNDS and selected.tobytes() not in visited:
+        visited.add(selected.tobytes())
+        report_progress(len(fitted), f"Fitting {int(selected.sum())} parameters")
+        lines, estimates = _fit(maneuvers, candidates, selected, theta, settings)
         before = fitted[-1] if fitted else None
-        now = _candidate(why, candidates, chosen, path, estimates, before, foretold)
+        now = _candidate(why, candidates, selected, path, estimates, before, predicted_ratio)
         fitted.append(now)
         if not _is_usable(now):
             break
         gone = [step for step in path if step.action == "drop"]
-        if now.likelihood_ratio > _FAITHFUL * max(foretold, 0.0) + thresholds.f_out and gone[1:]:
+        if (
+            now.likelihood_ratio > _QUADRATIC_RATIO * max(predicted_ratio, 0.0) + thresholds.f_out
+            and gone[1:]
+        ):
             back = sorted(gone, key=lambda step: -step.f)[: len(gone) // 2]
-            chosen = chosen.copy()
-            chosen[[candidates.names.index(step.term) for step in back]] = True
+            selected = selected.copy()
+            selected[[candidates.names.index(step.term) for step in back]] = True
             path = tuple(step for step in path if step not in back)
-            why = f"{', '.join(step.term for step in back)} back: worth more than foretold"
+            terms = ", ".join(step.term for step in back)
+            why = f"{terms} restored: likelihood ratio larger than predicted"
             continue
-        theta = [_spread(chosen, estimate.values) for estimate in estimates]
+        theta = [_expand_values(selected, estimate.values) for estimate in estimates]
         evidences = tuple(
-            likelihood_evidence(
-                experiment, candidates, values, int(chosen.sum()), kind=settings.noise, parts=True
+            compute_likelihood_evidence(
+                experiment, candidates, values, int(selected.sum()), kind=settings.noise, parts=True
             )
             for experiment, values in zip(lines, theta, strict=True)
         )
-        end = walk(evidences, Walk(chosen), thresholds, forced=forced)
-        foretold = _foretold(evidences, chosen, end.chosen)
-        path, chosen, why = end.path, end.chosen, _in_words(end.path)
+        end = select_terms(evidences, SelectionState(selected), thresholds, forced=forced)
+        predicted_ratio = _predict_ratio(evidences, selected, end.selected)
+        path, selected, why = end.path, end.selected, _describe_path(end.path)
     usable = [one for one in fitted if _is_usable(one)]
     if not usable or not evidences:
         raise NotIdentifiable(
-            f"the {len(fitted[0].chosen)} terms to start with cannot be fitted to these lines: "
+            f"the {len(fitted[0].selected)} terms to start with cannot be fitted to these data: "
             f"{fitted[0].estimates[0].message}",
             code="bad-start",
         )
@@ -165,12 +174,12 @@ def search_candidates(
     best = fitted[-1]
     if not settled:
         best = min(usable, key=lambda one: (not one.converged, one.bic))
-    in_best = np.array([name in set(best.chosen) for name in candidates.names])
-    selection = selection_at("likelihood", evidences, Walk(in_best), thresholds)
-    return CandidatesFound(tuple(fitted), best, selection, evidences)
+    in_best = np.array([name in set(best.selected) for name in candidates.names])
+    selection = summarise_selection("likelihood", evidences, SelectionState(in_best), thresholds)
+    return CandidateSearchResult(tuple(fitted), best, selection, evidences)
 
 
-def _is_usable(candidate: CandidateTerm) -> bool:
+def _is_usable(candidate: CandidateModel) -> bool:
     return bool(
         np.isfinite(candidate.cost)
         and all(np.isfinite(one.corrected_covariance).all() for one in candidate.estimates)
@@ -193,73 +202,77 @@ def _mask(candidates: Parameters, start: Sequence[str] | None) -> Bool[np.ndarra
 def _fit(
     maneuvers: Sequence[Experiment],
     candidates: Parameters,
-    chosen: Bool[np.ndarray, " n_theta"],
+    selected: Bool[np.ndarray, " n_theta"],
     theta: Sequence[Float[np.ndarray, " n_theta"]],
     settings: FitSettings,
 ) -> tuple[list[Experiment], list[Estimate]]:
-    """Estimates, and the lines as they are without what the edges of the records did."""
-    if not chosen.any():
+    """Estimates, and the experiments corrected for leakage."""
+    if not selected.any():
         raise NotIdentifiable(
-            "no term is left: nothing in the data asks for any of the candidates", code="empty"
+            "no term is left: none of the candidates is significant", code="empty"
         )
     priors = settings.priors or {}
     lines, found = [], []
     for experiment, values in zip(maneuvers, theta, strict=True):
-        parameters = reduced(candidates, chosen, values)
-        kept = {name: prior for name, prior in priors.items() if name in parameters.names}
-        own = replace(settings, priors=kept)
+        parameters = select_candidates(candidates, selected, values)
+        held = {name: prior for name, prior in priors.items() if name in parameters.names}
+        own = replace(settings, priors=held)
         estimate = maximize([experiment], parameters, own)
-        (settled,), estimate = settle_edges([experiment], parameters, estimate, own)
+        (settled,), estimate = correct_leakage([experiment], parameters, estimate, own)
         lines.append(settled)
         found.append(estimate)
     return lines, found
 
 
-def _spread(
-    chosen: Bool[np.ndarray, " n_theta"], values: Float[np.ndarray, " n_chosen"]
+def _expand_values(
+    selected: Bool[np.ndarray, " n_theta"], values: Float[np.ndarray, " n_selected"]
 ) -> Float[np.ndarray, " n_theta"]:
     """Values at their place among all candidates, zero elsewhere."""
-    theta = np.zeros(chosen.size)
-    theta[chosen] = values
+    theta = np.zeros(selected.size)
+    theta[selected] = values
     return theta
 
 
 def _candidate(
     why: str,
     candidates: Parameters,
-    chosen: Bool[np.ndarray, " n_theta"],
+    selected: Bool[np.ndarray, " n_theta"],
     path: tuple[SelectionStep, ...],
     estimates: Sequence[Estimate],
-    before: CandidateTerm | None,
-    foretold: float,
-) -> CandidateTerm:
+    before: CandidateModel | None,
+    predicted_ratio: float,
+) -> CandidateModel:
     cost = float(sum(one.steps[-1].cost for one in estimates))
     n_data = [2.0 * sum(lines.measured.size for lines in one.lines) for one in estimates]
-    return CandidateTerm(
+    return CandidateModel(
         why=why,
-        chosen=tuple(name for name, kept in zip(candidates.names, chosen, strict=True) if kept),
+        selected=tuple(
+            name for name, inside in zip(candidates.names, selected, strict=True) if inside
+        ),
         changed=path,
         cost=cost,
-        bic=2.0 * cost + int(chosen.sum()) * float(np.log(n_data).sum()),
+        bic=2.0 * cost + int(selected.sum()) * float(np.log(n_data).sum()),
         likelihood_ratio=0.0 if before is None else 2.0 * (cost - before.cost),
-        foretold=foretold,
+        predicted_ratio=predicted_ratio,
         estimates=tuple(estimates),
     )
 
 
-def _foretold(
+def _predict_ratio(
     evidences: Sequence[Evidence],
     before: Bool[np.ndarray, " n_theta"],
     after: Bool[np.ndarray, " n_theta"],
 ) -> float:
-    """Rise of twice the cost from one set of terms to another, by the quadratic."""
-    return float(sum(look(e, after).rest - look(e, before).rest for e in evidences))
+    """Predict the rise of twice the cost between two sets of terms by the quadratic."""
+    return float(
+        sum(estimate_subset(e, after).rest - estimate_subset(e, before).rest for e in evidences)
+    )
 
 
-def _in_words(path: Sequence[SelectionStep]) -> str:
+def _describe_path(path: Sequence[SelectionStep]) -> str:
     words = []
-    for action, said in (("drop", "dropped by Wald's test"), ("enter", "entered by the score")):
+    for action, test in (("drop", "dropped by Wald's test"), ("enter", "entered by the score")):
         terms = [step.term for step in path if step.action == action]
         if terms:
-            words.append(f"{', '.join(terms)} {said}")
+            words.append(f"{', '.join(terms)} {test}")
     return "; ".join(words)

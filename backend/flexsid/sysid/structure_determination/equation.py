@@ -10,29 +10,29 @@ from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.equation_error import (
     MotionNoise,
-    aerodynamic_coefficients,
-    regressors,
+    build_regressors,
+    compute_aerodynamic_coefficients,
 )
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
-from flexsid.sysid.estimation.regression import Disturbance, Weighing, compensate
+from flexsid.sysid.estimation.regression import ErrorsInVariables, WeightedFit, compensate_bias
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import coefficients
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.structure_determination.evidence import Evidence, Parts
 
-N_PARTS = 20
-_RUN = 5  # neighbouring lines that stay together when lines are drawn anew
-_TOLD_APART = 1e-3  # of the strongest direction: weaker ones are left out of the reference
+N_PARTS = 20  # combs of frequencies for the bootstrap
+_RUN_LENGTH = 5  # neighbouring frequencies that stay together in a bootstrap
+_LEAST_DIRECTION = 1e-3  # of the strongest direction, in the reference fit
 
 
-def equation_evidence(
+def compute_equation_evidence(
     model: AeroelasticModel,
     motion: ReconstructedMotion,
     inputs: FrequencyData,
     candidates: Parameters,
 ) -> dict[str, Evidence]:
-    """What one maneuver says about the candidate terms of every coefficient.
+    """Compute the evidence of one maneuver on the candidate terms of every coefficient.
 
     Parameters
     ----------
@@ -47,13 +47,13 @@ def equation_evidence(
 
     Notes
     -----
-    Lines are weighted, and the bias of noisy regressors is taken out, as in
-    ``equation_error`` with all candidates that the data tell apart. A term is judged
-    against the residuals of that fit, not against those of the terms already chosen,
-    so that what has not entered yet does not count as noise.
+    Frequencies are weighted, and the bias of noisy regressors is removed, as in
+    ``equation_error`` with all candidates that the data resolve. A term is tested
+    against the residuals of that fit, not against those of the terms already selected,
+    so that terms that have not entered yet do not count as noise.
     """
-    X = regressors(model, motion, inputs)
-    z = aerodynamic_coefficients(model, motion)
+    X = build_regressors(model, motion, inputs)
+    z = compute_aerodynamic_coefficients(model, motion)
     errors = MotionNoise(model, motion)
     held = candidates.base.values.copy()
     held[candidates.rows, candidates.columns] = 0.0
@@ -62,37 +62,37 @@ def equation_evidence(
         place = np.flatnonzero(candidates.rows == row)
         if place.size:
             columns = candidates.columns[place]
-            found[name] = regression_evidence(
+            found[name] = compute_regression_evidence(
                 X[:, columns],
                 z[:, row] - X @ held[row],
                 tuple(candidates.names[i] for i in place),
-                errors.of_row(row, held[row], columns),
+                errors.compute_row_errors(row, held[row], columns),
             )
     return found
 
 
-def regression_evidence(
+def compute_regression_evidence(
     X: Complex[np.ndarray, "n_omega p"],
     z: Complex[np.ndarray, " n_omega"],
     names: tuple[str, ...],
-    disturbance: Disturbance,
+    errors: ErrorsInVariables,
 ) -> Evidence:
-    """Evidence of one complex regression with real terms.
+    """Compute the evidence of one complex regression with real terms.
 
     Raises
     ------
     NotIdentifiable
-        If there are fewer than three lines, or no regressor moves.
+        If there are fewer than three frequencies, or all regressors are zero.
     """
-    weighing = _reference(X, z, names, disturbance)
+    weighing = _fit_reference(X, z, names, errors)
     n_lines = z.size
     nu = (z - X @ weighing.values) / np.sqrt(weighing.variance)
     freedom = n_lines - 0.5 * np.count_nonzero(weighing.values)
     level = max(float(np.sum(np.abs(nu) ** 2)) / freedom, np.finfo(float).tiny)
     weight = 2.0 / (weighing.variance * level)
-    parts = _parts(X, z, weight, weighing.keep, disturbance)
+    parts = _sum_parts(X, z, weight, weighing.fraction_removed, errors)
     one_group = np.zeros(n_lines, dtype=int)
-    density = np.real(noise.smoothed_density(nu[:, None], one_group, 1).of_lines()[:, 0, 0])
+    density = np.real(noise.smooth_density(nu[:, None], one_group, 1).expand_blocks()[:, 0, 0])
     density *= n_lines / freedom / level
     noisy = np.real((X.conj() * (density * weight)[:, None]).T @ X)
     scores = np.real(X.conj() * (weight * (z - X @ weighing.values))[:, None])
@@ -108,81 +108,81 @@ def regression_evidence(
     )
 
 
-def _reference(
+def _fit_reference(
     X: Complex[np.ndarray, "n_omega p"],
     z: Complex[np.ndarray, " n_omega"],
     names: tuple[str, ...],
-    disturbance: Disturbance,
-) -> Weighing:
-    """Fit with all terms that the data tell apart; the others stay zero in it."""
+    errors: ErrorsInVariables,
+) -> WeightedFit:
+    """Fit all terms that the data resolve; the others are zero."""
     n_lines, p = X.shape
     size = np.linalg.norm(X, axis=0)
     if n_lines < 3 or not size.any():
         raise NotIdentifiable(
-            f"{n_lines} lines on which nothing moves cannot tell which terms of "
-            f"{names[0].split('_')[0]} are there; use more lines",
+            f"{n_lines} frequencies without motion cannot resolve the terms of "
+            f"{names[0].split('_')[0]}; use more frequencies",
             lines=n_lines,
         )
     unit = np.divide(X, size, out=np.zeros_like(X), where=size > 0.0)
     stacked = np.concatenate([np.real(unit), np.imag(unit)])
     _, r, order = linalg.qr(stacked, mode="economic", pivoting=True)
-    rank = int(np.count_nonzero(np.abs(np.diag(r)) > _TOLD_APART))
+    rank = int(np.count_nonzero(np.abs(np.diag(r)) > _LEAST_DIRECTION))
     target = np.concatenate([np.real(z), np.imag(z)])
-    kept = np.sort(order[:rank])
+    resolved = np.sort(order[:rank])
     if rank > n_lines // 2:
-        kept = _leading(stacked, target, n_lines // 2)
-    first = np.linalg.lstsq(stacked[:, kept], target, rcond=None)[0] / size[kept]
-    among = Disturbance(
-        disturbance.regressors[:, kept[:, None], kept],
-        disturbance.cross[:, kept],
-        disturbance.dependent,
+        resolved = _select_leading(stacked, target, n_lines // 2)
+    first = np.linalg.lstsq(stacked[:, resolved], target, rcond=None)[0] / size[resolved]
+    among = ErrorsInVariables(
+        errors.regressors[:, resolved[:, None], resolved],
+        errors.cross[:, resolved],
+        errors.dependent,
     )
-    found, _ = compensate(X[:, kept], z, first, among)
+    found, _ = compensate_bias(X[:, resolved], z, first, among)
     values = np.zeros(p)
-    values[kept] = found.values
-    return Weighing(values, found.variance, found.keep)
+    values[resolved] = found.values
+    return WeightedFit(values, found.variance, found.fraction_removed)
 
 
-def _leading(
+def _select_leading(
     stacked: Float[np.ndarray, "n_rows p"], target: Float[np.ndarray, " n_rows"], count: int
 ) -> np.ndarray:
-    """The columns that one after the other explain most, where there are too many for all."""
-    kept: list[int] = []
+    """Select the columns that explain most, one after the other, where there are too many."""
+    resolved: list[int] = []
     left = target
     for _ in range(count):
         pull = np.abs(stacked.T @ left)
-        pull[kept] = -1.0
-        kept.append(int(np.argmax(pull)))
-        fitted = np.linalg.lstsq(stacked[:, kept], target, rcond=None)[0]
-        left = target - stacked[:, kept] @ fitted
-    return np.sort(np.array(kept))
+        pull[resolved] = -1.0
+        resolved.append(int(np.argmax(pull)))
+        fitted = np.linalg.lstsq(stacked[:, resolved], target, rcond=None)[0]
+        left = target - stacked[:, resolved] @ fitted
+    return np.sort(np.array(resolved))
 
 
-def _parts(
+def _sum_parts(
     X: Complex[np.ndarray, "n_omega p"],
     z: Complex[np.ndarray, " n_omega"],
     weight: Float[np.ndarray, " n_omega"],
-    keep: float,
-    disturbance: Disturbance,
+    fraction: float,
+    errors: ErrorsInVariables,
 ) -> Parts:
-    """Weighted sums over combs of lines, the known errors taken out."""
+    """Weighted sums over combs of frequencies, corrected for the errors in variables."""
     n_lines, p = X.shape
     stacked = np.concatenate([np.real(X), np.imag(X)])
     target = np.concatenate([np.real(z), np.imag(z)])
-    comb = comb_of_lines(n_lines)
+    comb = assign_combs(n_lines)
     information, moment, total = [], [], []
     for number in range(int(comb.max()) + 1):
         w = np.where(comb == number, weight, 0.0)
         twice = np.concatenate([w, w])
         weighted = stacked.T * twice
-        spread = (w @ disturbance.regressors.reshape(n_lines, -1)).reshape(p, p)
-        information.append(weighted @ stacked - keep * spread)
-        moment.append(weighted @ target - keep * (w @ disturbance.cross))
+        spread = (w @ errors.regressors.reshape(n_lines, -1)).reshape(p, p)
+        information.append(weighted @ stacked - fraction * spread)
+        moment.append(weighted @ target - fraction * (w @ errors.cross))
         total.append(float(twice @ target**2))
     return Parts(np.stack(information), np.stack(moment), np.array(total))
 
 
-def comb_of_lines(n_lines: int) -> np.ndarray:
-    """Number of the comb that each line belongs to; runs of neighbours stay together."""
-    run = np.arange(n_lines) // max(1, min(_RUN, n_lines // N_PARTS))
+def assign_combs(n_lines: int) -> np.ndarray:
+    """Assign each frequency to a comb; runs of neighbours stay together."""
+    run = np.arange(n_lines) // max(1, min(_RUN_LENGTH, n_lines // N_PARTS))
     return run % N_PARTS

@@ -1,9 +1,9 @@
-"""Evidence: what data say about every candidate term, whatever the estimator.
+"""Evidence of the data on every candidate term, for any estimator.
 
 Around the estimate with all candidates, the weighted squared residuals are quadratic
-in the terms. The information, its moment and how the moment really scatters are then
-all that a search needs: what any subset of the terms would estimate, and how surely,
-costs one small solve and no further look at the data.
+in the terms. The information, its moment and the scatter of the moment are then
+sufficient for a search: the estimates of any subset of the terms and their variances
+need one small solve and no further access to the data.
 """
 
 from __future__ import annotations
@@ -14,15 +14,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
-_COLLINEAR = 1e-9  # share of a term's information that the chosen ones leave
-_RIDGE = 1e-12  # of a term's information: keeps terms that say the same from being singular
-_SUREST = 1e-20  # of a term's variance for white residuals: keeps noise-free data finite
-_COMMON = 0.5  # standard errors of one maneuver that all may be wrong alike
+_COLLINEAR_SHARE = 1e-9  # of a term's information: collinear with the selected ones below
+_RIDGE = 1e-12  # of a term's information: regularises collinear terms
+_LEAST_VARIANCE = 1e-20  # of a term's variance for white residuals, for noise-free data
+_COMMON_STD = 0.5  # standard errors of one maneuver: systematic error common to all
+
+_MAJORITY = 0.5  # of the maneuvers: more must support a term that the mean does not
 
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """The sums of the evidence over combs of lines, to draw lines anew."""
+    """Sums of the evidence over combs of frequencies, for the bootstrap."""
 
     information: Float[np.ndarray, "n_parts p p"]
     moment: Float[np.ndarray, "n_parts p"]
@@ -31,13 +33,13 @@ class Parts:
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """What one maneuver says about candidate terms, in units of the residuals' variance.
+    """Evidence of one maneuver on candidate terms, in units of the residuals' variance.
 
     Terms of a subset are estimated by solving ``information`` for ``moment``; ``total`` is
     the squared sum without any term, over ``n_data`` real numbers. ``scatter`` is the
     covariance of the moment for the residuals as they are, for white ones the same as the
-    information: once from neighbouring lines together, once line by line, which also sees
-    residuals that stand out at a lightly damped mode alone. The larger one counts.
+    information: once from neighbouring frequencies together, once from each alone, which includes
+    large residuals at a lightly damped mode. The larger one counts.
     """
 
     names: tuple[str, ...]
@@ -48,9 +50,9 @@ class Evidence:
     n_data: float
     parts: Parts | None = None
 
-    def thinned(self, crowding: float) -> Evidence:
-        """The same evidence where so many lines share the resolution of the record."""
-        share = 1.0 / crowding
+    def scale_by_overlap(self, overlap: float) -> Evidence:
+        """Scale the information by the number of frequencies per resolution of the record."""
+        share = 1.0 / overlap
         parts = self.parts
         thin = None
         if parts is not None:
@@ -65,8 +67,8 @@ class Evidence:
             parts=thin,
         )
 
-    def drawn(self, counts: Float[np.ndarray, " n_parts"]) -> Evidence:
-        """The evidence of a record in which every comb of lines stands so many times."""
+    def resample(self, counts: Float[np.ndarray, " n_parts"]) -> Evidence:
+        """Resample: evidence of a record with every comb of frequencies repeated so many times."""
         parts = self.parts
         assert parts is not None, "evidence was gathered without its parts"
         return replace(
@@ -78,12 +80,12 @@ class Evidence:
 
 
 @dataclass(frozen=True, slots=True)
-class EvidenceAtStep:
-    """Every term with a subset chosen: its value, or the one it would take as the next.
+class SubsetEstimate:
+    """Every term with a subset selected: its value, or its value if entered next.
 
-    ``variance`` is infinite for a term that the chosen ones already say; ``change`` is what
-    dropping a chosen term adds to the squared residuals, or entering another takes off;
-    ``rest`` is the squared sum of residuals that the subset leaves.
+    ``variance`` is infinite for a term collinear with the selected ones; ``change`` is the rise
+    of the squared residuals if a selected term is dropped, or their fall if another enters;
+    ``rest`` is the squared sum of the residuals of the subset.
     """
 
     values: Float[np.ndarray, " p"]
@@ -92,16 +94,16 @@ class EvidenceAtStep:
     rest: float
 
 
-def look(evidence: Evidence, chosen: Bool[np.ndarray, " p"]) -> EvidenceAtStep:
-    """Estimate the chosen terms, and each other one as if it were the next to enter."""
+def estimate_subset(evidence: Evidence, selected: Bool[np.ndarray, " p"]) -> SubsetEstimate:
+    """Estimate the selected terms, and each other one as if it were the next to enter."""
     own = np.diag(evidence.information)
     moves = own > 0.0
     scale = np.sqrt(np.where(moves, own, 1.0))
     outer = np.outer(scale, scale)
     N, S, m = evidence.information / outer, evidence.scatter / outer, evidence.moment / scale
-    # Rows of A read a term's value from the moment, so that A S A^T is how it scatters.
+    # Rows of A give a term's value from the moment, so that A S A^T is its covariance.
     A = np.eye(scale.size)
-    inside, outside = np.flatnonzero(chosen), np.flatnonzero(~chosen)
+    inside, outside = np.flatnonzero(selected), np.flatnonzero(~selected)
     left = np.where(moves, 1.0, 0.0)
     rest = evidence.total
     if inside.size:
@@ -113,22 +115,22 @@ def look(evidence: Evidence, chosen: Bool[np.ndarray, " p"]) -> EvidenceAtStep:
         left[outside] -= np.sum(N[np.ix_(inside, outside)] * others, axis=0)
         rest -= float(m[inside] @ inverse @ m[inside])
     left[inside] = 1.0 / np.diag(A)[inside]
-    free = left > _COLLINEAR
+    free = left > _COLLINEAR_SHARE
     A[outside] /= np.where(free, left, 1.0)[outside, None]
     spread = np.sum((A @ S) * A, axis=2).max(axis=0)
-    variance = np.where(free, np.maximum(spread, _SUREST), np.inf)
+    variance = np.where(free, np.maximum(spread, _LEAST_VARIANCE), np.inf)
     values = np.where(free, A @ m, 0.0)
-    return EvidenceAtStep(values / scale, variance / scale**2, values**2 * left, rest)
+    return SubsetEstimate(values / scale, variance / scale**2, values**2 * left, rest)
 
 
 @dataclass(frozen=True, slots=True)
-class Support:
-    """What several maneuvers together say of every term with a subset chosen.
+class PooledEvidence:
+    """Evidence of several maneuvers together on every term with a subset selected.
 
     ``values`` is the mean over the maneuvers and ``std_errors`` its uncertainty, which
-    counts that the term may differ between them; ``f`` is the partial F of the mean,
-    ``each_f`` that in every maneuver. ``gain`` is what the term takes off the residuals
-    in units of its scatter, summed over the maneuvers.
+    includes that the term may differ between them; ``f`` is the partial F of the mean,
+    ``each_f`` that in every maneuver. ``gain`` is the fall of the squared residuals
+    in units of the term's variance, summed over the maneuvers.
     """
 
     values: Float[np.ndarray, " p"]
@@ -138,29 +140,31 @@ class Support:
     gain: Float[np.ndarray, " p"]
     rest: Float[np.ndarray, " n_maneuvers"]
 
-    def held_by(self, threshold: float) -> Bool[np.ndarray, " p"]:
-        """Terms that the mean supports, or more than half of the maneuvers one by one."""
-        return (self.f > threshold) | (np.mean(self.each_f > threshold, axis=0) > 0.5)
+    def find_supported(self, threshold: float) -> Bool[np.ndarray, " p"]:
+        """Find terms supported by the mean, or by more than half of the maneuvers alone."""
+        return (self.f > threshold) | (np.mean(self.each_f > threshold, axis=0) > _MAJORITY)
 
 
-def support(evidences: Sequence[Evidence], chosen: Bool[np.ndarray, " p"]) -> Support:
-    """Pool what maneuvers say; every one keeps its own values of the terms.
+def pool_evidence(
+    evidences: Sequence[Evidence], selected: Bool[np.ndarray, " p"]
+) -> PooledEvidence:
+    """Pool the evidence of maneuvers; each has its own values of the terms.
 
     Notes
     -----
     Derivatives drift with fuel and airspeed. Pooling them as equal would let the drift of
     one term appear as another, so only the structure is shared: the mean of a term is
-    weighed by random effects (DerSimonian and Laird 1986), whose spread between
-    maneuvers is read from the values themselves. Beyond that, half a standard error
-    of one maneuver stays however many are flown: mode shapes, noise levels and the
-    reconstruction are wrong in the same way in all of them, and must not become terms.
+    weighted by random effects (DerSimonian and Laird 1986), whose spread between
+    maneuvers is read from the values themselves. In addition, half a standard error
+    of one maneuver remains for any number of maneuvers: errors of mode shapes, noise levels
+    and reconstruction are common to all of them, and must not become terms.
     """
-    looks = [look(evidence, chosen) for evidence in evidences]
+    looks = [estimate_subset(evidence, selected) for evidence in evidences]
     values = np.stack([one.values for one in looks])
     variance = np.stack([one.variance for one in looks])
     each = values**2 / variance
-    mean, spread = _random_effects(values, variance)
-    return Support(
+    mean, spread = _compute_random_effects(values, variance)
+    return PooledEvidence(
         values=mean,
         std_errors=np.sqrt(spread),
         f=mean**2 / spread,
@@ -170,7 +174,7 @@ def support(evidences: Sequence[Evidence], chosen: Bool[np.ndarray, " p"]) -> Su
     )
 
 
-def _random_effects(
+def _compute_random_effects(
     values: Float[np.ndarray, "n_maneuvers p"], variance: Float[np.ndarray, "n_maneuvers p"]
 ) -> tuple[Float[np.ndarray, " p"], Float[np.ndarray, " p"]]:
     """Mean and its variance, the spread between maneuvers included."""
@@ -178,7 +182,7 @@ def _random_effects(
     known = weight.sum(axis=0) > 0.0
     total = np.where(known, weight.sum(axis=0), 1.0)
     seen = np.maximum(np.count_nonzero(weight, axis=0), 1)
-    common = _COMMON**2 * (seen - 1) / total
+    common = _COMMON_STD**2 * (seen - 1) / total
     mean = (weight * values).sum(axis=0) / total
     unrest = (weight * (values - mean) ** 2).sum(axis=0)
     freedom = seen - 1

@@ -9,17 +9,17 @@ import numpy as np
 from jaxtyping import Bool, Complex, Float
 
 from flexsid.sysid.estimation import noise
-from flexsid.sysid.estimation.covariance import FinalLines, score_covariance
+from flexsid.sysid.estimation.covariance import FinalSpectra, score_covariance
 from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel, Sensitivity
 from flexsid.sysid.estimation.kronecker import NormalForm
-from flexsid.sysid.estimation.line_model import LineModel, Sensitivity
+from flexsid.sysid.estimation.leakage import build_leakage_columns
 from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.record_edges import edges_of
-from flexsid.sysid.structure_determination.equation import comb_of_lines
+from flexsid.sysid.structure_determination.equation import assign_combs
 from flexsid.sysid.structure_determination.evidence import Evidence, Parts
 
 
-def likelihood_evidence(
+def compute_likelihood_evidence(
     experiment: Experiment,
     candidates: Parameters,
     theta: Float[np.ndarray, " n_theta"],
@@ -28,22 +28,22 @@ def likelihood_evidence(
     kind: str = "diagonal",
     parts: bool = False,
 ) -> Evidence:
-    """What one maneuver says about all candidates, expanded around an estimate.
+    """Compute the evidence of one maneuver on all candidates, expanded around an estimate.
 
     Parameters
     ----------
     experiment
-        The lines of the maneuver.
+        The data of the maneuver.
     candidates
         All terms and extras that could be free.
     theta
-        The estimate; what the model does not have stands at zero.
+        The estimate; terms that are not in the model are zero.
     n_fitted
         How many of them were fitted.
     kind
         Of the noise, as in the fit.
     parts
-        Whether the sums over combs of lines are wanted, too, to draw lines anew.
+        Whether to compute the sums over combs of frequencies for the bootstrap.
 
     Notes
     -----
@@ -51,48 +51,49 @@ def likelihood_evidence(
     the quadratic gives Wald's test, for those that are not it gives Rao's score test,
     for the gradient of a derivative at zero costs no more than that of one in the model
     (Kronecker form): all single changes of a model come from one expansion. Both are
-    judged against what a step of all candidates would leave, so that what is not in the
-    model yet does not count as noise.
+    tested against the residuals after a step of all candidates, so that terms that are not
+    in the model yet do not count as noise.
     """
-    model = LineModel(experiment, candidates)
+    model = FrequencyDomainModel(experiment, candidates)
     form = NormalForm(model)
     response = model.respond(theta)
     residuals = experiment.measured - response.outputs
     n_groups = len(experiment.group_names)
-    powers = noise.group_powers(experiment.measured, experiment.group, n_groups)
+    powers = noise.compute_group_powers(experiment.measured, experiment.group, n_groups)
     sensitivity = model.sensitivity(theta, response)
     J = model.jacobian(sensitivity)
     n_data = 2 * residuals.size
     inflation = n_data / (n_data - n_fitted)
 
-    def weights_for(left: np.ndarray) -> noise.LineMatrix:
-        density, _ = noise.residual_density(left, powers, experiment.group, kind)
+    def weights_for(left: np.ndarray) -> noise.SpectralMatrix:
+        density, _ = noise.compute_residual_density(left, powers, experiment.group, kind)
         return density.scaled(inflation).inverse()
 
     alone = residuals
     weights = weights_for(residuals)
     if n_fitted < len(candidates.names):
-        alone = residuals - J @ _step(*form.equations(sensitivity, residuals, weights))
+        alone = residuals - J @ _solve_step(*form.equations(sensitivity, residuals, weights))
         weights = weights_for(alone)
     weighted = weights.times(residuals[:, :, None])[:, :, 0]
     left = 2.0 * np.real(np.sum(residuals.conj() * weighted, axis=1))
-    comb = comb_of_lines(experiment.omega.size)
+    comb = assign_combs(experiment.omega.size)
     lines: _FrequencySums
     if experiment.edges_s:
-        J = _freed(J, edges_of(model, response, theta), weights)
-        lines = _WrittenOut(J, residuals)
-        density = noise.smoothed_density(alone, experiment.group, n_groups)
+        J = _project_leakage(J, build_leakage_columns(model, response, theta), weights)
+        lines = _Expanded(J, residuals)
+        density = noise.smooth_density(alone, experiment.group, n_groups)
         middle, _ = lines.equations(density.between(weights))
     else:
         lines = _Factored(form, sensitivity, residuals)
-        middle = score_covariance(FinalLines(form, sensitivity, alone, weights))
+        middle = score_covariance(FinalSpectra(form, sensitivity, alone, weights))
     pulled = weights.times(alone[:, :, None])[:, :, 0]
     scores = np.real(np.matmul(pulled.conj()[:, None, :], J)[:, 0])
     N, g = lines.equations(weights)
     found = None
     if parts:
         sums = [
-            lines.equations(_only(weights, comb == number)) for number in range(int(comb.max()) + 1)
+            lines.equations(_restrict_weights(weights, comb == number))
+            for number in range(int(comb.max()) + 1)
         ]
         information = 2.0 * np.stack([n for n, _ in sums])
         gradient = 2.0 * np.stack([one for _, one in sums])
@@ -113,19 +114,19 @@ def likelihood_evidence(
     )
 
 
-def _step(
+def _solve_step(
     N: Float[np.ndarray, "n_theta n_theta"], g: Float[np.ndarray, " n_theta"]
 ) -> Float[np.ndarray, " n_theta"]:
-    """One step of all candidates, those that say the same sharing it."""
+    """Solve one step of all candidates, regularised for collinear ones."""
     size = np.sqrt(np.maximum(np.diag(N), np.finfo(float).tiny))
     scaled = N / np.outer(size, size) + 1e-9 * np.eye(g.size)
     return np.linalg.solve(scaled, g / size) / size
 
 
 class _FrequencySums(Protocol):
-    """Sums over lines that the evidence is made of."""
+    """Sums over frequencies of the evidence."""
 
-    def equations(self, weights: noise.LineMatrix) -> tuple[np.ndarray, np.ndarray]:
+    def equations(self, weights: noise.SpectralMatrix) -> tuple[np.ndarray, np.ndarray]:
         """Re sum J^H W J and Re sum J^H W nu."""
         ...
 
@@ -138,30 +139,30 @@ class _Factored:
     sensitivity: Sensitivity
     residuals: np.ndarray
 
-    def equations(self, weights: noise.LineMatrix) -> tuple[np.ndarray, np.ndarray]:
+    def equations(self, weights: noise.SpectralMatrix) -> tuple[np.ndarray, np.ndarray]:
         return self.form.equations(self.sensitivity, self.residuals, weights)
 
 
 @dataclass(frozen=True, slots=True)
-class _WrittenOut:
-    """With the sensitivities of every output and line, for what the Kronecker form cannot do."""
+class _Expanded:
+    """With the sensitivities of every output and frequency, for corrected leakage."""
 
     jacobian: np.ndarray
     residuals: np.ndarray
 
-    def equations(self, weights: noise.LineMatrix) -> tuple[np.ndarray, np.ndarray]:
+    def equations(self, weights: noise.SpectralMatrix) -> tuple[np.ndarray, np.ndarray]:
         p = self.jacobian.shape[2]
         weighted = weights.times(self.jacobian).reshape(-1, p).conj().T
         N = np.real(weighted @ self.jacobian.reshape(-1, p))
         return 0.5 * (N + N.T), np.real(weighted @ self.residuals.ravel())
 
 
-def _freed(
+def _project_leakage(
     J: Complex[np.ndarray, "n_omega n_y n_theta"],
     E: Complex[np.ndarray, "n_omega n_y n_edge_states"],
-    weights: noise.LineMatrix,
+    weights: noise.SpectralMatrix,
 ) -> Complex[np.ndarray, "n_omega n_y n_theta"]:
-    """Sensitivities without what unknown states at the edges of the record could do instead."""
+    """Sensitivities projected onto the complement of the leakage columns."""
     k = E.shape[2]
     if k == 0:
         return J
@@ -173,28 +174,30 @@ def _freed(
     return J - E @ (share / size[:, None])
 
 
-def reduced(
+def select_candidates(
     candidates: Parameters,
-    kept: Bool[np.ndarray, " n_theta"],
+    selected: Bool[np.ndarray, " n_theta"],
     theta: Float[np.ndarray, " n_theta"],
 ) -> Parameters:
-    """The parameters of a model that has only some of the candidates, started at theta."""
+    """Select the parameters of a model with some of the candidates, started at theta."""
     n = candidates.rows.size
-    table = candidates.table(np.where(kept, theta, 0.0))
-    inside = np.flatnonzero(kept)
+    table = candidates.table(np.where(selected, theta, 0.0))
+    inside = np.flatnonzero(selected)
     return replace(
         candidates,
         names=tuple(candidates.names[i] for i in inside),
         start=theta[inside],
         base=table,
-        rows=candidates.rows[kept[:n]],
-        columns=candidates.columns[kept[:n]],
-        extras=tuple(e for e, k in zip(candidates.extras, kept[n:], strict=True) if k),
+        rows=candidates.rows[selected[:n]],
+        columns=candidates.columns[selected[:n]],
+        extras=tuple(e for e, k in zip(candidates.extras, selected[n:], strict=True) if k),
     )
 
 
-def _only(weights: noise.LineMatrix, lines: Bool[np.ndarray, " n_omega"]) -> noise.LineMatrix:
-    """Weights that leave out the other lines."""
+def _restrict_weights(
+    weights: noise.SpectralMatrix, lines: Bool[np.ndarray, " n_omega"]
+) -> noise.SpectralMatrix:
+    """Weights with the other frequencies set to zero."""
     blocks = weights.blocks[weights.block]
     blocks[~lines] = 0.0
-    return noise.LineMatrix(blocks, np.arange(lines.size))
+    return noise.SpectralMatrix(blocks, np.arange(lines.size))

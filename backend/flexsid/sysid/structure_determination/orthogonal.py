@@ -6,55 +6,57 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexsid.sysid.structure_determination.evidence import Evidence, support
+from flexsid.sysid.structure_determination.evidence import Evidence, pool_evidence
 from flexsid.sysid.structure_determination.selection import (
-    USUAL,
+    DEFAULT_THRESHOLDS,
     Selection,
+    SelectionState,
     SelectionStep,
     Thresholds,
-    Walk,
-    criteria_of,
-    selection_at,
-    walk,
+    compute_criteria,
+    select_terms,
+    summarise_selection,
 )
 
 
-def orthogonal_functions(
-    evidences: Sequence[Evidence], thresholds: Thresholds = USUAL
+def select_by_orthogonal_functions(
+    evidences: Sequence[Evidence], thresholds: Thresholds = DEFAULT_THRESHOLDS
 ) -> Selection:
-    """Choose the terms of one coefficient over one maneuver or many.
+    """Select the terms of one coefficient over one maneuver or many by orthogonal functions.
 
     Parameters
     ----------
     evidences
         Of the same candidates, one per maneuver.
     thresholds
-        How much a term costs, and the partial F below which one is left out at the end.
+        Penalty of a term, and the partial F below which one is dropped at the end.
 
     Notes
     -----
     Source: Morelli. The next function is the candidate that, made orthogonal to those
-    before it, takes most off the residuals; as many are kept as give the least
-    predicted squared error. In the plain terms that they are mapped back to, those
+    before it, reduces the residuals most; their number has the least predicted
+    squared error. In the plain terms that they are mapped back to, those
     whose partial F is below ``f_out`` are dropped.
     """
     names = evidences[0].names
-    chosen = np.zeros(len(names), dtype=bool)
-    now = support(evidences, chosen)
-    best, least = chosen.copy(), criteria_of(evidences, chosen, now.rest, thresholds).pse
+    selected = np.zeros(len(names), dtype=bool)
+    now = pool_evidence(evidences, selected)
+    best, least = selected.copy(), compute_criteria(evidences, selected, now.rest, thresholds).pse
     path: list[SelectionStep] = []
-    kept = 0
-    while not chosen.all():
-        gain = np.where(chosen, -1.0, now.gain)
+    n_best = 0
+    while not selected.all():
+        gain = np.where(selected, -1.0, now.gain)
         entering = int(np.argmax(gain))
         if gain[entering] <= 0.0:
             break
         f = float(now.f[entering])
-        chosen[entering] = True
-        now = support(evidences, chosen)
-        criteria = criteria_of(evidences, chosen, now.rest, thresholds)
+        selected[entering] = True
+        now = pool_evidence(evidences, selected)
+        criteria = compute_criteria(evidences, selected, now.rest, thresholds)
         path.append(SelectionStep("enter", names[entering], f, criteria))
         if criteria.pse < least:
-            best, least, kept = chosen.copy(), criteria.pse, len(path)
-    end = walk(evidences, Walk(best, tuple(path[:kept])), thresholds, enter=False)
-    return selection_at("orthogonal functions", evidences, end, thresholds)
+            best, least, n_best = selected.copy(), criteria.pse, len(path)
+    end = select_terms(
+        evidences, SelectionState(best, tuple(path[:n_best])), thresholds, enter=False
+    )
+    return summarise_selection("orthogonal functions", evidences, end, thresholds)

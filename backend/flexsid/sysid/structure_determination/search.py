@@ -1,4 +1,4 @@
-"""Search: the terms of every coefficient, over one maneuver or a campaign."""
+"""Search of the terms of every coefficient, over one maneuver or a campaign."""
 
 from __future__ import annotations
 
@@ -8,12 +8,16 @@ from typing import Literal
 
 from flexsid.errors import BadInput
 from flexsid.sysid.structure_determination.evidence import Evidence
-from flexsid.sysid.structure_determination.orthogonal import orthogonal_functions
-from flexsid.sysid.structure_determination.selection import USUAL, Selection, Thresholds
-from flexsid.sysid.structure_determination.stepwise import stepwise_regression
+from flexsid.sysid.structure_determination.orthogonal import select_by_orthogonal_functions
+from flexsid.sysid.structure_determination.selection import (
+    DEFAULT_THRESHOLDS,
+    Selection,
+    Thresholds,
+)
+from flexsid.sysid.structure_determination.stepwise import select_stepwise
 
 SearchMethod = Literal["stepwise", "orthogonal functions"]
-_METHODS = {"stepwise": stepwise_regression, "orthogonal functions": orthogonal_functions}
+_METHODS = {"stepwise": select_stepwise, "orthogonal functions": select_by_orthogonal_functions}
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,33 +27,36 @@ class StructureSelection:
     coefficients: dict[str, Selection]
 
     @property
-    def chosen(self) -> tuple[str, ...]:
-        """Names of all chosen derivatives."""
-        return tuple(name for one in self.coefficients.values() for name in one.chosen)
+    def selected(self) -> tuple[str, ...]:
+        """Names of all selected derivatives."""
+        return tuple(name for one in self.coefficients.values() for name in one.selected)
 
     @property
     def absent(self) -> tuple[str, ...]:
-        """Names of all candidates that were not chosen."""
+        """Names of all candidates that were not selected."""
         return tuple(
-            term.name for one in self.coefficients.values() for term in one.terms if not term.chosen
+            term.name
+            for one in self.coefficients.values()
+            for term in one.terms
+            if not term.selected
         )
 
 
 def search_equations(
     maneuvers: Sequence[Mapping[str, Evidence]],
     method: SearchMethod = "stepwise",
-    thresholds: Thresholds = USUAL,
+    thresholds: Thresholds = DEFAULT_THRESHOLDS,
 ) -> StructureSelection:
-    """Choose the terms of every coefficient by equation error.
+    """Select the terms of every coefficient by equation error.
 
     Parameters
     ----------
     maneuvers
-        Evidence of each maneuver by coefficient, as ``equation_evidence`` gives it.
+        Evidence of each maneuver by coefficient, as ``compute_equation_evidence`` gives it.
     method
         ``stepwise`` regression or multivariate ``orthogonal functions``.
     thresholds
-        What a term must show.
+        Of the partial F and of the predicted squared error.
 
     Raises
     ------

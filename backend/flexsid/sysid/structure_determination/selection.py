@@ -1,4 +1,4 @@
-"""Selection: terms chosen one by one, with the criteria after every step."""
+"""Selection: terms selected one by one, with the criteria after every step."""
 
 from __future__ import annotations
 
@@ -9,16 +9,18 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from flexsid.errors import BadInput
-from flexsid.sysid.structure_determination.evidence import Evidence, support
+from flexsid.sysid.structure_determination.evidence import Evidence, pool_evidence
+
+_MOST_DROPS = 2  # of one term, so that a search ends
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Thresholds:
-    """What a term must show.
+    """Thresholds of the partial F and of the predicted squared error.
 
     ``f_in`` and ``f_out`` bound the partial F to enter and to stay (4 is 95 %, 20 is
-    conservative: four and a half standard errors); ``pse_noise`` is how many noise variances
-    the predicted squared error charges for a term.
+    conservative: four and a half standard errors); ``pse_noise`` is the penalty of a term
+    in the predicted squared error, in noise variances.
     """
 
     f_in: float = 20.0
@@ -38,15 +40,15 @@ class Thresholds:
             )
 
 
-USUAL = Thresholds()
-"""What a term must show when nothing else is asked."""
+DEFAULT_THRESHOLDS = Thresholds()
+"""Thresholds by default."""
 
 
 @dataclass(frozen=True, slots=True)
 class Criteria:
-    """How well a set of terms does.
+    """Criteria of a set of terms.
 
-    ``r_squared`` of the weighted lines; ``pse`` the predicted squared error in noise
+    ``r_squared`` of the weighted data points; ``pse`` the predicted squared error in noise
     variances; ``bic`` Schwarz's criterion, twice the description length (MDL).
     """
 
@@ -58,7 +60,7 @@ class Criteria:
 
 @dataclass(frozen=True, slots=True)
 class SelectionStep:
-    """One step of a path: ``enter`` or ``drop`` a term, its partial F, and what follows."""
+    """One step of a path: ``enter`` or ``drop`` a term, its partial F, and the criteria then."""
 
     action: str
     term: str
@@ -70,12 +72,12 @@ class SelectionStep:
 class Term:
     """One candidate at the end of a search.
 
-    ``value`` is what it has, or would take as the next to enter; ``share`` the part of the
+    ``value`` is its value, or its value if entered next; ``share`` the part of the
     maneuvers that support it alone.
     """
 
     name: str
-    chosen: bool
+    selected: bool
     value: float
     std_error: float
     f: float
@@ -84,7 +86,7 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Which terms of one coefficient the data ask for, and how the search went."""
+    """Selected terms of one coefficient, and the path of the search."""
 
     method: str
     path: tuple[SelectionStep, ...]
@@ -92,25 +94,25 @@ class Selection:
     criteria: Criteria
 
     @property
-    def chosen(self) -> tuple[str, ...]:
-        """Names of the chosen terms, in the order of the candidates."""
-        return tuple(term.name for term in self.terms if term.chosen)
+    def selected(self) -> tuple[str, ...]:
+        """Names of the selected terms, in the order of the candidates."""
+        return tuple(term.name for term in self.terms if term.selected)
 
 
-def criteria_of(
+def compute_criteria(
     evidences: Sequence[Evidence],
-    chosen: Bool[np.ndarray, " p"],
+    selected: Bool[np.ndarray, " p"],
     rest: Float[np.ndarray, " n_maneuvers"],
     thresholds: Thresholds,
 ) -> Criteria:
-    """Judge a set of terms by what it leaves.
+    """Compute the criteria of a set of terms from its residuals.
 
     Notes
     -----
     PSE = MSFE + (pse_noise sigma^2) n / N with sigma^2 the residuals' variance with all
     candidates (Morelli); BIC = N ln(MSFE) + n ln N. Every maneuver has its own values.
     """
-    n_terms = int(np.count_nonzero(chosen))
+    n_terms = int(np.count_nonzero(selected))
     n_data = np.array([one.n_data for one in evidences])
     total = np.array([one.total for one in evidences])
     error = np.maximum(rest, 1e-12 * total) / n_data
@@ -123,77 +125,77 @@ def criteria_of(
 
 
 @dataclass(frozen=True, slots=True)
-class Walk:
-    """Where a walk over the terms stands, and the steps that led there."""
+class SelectionState:
+    """Selected terms, and the steps of the path to them."""
 
-    chosen: Bool[np.ndarray, " p"]
+    selected: Bool[np.ndarray, " p"]
     path: tuple[SelectionStep, ...] = ()
 
 
-def walk(
+def select_terms(
     evidences: Sequence[Evidence],
-    start: Walk,
+    start: SelectionState,
     thresholds: Thresholds,
     *,
     forced: Bool[np.ndarray, " p"] | None = None,
     enter: bool = True,
-) -> Walk:
-    """Drop the weakest term that is not supported, else enter the strongest that is.
+) -> SelectionState:
+    """Select terms: drop the weakest unsupported one, else enter the strongest supported one.
 
     Parameters
     ----------
     evidences
         Of the same candidates, one per maneuver.
     start
-        The terms to start from; the steps go on behind its path.
+        The terms to start from; steps are appended to its path.
     thresholds
-        What a term must show.
+        Of the partial F and of the predicted squared error.
     forced
-        Terms that stay whatever they show.
+        Terms that are never dropped.
     enter
         Whether terms may enter at all.
 
     Notes
     -----
-    A term that was dropped twice does not come back, so that the walk ends.
+    A term that was dropped twice does not enter again, so that the search ends.
     """
     names = evidences[0].names
     free = np.ones(len(names), dtype=bool) if forced is None else ~forced
-    chosen, path = start.chosen | ~free, list(start.path)
+    selected, path = start.selected | ~free, list(start.path)
     dropped = np.zeros(len(names), dtype=int)
-    now = support(evidences, chosen)
+    now = pool_evidence(evidences, selected)
     while True:
-        loose = chosen & free & ~now.held_by(thresholds.f_out)
-        ready = ~chosen & (dropped < 2) & now.held_by(thresholds.f_in)
-        if loose.any():
-            moved, action = int(np.argmin(np.where(loose, now.f, np.inf))), "drop"
+        unsupported = selected & free & ~now.find_supported(thresholds.f_out)
+        eligible = ~selected & (dropped < _MOST_DROPS) & now.find_supported(thresholds.f_in)
+        if unsupported.any():
+            moved, action = int(np.argmin(np.where(unsupported, now.f, np.inf))), "drop"
             dropped[moved] += 1
-        elif enter and ready.any():
-            moved, action = int(np.argmax(np.where(ready, now.gain, -1.0))), "enter"
+        elif enter and eligible.any():
+            moved, action = int(np.argmax(np.where(eligible, now.gain, -1.0))), "enter"
         else:
-            return Walk(chosen, tuple(path))
+            return SelectionState(selected, tuple(path))
         f = float(now.f[moved])
-        chosen = chosen.copy()
-        chosen[moved] = action == "enter"
-        now = support(evidences, chosen)
+        selected = selected.copy()
+        selected[moved] = action == "enter"
+        now = pool_evidence(evidences, selected)
         path.append(
             SelectionStep(
-                action, names[moved], f, criteria_of(evidences, chosen, now.rest, thresholds)
+                action, names[moved], f, compute_criteria(evidences, selected, now.rest, thresholds)
             )
         )
 
 
-def selection_at(
-    method: str, evidences: Sequence[Evidence], end: Walk, thresholds: Thresholds
+def summarise_selection(
+    method: str, evidences: Sequence[Evidence], end: SelectionState, thresholds: Thresholds
 ) -> Selection:
-    """Tell every term's standing where a walk ended."""
-    now = support(evidences, end.chosen)
+    """Summarise every term at the end of a search."""
+    now = pool_evidence(evidences, end.selected)
     share = np.mean(now.each_f > thresholds.f_in, axis=0)
     terms = tuple(
         Term(*row)
         for row in zip(
             evidences[0].names,
-            end.chosen.tolist(),
+            end.selected.tolist(),
             now.values.tolist(),
             now.std_errors.tolist(),
             now.f.tolist(),
@@ -201,5 +203,5 @@ def selection_at(
             strict=True,
         )
     )
-    criteria = criteria_of(evidences, end.chosen, now.rest, thresholds)
+    criteria = compute_criteria(evidences, end.selected, now.rest, thresholds)
     return Selection(method, end.path, terms, criteria)

@@ -1,4 +1,4 @@
-"""Stability: how often a search would choose a term if other lines had been flown."""
+"""Stability of a selection: frequency of each term in bootstrap samples."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from flexsid.sysid.structure_determination.selection import Selection
 Search = Callable[[Sequence[Evidence]], Selection]
 
 
-def selection_frequency(
+def compute_selection_frequency(
     evidences: Sequence[Evidence], search: Search, n_draws: int = 50, seed: int = 0
 ) -> Float[np.ndarray, " p"]:
-    """Share of draws in which every candidate is chosen.
+    """Compute the share of bootstrap samples in which every candidate is selected.
 
     Parameters
     ----------
     evidences
         Of the same candidates, one per maneuver.
     search
-        The search that chose.
+        The search to repeat.
     n_draws
-        How often to search again; without any, nothing is known (NaN).
+        Number of bootstrap samples; NaN is returned for zero.
     seed
-        Decides the draws.
+        Of the random numbers.
 
     Notes
     -----
-    Combs of neighbouring lines are drawn with replacement (bootstrap), in every
-    maneuver for itself, so that correlation between neighbours stays as it is.
+    Combs of neighbouring frequencies are drawn with replacement (bootstrap), separately
+    in every maneuver, which preserves the correlation between neighbours.
     """
     rng = np.random.default_rng(seed)
     sizes = [0 if one.parts is None else one.parts.total.size for one in evidences]
@@ -41,6 +41,6 @@ def selection_frequency(
         drawn = []
         for one, n_parts in zip(evidences, sizes, strict=True):
             counts = np.bincount(rng.integers(n_parts, size=n_parts), minlength=n_parts)
-            drawn.append(one.drawn(counts.astype(float)))
-        hits += [term.chosen for term in search(drawn).terms]
+            drawn.append(one.resample(counts.astype(float)))
+        hits += [term.selected for term in search(drawn).terms]
     return hits / n_draws if n_draws else np.full(hits.size, np.nan)

@@ -1,4 +1,4 @@
-"""Stepwise regression: the strongest term enters, weak ones leave."""
+"""Stepwise regression: the strongest term enters, weak ones are dropped."""
 
 from __future__ import annotations
 
@@ -6,21 +6,23 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexsid.sysid.structure_determination.evidence import Evidence, support
+from flexsid.sysid.structure_determination.evidence import Evidence, pool_evidence
 from flexsid.sysid.structure_determination.selection import (
-    USUAL,
+    DEFAULT_THRESHOLDS,
     Selection,
+    SelectionState,
     SelectionStep,
     Thresholds,
-    Walk,
-    criteria_of,
-    selection_at,
-    walk,
+    compute_criteria,
+    select_terms,
+    summarise_selection,
 )
 
 
-def stepwise_regression(evidences: Sequence[Evidence], thresholds: Thresholds = USUAL) -> Selection:
-    """Choose the terms of one coefficient over one maneuver or many.
+def select_stepwise(
+    evidences: Sequence[Evidence], thresholds: Thresholds = DEFAULT_THRESHOLDS
+) -> Selection:
+    """Select the terms of one coefficient over one maneuver or many by stepwise regression.
 
     Parameters
     ----------
@@ -33,29 +35,33 @@ def stepwise_regression(evidences: Sequence[Evidence], thresholds: Thresholds = 
     -----
     Source: Klein and Morelli, stepwise regression with partial F. Departures: the scatter
     of a term is that of the residuals as they are, coloured or not, with all candidates;
-    and when nothing more enters, all candidates come back in and the weak ones leave
-    again. The end with the lower predicted squared error is taken: a term that stands in
-    for another one early on can keep it out for good.
+    and when no further term enters, all candidates enter and the weak ones are dropped
+    again. The result with the lower predicted squared error is taken: a term that replaces
+    another one early can exclude it permanently.
     """
-    nothing = Walk(np.zeros(len(evidences[0].names), dtype=bool))
-    forward = walk(evidences, nothing, thresholds)
-    backward = walk(evidences, _with_all(evidences, forward, thresholds), thresholds)
-    ends = [selection_at("stepwise", evidences, end, thresholds) for end in (forward, backward)]
+    nothing = SelectionState(np.zeros(len(evidences[0].names), dtype=bool))
+    forward = select_terms(evidences, nothing, thresholds)
+    backward = select_terms(evidences, _enter_all(evidences, forward, thresholds), thresholds)
+    ends = [
+        summarise_selection("stepwise", evidences, end, thresholds) for end in (forward, backward)
+    ]
     return min(ends, key=lambda end: end.criteria.pse)
 
 
-def _with_all(evidences: Sequence[Evidence], at: Walk, thresholds: Thresholds) -> Walk:
-    """Go on with every candidate that the data tell apart."""
-    chosen, path = at.chosen.copy(), list(at.path)
-    now = support(evidences, chosen)
-    while not chosen.all():
-        gain = np.where(chosen, -1.0, now.gain)
+def _enter_all(
+    evidences: Sequence[Evidence], at: SelectionState, thresholds: Thresholds
+) -> SelectionState:
+    """Enter every candidate that the data resolve."""
+    selected, path = at.selected.copy(), list(at.path)
+    now = pool_evidence(evidences, selected)
+    while not selected.all():
+        gain = np.where(selected, -1.0, now.gain)
         entering = int(np.argmax(gain))
         if gain[entering] <= 0.0:
             break
         f = float(now.f[entering])
-        chosen[entering] = True
-        now = support(evidences, chosen)
-        criteria = criteria_of(evidences, chosen, now.rest, thresholds)
+        selected[entering] = True
+        now = pool_evidence(evidences, selected)
+        criteria = compute_criteria(evidences, selected, now.rest, thresholds)
         path.append(SelectionStep("enter", evidences[0].names[entering], f, criteria))
-    return Walk(chosen, tuple(path))
+    return SelectionState(selected, tuple(path))

@@ -1,4 +1,4 @@
-"""Cross-validation: how well a model predicts lines that it was not fitted to."""
+"""Cross-validation: prediction of data that a model was not fitted to."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
+from flexsid.sysid.estimation.leakage import correct_leakage, remove_leakage
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
-from flexsid.sysid.estimation.line_model import LineModel
 from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.record_edges import settle_edges, without_edges
-from flexsid.sysid.stability.prediction import weighted_mean
-from flexsid.sysid.structure_determination.equation import comb_of_lines
-from flexsid.sysid.structure_determination.likelihood import reduced
+from flexsid.sysid.stability.prediction import compute_weighted_mean
+from flexsid.sysid.structure_determination.equation import assign_combs
+from flexsid.sysid.structure_determination.likelihood import select_candidates
 
 
 @dataclass(frozen=True, slots=True)
-class Predicted:
-    """Lines predicted by a model that did not see them.
+class ValidationResult:
+    """Prediction of data by a model that was not fitted to them.
 
-    ``cost`` is their negative log likelihood, the noise taken from what the prediction
-    leaves; ``r_squared`` the share of the outputs' power that is predicted, each output
-    counting alike.
+    ``cost`` is their negative log likelihood, with the noise of the prediction errors;
+    ``r_squared`` the share of the outputs' power that is predicted, outputs equally
+    weighted.
     """
 
     name: str
@@ -35,25 +35,25 @@ class Predicted:
     r_squared: float
 
 
-def predict_lines(
+def validate_prediction(
     experiment: Experiment,
     candidates: Parameters,
     theta: Float[np.ndarray, " n_theta"],
     kind: str = "diagonal",
-) -> Predicted:
-    """Judge values of all candidates on the lines of a maneuver."""
-    response = LineModel(experiment, candidates).respond(theta)
+) -> ValidationResult:
+    """Compute cost and R2 of values of all candidates on the data of a maneuver."""
+    response = FrequencyDomainModel(experiment, candidates).respond(theta)
     if np.isfinite(response.outputs).all():
-        experiment = without_edges(experiment, candidates, theta)
+        experiment = remove_leakage(experiment, candidates, theta)
     residuals = experiment.measured - response.outputs
     n_groups = len(experiment.group_names)
-    powers = noise.group_powers(experiment.measured, experiment.group, n_groups)
+    powers = noise.compute_group_powers(experiment.measured, experiment.group, n_groups)
     if not np.isfinite(residuals).all():
-        return Predicted(experiment.name, np.inf, -np.inf)
-    _, cost = noise.residual_density(residuals, powers, experiment.group, kind)
+        return ValidationResult(experiment.name, np.inf, -np.inf)
+    _, cost = noise.compute_residual_density(residuals, powers, experiment.group, kind)
     error = np.sum(np.abs(residuals) ** 2, axis=0)
     power = np.sum(np.abs(experiment.measured) ** 2, axis=0)
-    return Predicted(experiment.name, cost, float(np.mean(1.0 - error / power)))
+    return ValidationResult(experiment.name, cost, float(np.mean(1.0 - error / power)))
 
 
 def cross_validate(
@@ -62,17 +62,17 @@ def cross_validate(
     candidates: Parameters,
     others: Sequence[Experiment] = (),
     settings: FitSettings | None = None,
-) -> tuple[Predicted, ...]:
-    """Predict what a fitted model did not see.
+) -> tuple[ValidationResult, ...]:
+    """Predict data that a model was not fitted to.
 
     Parameters
     ----------
     maneuvers, estimates
-        What the model was fitted to, and its values in each.
+        Fitted maneuvers, and the estimates of each.
     candidates
         All terms; those without estimate are not in the model.
     others
-        Maneuvers that were kept out: other aids, other conditions. Without any, each
+        Validation maneuvers: other aids, other conditions. Without any, each
         maneuver is predicted by the values of the rest; a single one is fitted and
         predicted half by half.
     settings
@@ -80,51 +80,54 @@ def cross_validate(
 
     Notes
     -----
-    Values of several maneuvers are weighed by their information, and derivatives are
+    Values of several maneuvers are weighted by their information, and derivatives are
     taken as the same at the condition predicted.
     """
     settings = settings or FitSettings()
-    kept = np.array([name in estimates[0].names for name in candidates.names])
-    values = [_spread(candidates, kept, estimate.values) for estimate in estimates]
+    inside = np.array([name in estimates[0].names for name in candidates.names])
+    values = [_expand_values(candidates, inside, estimate.values) for estimate in estimates]
     if others:
-        mean = _pooled(estimates, values, range(len(estimates)), kept)
-        return tuple(predict_lines(one, candidates, mean, settings.noise) for one in others)
+        mean = _pool_estimates(estimates, values, range(len(estimates)), inside)
+        return tuple(validate_prediction(one, candidates, mean, settings.noise) for one in others)
     if len(maneuvers) == 1:
-        return _half_by_half(maneuvers[0], candidates, kept, values[0], settings)
+        return _validate_halves(maneuvers[0], candidates, inside, values[0], settings)
     found = []
-    for left_out, experiment in enumerate(maneuvers):
-        rest = [k for k in range(len(maneuvers)) if k != left_out]
-        mean = _pooled(estimates, values, rest, kept)
-        found.append(predict_lines(experiment, candidates, mean, settings.noise))
+    for index, experiment in enumerate(maneuvers):
+        rest = [k for k in range(len(maneuvers)) if k != index]
+        mean = _pool_estimates(estimates, values, rest, inside)
+        found.append(validate_prediction(experiment, candidates, mean, settings.noise))
     return tuple(found)
 
 
-def _half_by_half(
+def _validate_halves(
     experiment: Experiment,
     candidates: Parameters,
-    kept: Bool[np.ndarray, " n_theta"],
+    inside: Bool[np.ndarray, " n_theta"],
     theta: Float[np.ndarray, " n_theta"],
     settings: FitSettings,
-) -> tuple[Predicted, ...]:
-    even = comb_of_lines(experiment.omega.size) % 2 == 0
+) -> tuple[ValidationResult, ...]:
+    even = assign_combs(experiment.omega.size) % 2 == 0
     found = []
-    for fitted, name in ((even, "second half of the lines"), (~even, "first half of the lines")):
-        parameters = reduced(candidates, kept, theta)
+    for fitted, name in (
+        (even, "second half of the frequencies"),
+        (~even, "first half of the frequencies"),
+    ):
+        parameters = select_candidates(candidates, inside, theta)
         try:
-            half = [lines_of(experiment, fitted)]
+            half = [select_frequencies(experiment, fitted)]
             estimate = maximize(half, parameters, settings)
-            estimate = settle_edges(half, parameters, estimate, settings)[1]
+            estimate = correct_leakage(half, parameters, estimate, settings)[1]
         except NotIdentifiable:
-            found.append(Predicted(name, np.inf, -np.inf))
+            found.append(ValidationResult(name, np.inf, -np.inf))
             continue
-        elsewhere = replace(lines_of(experiment, ~fitted), name=name)
-        values = _spread(candidates, kept, estimate.values)
-        found.append(predict_lines(elsewhere, candidates, values, settings.noise))
+        elsewhere = replace(select_frequencies(experiment, ~fitted), name=name)
+        values = _expand_values(candidates, inside, estimate.values)
+        found.append(validate_prediction(elsewhere, candidates, values, settings.noise))
     return tuple(found)
 
 
-def lines_of(experiment: Experiment, lines: Bool[np.ndarray, " n_omega"]) -> Experiment:
-    """A part of the lines of an experiment; what they share with others is forgotten."""
+def select_frequencies(experiment: Experiment, lines: Bool[np.ndarray, " n_omega"]) -> Experiment:
+    """Select some frequencies of an experiment; their correlation with others is dropped."""
     group, numbers = np.unique(experiment.group[lines], return_inverse=True)
     return replace(
         experiment,
@@ -139,25 +142,27 @@ def lines_of(experiment: Experiment, lines: Bool[np.ndarray, " n_omega"]) -> Exp
     )
 
 
-def _spread(
-    candidates: Parameters, kept: Bool[np.ndarray, " n_theta"], values: np.ndarray
+def _expand_values(
+    candidates: Parameters, inside: Bool[np.ndarray, " n_theta"], values: np.ndarray
 ) -> Float[np.ndarray, " n_theta"]:
     """Values at their place among all candidates, zero elsewhere."""
     theta = np.zeros(len(candidates.names))
-    theta[kept] = values
+    theta[inside] = values
     return theta
 
 
-def _pooled(
+def _pool_estimates(
     estimates: Sequence[Estimate],
     values: Sequence[np.ndarray],
-    chosen: Sequence[int],
-    kept: Bool[np.ndarray, " n_theta"],
+    indices: Sequence[int],
+    inside: Bool[np.ndarray, " n_theta"],
 ) -> Float[np.ndarray, " n_theta"]:
-    theta = np.zeros(kept.size)
-    own = np.stack([values[k][kept] for k in chosen])
+    theta = np.zeros(inside.size)
+    own = np.stack([values[k][inside] for k in indices])
     try:
-        theta[kept] = weighted_mean(own, [estimates[k].corrected_covariance for k in chosen])[0]
+        theta[inside] = compute_weighted_mean(
+            own, [estimates[k].corrected_covariance for k in indices]
+        )[0]
     except (NotIdentifiable, np.linalg.LinAlgError):
-        theta[kept] = own.mean(axis=0)
+        theta[inside] = own.mean(axis=0)
     return theta

@@ -1,9 +1,9 @@
-"""Record edges: what a record leaves out that begins or ends while the aircraft moves.
+"""Leakage: correction of spectra whose record begins or ends while the aircraft moves.
 
 The transform of a record is that of the whole motion only if the motion has died away at
-its end. Otherwise s X = A X + B U + x(t_0) e^{-s t_0} - x(t_T) e^{-s t_T}: the outputs hold
-the free response to the states at the edges, too. These few real numbers follow from the
-lines themselves, together with a step of the parameters, by linear least squares.
+its end. Otherwise s X = A X + B U + x(t_0) e^{-s t_0} - x(t_T) e^{-s t_T}: the outputs include
+the free response to the states at the ends of the record. These few real numbers are
+estimated from the spectra, together with a step of the parameters, by linear least squares.
 """
 
 from __future__ import annotations
@@ -17,59 +17,59 @@ from scipy import linalg
 
 from flexsid.sysid.estimation.estimate import Estimate, Outcome, append_stage
 from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel, ModelResponse
 from flexsid.sysid.estimation.likelihood import (
     FitSettings,
     Report,
     describe_outcome,
     maximize,
 )
-from flexsid.sysid.estimation.line_model import LineModel, ModelResponse
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 
-_ROUNDS = 6
-_ROUNDING = 1e-6  # of a value: a smaller change is none, whatever its standard error
-_SETTLED = 0.1  # standard errors: less is no change worth another round
-_UNSETTLED = 1.0  # standard errors moved by the last round: the fit has found no end
-_RIDGE = 1e-12
-_BEYOND_USE = 30.0  # e-folds between the ends of two outputs: no aircraft, a fit gone astray
-_WORTH = 6.0  # what each state at an edge must take off the squared residuals, on average
+_ROUNDS = 6  # corrections and fits in sequence
+_ROUNDING = 1e-6  # of a value: a smaller change is rounding, whatever its standard error
+_CONVERGED = 0.1  # largest change in standard errors that needs no further round
+_NOT_CONVERGED = 1.0  # standard errors moved by the last round: no convergence
+_RIDGE = 1e-12  # of unit columns: nearly dependent normal equations stay solvable
+_LARGEST_GROWTH = 30.0  # e-folds between the ends of two outputs: not a model of an aircraft
+_LEAST_GAIN = 6.0  # mean reduction of the squared residuals by each state, in their variance
 
 
-def edge_responses(
+def compute_leakage_responses(
     model: AeroelasticModel,
     derivatives: DerivativeTable,
     omega: Float[np.ndarray, " n_omega"],
     edges_s: Sequence[float],
     delays_s: Float[np.ndarray, " n_y"],
 ) -> Complex[np.ndarray, "n_omega n_y n_edge_states"]:
-    """What each state at each edge of the record adds to the transforms of the outputs.
+    """Compute the free response of the outputs to each state at each end of the record.
 
     Parameters
     ----------
     model, derivatives
-        The aircraft as it is known.
+        The identified aircraft.
     omega
-        Lines. [rad/s]
+        Frequencies. [rad/s]
     edges_s
         The times at which the record begins or ends in motion. [s]
     delays_s
-        How much later each output is recorded than felt: its record ends with what was
-        felt that much before. [s]
+        Delay of each output's recording; its record ends with the motion that much
+        earlier. [s]
 
     Notes
     -----
-    Attitude is left out: it need not return to trim, and its record is continued where
-    it ended before it is transformed. Where motion would grow or decay beyond use between
-    the ends of two outputs, a fit has gone astray and there are no states.
+    Attitude is excluded: it need not return to trim, and its record is extended with its last
+    value before the transform. Where the motion would grow or decay by more than
+    ``_LARGEST_GROWTH`` between the ends of two outputs, no column is returned.
     """
     system = model.state_space(derivatives)
     growth = np.abs(np.linalg.eigvals(system.A)).max() * np.ptp(delays_s)
-    if not growth < _BEYOND_USE:
+    if not growth < _LARGEST_GROWTH:
         return np.empty((omega.size, delays_s.size, 0), dtype=complex)
     n = system.A.shape[0]
-    kept = [k for k, name in enumerate(system.states) if name != "theta"]
+    states = [k for k, name in enumerate(system.states) if name != "theta"]
     s = 1j * omega
     identity = np.broadcast_to(np.eye(n, dtype=complex), (s.size, n, n))
     free = system.C @ np.linalg.solve(s[:, None, None] * np.eye(n) - system.A, identity)
@@ -78,47 +78,47 @@ def edge_responses(
         before = linalg.expm(system.A * (reference - delay))
         free[:, output] = np.exp(s * delay)[:, None] * (free[:, output] @ before)
     return np.concatenate(
-        [free[:, :, kept] * np.exp(-s * t)[:, None, None] for t in edges_s], axis=2
+        [free[:, :, states] * np.exp(-s * t)[:, None, None] for t in edges_s], axis=2
     )
 
 
-def without_edges(
+def remove_leakage(
     experiment: Experiment, parameters: Parameters, theta: Float[np.ndarray, " n_theta"]
 ) -> Experiment:
-    """The lines as if the motion had been recorded until it died away.
+    """Subtract the leakage from the spectra of a maneuver.
 
     Parameters
     ----------
     experiment
-        With the edges of its record.
+        With the times at which its record may begin or end in motion.
     parameters, theta
-        The model so far.
+        The present model.
 
     Returns
     -------
     Experiment
-        The same one where the edges are not worth their parameters.
+        The same one where the states do not reduce the residuals significantly.
     """
     if not experiment.edges_s:
         return experiment
-    model = LineModel(experiment, parameters)
+    model = FrequencyDomainModel(experiment, parameters)
     response = model.respond(theta)
-    E = edges_of(model, response, theta)
+    E = build_leakage_columns(model, response, theta)
     residuals = experiment.measured - response.outputs
     level = np.sqrt(np.mean(np.abs(residuals) ** 2, axis=0) / 2.0)
     level = np.where(level > 0.0, level, np.inf)
     J = model.jacobian(model.sensitivity(theta, response))
     both = _stacked(np.concatenate([E, J], axis=2), level)
-    wanted = _stacked(residuals[:, :, None], level)[:, 0]
+    target = _stacked(residuals[:, :, None], level)[:, 0]
     size = np.linalg.norm(both, axis=0)
     size = np.where(size > 0.0, size, 1.0)
-    normal, right = both.T @ both / np.outer(size, size), both.T @ wanted / size
+    normal, right = both.T @ both / np.outer(size, size), both.T @ target / size
     n_edge = E.shape[2]
     state = _solve(normal, right)[:n_edge]
-    # What the edges take off beyond what other values of the parameters would.
+    # Reduction of the squared residuals beyond that of other parameter values.
     gained = right @ _solve(normal, right)
     gained -= right[n_edge:] @ _solve(normal[n_edge:, n_edge:], right[n_edge:])
-    if not gained > _WORTH * n_edge:
+    if not gained > _LEAST_GAIN * n_edge:
         return experiment
     return replace(experiment, measured=experiment.measured - E @ (state / size[:n_edge]))
 
@@ -136,49 +136,49 @@ def _stacked(
     return np.concatenate([np.real(flat), np.imag(flat)])
 
 
-def edges_of(
-    model: LineModel, response: ModelResponse, theta: Float[np.ndarray, " n_theta"]
+def build_leakage_columns(
+    model: FrequencyDomainModel, response: ModelResponse, theta: Float[np.ndarray, " n_theta"]
 ) -> Complex[np.ndarray, "n_omega n_y n_edge_states"]:
-    """What the states at the edges of an experiment's record add to its lines."""
+    """Build the columns of the states at the ends of an experiment's record."""
     experiment = model.experiment
-    E = edge_responses(
+    E = compute_leakage_responses(
         experiment.model,
         model.parameters.table(theta),
         experiment.omega,
         experiment.edges_s,
-        _delays(experiment.instruments, experiment.omega),
+        _compute_delays(experiment.instruments, experiment.omega),
     )
     E *= experiment.instruments[:, :, None]
     return E if response.delayed is None else E * response.delayed[:, :, None]
 
 
-def settle_edges(
+def correct_leakage(
     experiments: Sequence[Experiment],
     parameters: Parameters,
     estimate: Estimate,
     settings: FitSettings,
     report: Report | None = None,
 ) -> tuple[list[Experiment], Estimate]:
-    """Take the edges off the lines and fit again, in turn, until neither changes much.
+    """Subtract the leakage and fit again until the parameters converge.
 
     Parameters
     ----------
     experiments, parameters, estimate, settings
         A finished fit.
     report
-        As for ``maximize``; iterations are counted on.
+        As for ``maximize``; the count of iterations continues.
 
     Returns
     -------
     tuple
-        The lines without edges, and the estimate from them with the history of all fits; both
-        as they were where no record begins or ends in motion. Where the last round still moves
-        a parameter by more than its standard error, the outcome is the iteration limit.
+        The spectra without leakage, and the estimate from them with the history of all fits;
+        both unchanged where no record begins or ends in motion. Where the last round moves a
+        parameter by more than its standard error, the outcome is the iteration limit.
     """
     lines = list(experiments)
     moved = 0.0
     for _ in range(_ROUNDS):
-        corrected = [without_edges(one, parameters, estimate.values) for one in experiments]
+        corrected = [remove_leakage(one, parameters, estimate.values) for one in experiments]
         if all(new is old for new, old in zip(corrected, experiments, strict=True)):
             return lines, estimate
         before, lines = estimate, corrected
@@ -189,16 +189,16 @@ def settle_edges(
                 report(begun + iteration, cost)
 
         again = maximize(lines, replace(parameters, start=before.values), settings, report_on)
-        estimate = _continued(before, again)
+        estimate = _join_histories(before, again)
         if estimate.outcome is Outcome.CANCELLED:
             return lines, estimate
-        # A sigma of noise-free lines is smaller than what rounds can settle to.
+        # Standard errors of noise-free data are smaller than the changes by rounding.
         least = np.maximum(_ROUNDING * np.abs(again.values), np.finfo(float).tiny)
         change = np.abs(again.values - before.values) / np.fmax(again.std_errors, least)
         moved = float(np.max(change))
-        if moved <= _SETTLED:
+        if moved <= _CONVERGED:
             return lines, estimate
-    if moved > _UNSETTLED and estimate.outcome.is_optimum:
+    if moved > _NOT_CONVERGED and estimate.outcome.is_optimum:
         message = (
             f"The correction for the ends of the record still moved a parameter by {moved:.2g} "
             f"standard errors in the last of {_ROUNDS} rounds; values have no standard errors: "
@@ -208,8 +208,8 @@ def settle_edges(
     return lines, estimate
 
 
-def _continued(before: Estimate, again: Estimate) -> Estimate:
-    """A fit that continues another one, with the start and the history of both."""
+def _join_histories(before: Estimate, again: Estimate) -> Estimate:
+    """Return the later fit with the start of the first and the history of both."""
     steps = append_stage(before.steps, again.steps)
     outcome = again.outcome
     own, whole = (describe_outcome(outcome, history) for history in (again.steps, steps))
@@ -217,9 +217,9 @@ def _continued(before: Estimate, again: Estimate) -> Estimate:
     return replace(again, start=before.start, steps=steps, message=message)
 
 
-def _delays(
+def _compute_delays(
     instruments: Complex[np.ndarray, "n_omega n_y"], omega: Float[np.ndarray, " n_omega"]
 ) -> Float[np.ndarray, " n_y"]:
-    """Delay of every output's instruments, from the slope of their phase. [s]"""
+    """Compute the delay of every output's instruments from the slope of their phase. [s]"""
     phase = np.unwrap(np.angle(instruments), axis=0)
     return -(omega @ phase) / float(omega @ omega)

@@ -1,9 +1,9 @@
-"""LineModel: the model's fast response and exact sensitivities at the lines of an experiment.
+"""Frequency-domain model: response and exact sensitivities at the frequencies of an experiment.
 
 The derivatives enter force rows only, so the sensitivity of every output to
 derivative (i, j) is G_i w_j: the output's response to a unit force in row i times
 the variable j. A factor on a mode's frequency or damping acts like one more variable
-of that mode's row; a delay or scale factor touches one output only.
+of that mode's row; a delay or scale factor affects one output only.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from flexsid.sysid.estimation.parameters import Parameters
 
 @dataclass(frozen=True, slots=True)
 class ModelResponse:
-    """The model's answer at every line for one theta.
+    """Response of the model at every frequency for one theta.
 
-    ``sensors`` see the motion; ``delayed`` is what delays and scale factors then make of
-    each output, None without them.
+    ``sensors`` are the outputs per motion; ``delayed`` the factor of delays and scale factors
+    on each output, None without them.
     """
 
     motion: Complex[np.ndarray, "n_omega n_r"]
@@ -37,7 +37,7 @@ class ModelResponse:
 class Sensitivity:
     """Sensitivity in its factored form: forces G, variables w, and single outputs' own.
 
-    Lines stand last where sums over them are to be products of contiguous rows.
+    Frequency is the last axis where sums over it are products of contiguous rows.
     """
 
     forces: Complex[np.ndarray, "n_omega n_y n_r"]
@@ -45,17 +45,17 @@ class Sensitivity:
     own: Complex[np.ndarray, "n_own n_omega"]
 
 
-class LineModel:
-    """An experiment with all that does not depend on theta computed once.
+class FrequencyDomainModel:
+    """Model of an experiment; everything independent of theta is computed once.
 
     Attributes
     ----------
     pair_rows, pair_columns
         Force row and variable of every parameter that acts as a force.
     own_outputs
-        Output of every parameter that touches one output only.
+        Output of every parameter that affects one output only.
     order
-        Where these two kinds, one after the other, stand in theta.
+        Indices in theta of these two kinds, one after the other.
     """
 
     def __init__(self, experiment: Experiment, parameters: Parameters) -> None:
@@ -81,18 +81,18 @@ class LineModel:
         self.pair_rows = np.array(
             [*parameters.rows.tolist(), *(2 + e.mode for _, e in self._modal)], dtype=int
         )
-        beyond = self.columns.size + np.arange(len(self._modal))
-        self.pair_columns = np.append(parameters.columns, beyond).astype(int)
+        added = self.columns.size + np.arange(len(self._modal))
+        self.pair_columns = np.append(parameters.columns, added).astype(int)
         known = self._factors[parameters.rows, parameters.columns]
         self.scale = np.append(known, np.ones(len(self._modal)))
         self.order = np.array([*range(first), *(k for k, _ in self._modal), *(k for k, _ in own)])
         self._own = own
-        # Kept, because asking the system for that much memory anew takes as long as filling it.
+        # Reserved once: new memory takes as long to obtain as to fill.
         self._forces = np.empty(self.sensors.shape, dtype=complex)
         self._elimination = Elimination(*self.dynamics.shape[:2])
 
     def respond(self, theta: Float[np.ndarray, " n_theta"]) -> ModelResponse:
-        """Outputs at theta: one small solve per line."""
+        """Compute the outputs at theta: one small inverse per frequency."""
         n_r = self.dynamics.shape[1]
         n = n_r - 2
         forces = self._factors * self.parameters.table(theta).values
@@ -102,14 +102,14 @@ class LineModel:
         K = (self._powers @ by_power.reshape(2, -1)).view(complex).reshape(self.dynamics.shape)
         np.subtract(self.dynamics, K, out=K)
         if self._modal:
-            self._retune(theta, K)
+            self._tune_modes(theta, K)
         load = self.experiment.inputs @ forces[:, n_r + n :].T
-        # The inverse itself is wanted: its columns are the motion under unit forces.
+        # The columns of the inverse are the motion under unit forces.
         unit_motion = self._elimination.inverse(K)
         motion = np.matmul(unit_motion, load[:, :, None])[:, :, 0]
-        sensors = self._reshaped(theta) if self._shapes else self.sensors
+        sensors = self._scale_shapes(theta) if self._shapes else self.sensors
         outputs = np.matmul(sensors, motion[:, :, None])[:, :, 0]
-        delayed = self._delayed(theta) if self._delays or self._scales else None
+        delayed = self._compute_delay_factors(theta) if self._delays or self._scales else None
         if delayed is not None:
             outputs *= delayed
         return ModelResponse(motion, outputs, unit_motion, sensors, delayed)
@@ -117,7 +117,7 @@ class LineModel:
     def sensitivity(
         self, theta: Float[np.ndarray, " n_theta"], response: ModelResponse
     ) -> Sensitivity:
-        """Factored sensitivities of the outputs; the next call overwrites them."""
+        """Compute factored sensitivities of the outputs; the next call overwrites them."""
         forces = np.matmul(response.sensors, response.unit_motion, out=self._forces)
         if response.delayed is not None:
             forces *= response.delayed[:, :, None]
@@ -128,12 +128,12 @@ class LineModel:
         np.multiply(self.s, motion[2:], out=variables[n_r : 2 * n_r - 2])
         variables[2 * n_r - 2 : n_w] = self._inputs
         for column, (k, extra) in enumerate(self._modal, start=n_w):
-            change = self._modal_change(theta, extra.kind, extra.mode, theta[k])
+            change = self._differentiate_mode(theta, extra.kind, extra.mode, theta[k])
             variables[column] = -change * response.motion[:, 2 + extra.mode]
-        return Sensitivity(forces, variables, self._own_sensitivity(theta, response))
+        return Sensitivity(forces, variables, self._compute_own_sensitivity(theta, response))
 
     def jacobian(self, sensitivity: Sensitivity) -> Complex[np.ndarray, "n_omega n_y n_theta"]:
-        """All sensitivities written out, for what the Kronecker form cannot do."""
+        """Expand all sensitivities, where the Kronecker form is not applicable."""
         G, w = sensitivity.forces, sensitivity.variables.T
         n_pairs = self.pair_rows.size
         J = np.zeros((*G.shape[:2], self.order.size), dtype=complex)
@@ -143,39 +143,41 @@ class LineModel:
         J[:, self.own_outputs, self.order[n_pairs:]] = sensitivity.own.T
         return J
 
-    def _retune(
+    def _tune_modes(
         self,
         theta: Float[np.ndarray, " n_theta"],
         K: Complex[np.ndarray, "n_omega n_r n_r"],
     ) -> None:
-        """Give the modes the frequency and damping of theta."""
+        """Apply the frequency and damping factors of theta to the modes."""
         modes = self.experiment.model.modes
-        frequency, damping = self._modal_factors(theta)
+        frequency, damping = self._collect_modal_factors(theta)
         w, z = modes.omega * frequency, modes.zeta * damping
         modal = np.arange(2, 2 + modes.omega.size)
         K[:, modal, modal] += (
             2.0 * self.s[:, None] * (z * w - modes.zeta * modes.omega) + w**2 - modes.omega**2
         )
 
-    def _modal_factors(self, theta: Float[np.ndarray, " n_theta"]) -> tuple[np.ndarray, np.ndarray]:
+    def _collect_modal_factors(
+        self, theta: Float[np.ndarray, " n_theta"]
+    ) -> tuple[np.ndarray, np.ndarray]:
         n = self.experiment.model.modes.omega.size
         factors = {"omega": np.ones(n), "zeta": np.ones(n)}
         for k, extra in self._modal:
             factors[extra.kind][extra.mode] = theta[k]
         return factors["omega"], factors["zeta"]
 
-    def _modal_change(
+    def _differentiate_mode(
         self, theta: Float[np.ndarray, " n_theta"], kind: str, mode: int, value: float
     ) -> Complex[np.ndarray, " n_omega"]:
-        """How the mode's own dynamics change with a factor on frequency or damping."""
+        """Differentiate the mode's own dynamics by a factor on frequency or damping."""
         modes = self.experiment.model.modes
-        frequency, damping = self._modal_factors(theta)
+        frequency, damping = self._collect_modal_factors(theta)
         w, z = modes.omega[mode], modes.zeta[mode]
         if kind == "omega":
             return 2.0 * z * damping[mode] * w * self.s + 2.0 * value * w**2
         return 2.0 * z * w * frequency[mode] * self.s
 
-    def _reshaped(
+    def _scale_shapes(
         self, theta: Float[np.ndarray, " n_theta"]
     ) -> Complex[np.ndarray, "n_omega n_y n_r"]:
         sensors = self.sensors.copy()
@@ -183,7 +185,9 @@ class LineModel:
             sensors[:, extra.output, 2 + extra.mode] *= theta[k]
         return sensors
 
-    def _delayed(self, theta: Float[np.ndarray, " n_theta"]) -> Complex[np.ndarray, "n_omega n_y"]:
+    def _compute_delay_factors(
+        self, theta: Float[np.ndarray, " n_theta"]
+    ) -> Complex[np.ndarray, "n_omega n_y"]:
         n_y = self.sensors.shape[1]
         delay, factor = np.zeros(n_y), np.ones(n_y)
         for k, output in self._delays:
@@ -194,7 +198,7 @@ class LineModel:
         # Cosine and sine take a tenth of the time of the complex exponential.
         return factor * (np.cos(phase) - 1j * np.sin(phase))
 
-    def _own_sensitivity(
+    def _compute_own_sensitivity(
         self, theta: Float[np.ndarray, " n_theta"], response: ModelResponse
     ) -> Complex[np.ndarray, "n_own n_omega"]:
         own = np.empty((len(self._own), self.s.size), dtype=complex)

@@ -1,4 +1,4 @@
-"""Scatter of a smooth response about itself: the noise that neighbouring lines betray."""
+"""Residual spectrum of a smooth response: noise from the scatter of neighbouring data points."""
 
 from __future__ import annotations
 
@@ -7,26 +7,28 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
-_WINDOW = 7  # lines in a local fit
+_WINDOW = 7  # data points in a local fit
 _DEGREE = 5
 _NEIGHBOURS = 24  # residuals on either side that share one noise level
-_STRIDE = 4  # lines from one level to the next
+_STRIDE = 4  # data points from one level to the next
 
 
 @dataclass(frozen=True, slots=True)
-class Scatter:
-    """Residuals of local fits at ``lines``, scaled to the variance of one line."""
+class LocalResiduals:
+    """Residuals of local fits at ``indices``, scaled to the variance of a data point."""
 
-    lines: np.ndarray
+    indices: np.ndarray
     values: Complex[np.ndarray, "n_lines n_channels"]
 
 
-def local_scatter(values: Complex[np.ndarray, "n_own n_channels"]) -> Scatter | None:
-    """What each line departs from a quintic through its neighbours; None with too few lines.
+def compute_local_residuals(
+    values: Complex[np.ndarray, "n_own n_channels"],
+) -> LocalResiduals | None:
+    """Residual of each point from a quintic through its neighbours; None with too few points.
 
     Notes
     -----
-    A quintic over seven equally spaced lines leaves the middle one with a residual of
+    A quintic over seven equally spaced points gives the middle one a residual of
     variance 1 - h times that of the noise, h being its own weight in the fit.
     """
     n = values.shape[0]
@@ -40,30 +42,30 @@ def local_scatter(values: Complex[np.ndarray, "n_own n_channels"]) -> Scatter | 
     weights[half] += 1.0
     windows = np.stack([values[k : n - _WINDOW + 1 + k] for k in range(_WINDOW)], axis=0)
     residual = np.tensordot(weights, windows, axes=(0, 0)) / np.sqrt(1.0 - hat[half, half])
-    return Scatter(np.arange(half, n - half), residual)
+    return LocalResiduals(np.arange(half, n - half), residual)
 
 
-def line_noise(
-    places: list[np.ndarray], powers: list[np.ndarray], wanted: list[np.ndarray]
+def estimate_noise_level(
+    places: list[np.ndarray], powers: list[np.ndarray], targets: list[np.ndarray]
 ) -> list[np.ndarray]:
-    """Noise level around each wanted line.
+    """Estimate the noise level around each target frequency.
 
     Parameters
     ----------
     places, powers
-        Frequencies (n_lines,) and squared residuals (n_lines, n_y) of each set of lines.
-    wanted
-        Frequencies (n_wanted,) of each set of lines where the level is asked for.
+        Frequencies (n_lines,) and squared residuals (n_lines, n_y) of each input's data.
+    targets
+        Frequencies (n_target,) of each input at which the level is estimated.
 
     Returns
     -------
     list
-        Of (n_wanted, n_y).
+        Of (n_target, n_y).
 
     Notes
     -----
-    The level is the median of the neighbours' powers, so that the few lines on a sharp
-    resonance, where a quintic is too stiff, do not pass for noise. The median of an
+    The level is the median of the neighbours' powers, so that the few points on a sharp
+    resonance, where a quintic does not fit, do not count as noise. The median of an
     exponential variable is ln 2 times its mean.
     """
     omega = np.concatenate(places)
@@ -75,39 +77,39 @@ def line_noise(
     windows = np.lib.stride_tricks.sliding_window_view(power, count, axis=0)[starts]
     levels = np.median(windows, axis=2) / np.log(2.0)
     result = []
-    for at in wanted:
+    for at in targets:
         first = np.clip(np.searchsorted(omega, at) - count // 2, 0, last)
         result.append(levels[np.minimum((first + _STRIDE // 2) // _STRIDE, starts.size - 1)])
     return result
 
 
-def noise_about_responses(
+def estimate_noise_about_responses(
     omega: Float[np.ndarray, " n_omega"],
-    owner: np.ndarray,
+    assigned_input: np.ndarray,
     values: Complex[np.ndarray, "n_omega n_channels"],
     command: Complex[np.ndarray, " n_omega"],
 ) -> Float[np.ndarray, "n_omega n_channels"] | None:
-    """Noise level of spectra at every line; None where no input owns enough lines.
+    """Estimate the noise of spectra at every frequency; None if all inputs have too few harmonics.
 
     Parameters
     ----------
     omega
-        Lines. [rad/s]
-    owner
-        Index of the input that owns each line.
+        Frequencies. [rad/s]
+    assigned_input
+        Index of the input that each harmonic is assigned to.
     values
         Spectra; NaN where a channel has no number.
     command
-        Excitation of each line's owner.
+        Excitation of the assigned input at each frequency.
     """
     places, powers = [], []
-    for index in np.unique(owner):
-        own = np.flatnonzero(owner == index)
-        scatter = local_scatter(values[own] / command[own][:, None])
-        if scatter is not None:
-            residual = scatter.values * command[own][scatter.lines][:, None]
-            places.append(omega[own][scatter.lines])
+    for index in np.unique(assigned_input):
+        own = np.flatnonzero(assigned_input == index)
+        residuals = compute_local_residuals(values[own] / command[own][:, None])
+        if residuals is not None:
+            residual = residuals.values * command[own][residuals.indices][:, None]
+            places.append(omega[own][residuals.indices])
             powers.append(np.abs(residual) ** 2)
     if not places:
         return None
-    return np.sqrt(line_noise(places, powers, [omega])[0])
+    return np.sqrt(estimate_noise_level(places, powers, [omega])[0])

@@ -1,4 +1,4 @@
-"""Nodes that are enough to see a shape by, and lines between them."""
+"""Nodes that show a shape, and connections between them."""
 
 from __future__ import annotations
 
@@ -10,42 +10,44 @@ _NEIGHBOURS = 4
 _FAR = 2.5
 
 
-def spread_nodes(nodes: Float[np.ndarray, "n_nodes 3"], count: int) -> Int[np.ndarray, " n_shown"]:
-    """Choose nodes that lie as far apart from each other as possible.
+def select_spread_nodes(
+    nodes: Float[np.ndarray, "n_nodes 3"], count: int
+) -> Int[np.ndarray, " n_shown"]:
+    """Select nodes that lie as far apart from each other as possible.
 
     Parameters
     ----------
     nodes
         All of them. [m]
     count
-        How many to keep at most.
+        Largest number of nodes.
 
     Returns
     -------
     array
         Rows, increasing. The first is the one farthest from the middle, each further one the
-        farthest from all chosen, so that tips and edges come first.
+        farthest from all selected, so that tips and edges come first.
     """
     n = nodes.shape[0]
     if n <= count:
         return np.arange(n)
     x, y, z = np.ascontiguousarray((nodes - nodes.mean(axis=0)).T.astype(np.float32))
     gap = x * x + y * y + z * z
-    chosen = np.empty(count, dtype=np.intp)
+    selected = np.empty(count, dtype=np.intp)
     for place in range(count):
-        farthest = chosen[place] = np.argmax(gap)
+        farthest = selected[place] = np.argmax(gap)
         distance = (x - x[farthest]) ** 2 + (y - y[farthest]) ** 2 + (z - z[farthest]) ** 2
         gap = distance if place == 0 else np.minimum(gap, distance)
-    return np.sort(chosen)
+    return np.sort(selected)
 
 
-def neighbour_lines(nodes: Float[np.ndarray, "n_nodes 3"]) -> Int[np.ndarray, "n_lines 2"]:
-    """Join each node with its nearest neighbours, where a source has no lines of its own.
+def connect_neighbours(nodes: Float[np.ndarray, "n_nodes 3"]) -> Int[np.ndarray, "n_lines 2"]:
+    """Join each node with its nearest neighbours, where a source has no connections of its own.
 
     Returns
     -------
     array
-        Pairs of rows, each once; lines much longer than is usual are left out.
+        Pairs of rows, each once; connections much longer than is usual are omitted.
     """
     n = nodes.shape[0]
     k = min(_NEIGHBOURS, n - 1)

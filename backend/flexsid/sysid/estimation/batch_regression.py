@@ -1,4 +1,4 @@
-"""Equation error for many maneuvers at once: one stacked factorisation per coefficient."""
+"""Equation-error regression of many maneuvers at once, by stacked factorisations."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 
-def regress_batch(
+def regress_many(
     X: Complex[np.ndarray, "n_maneuvers n_omega p"],
     z: Complex[np.ndarray, "n_maneuvers n_omega n_coefficients"],
 ) -> tuple[
     Float[np.ndarray, "n_maneuvers n_coefficients p"],
     Float[np.ndarray, "n_maneuvers n_coefficients p"],
 ]:
-    """Fit z = X theta with real theta for all maneuvers and coefficients.
+    """Fit z = X theta with real theta by least squares, for all maneuvers and coefficients.
 
     Parameters
     ----------
@@ -30,8 +30,8 @@ def regress_batch(
 
     Notes
     -----
-    By the triangular factor of the scaled columns, whose condition is that of the
-    correlation between regressors; that of the normal equations would be its square.
+    QR factorisation of the scaled columns: Cov = 1/2 s^2 R^-1 R^-T with s^2 = nu^H nu /
+    (M - p/2). The condition number of the normal equations would be the square of that of R.
     """
     scale = np.sqrt(
         np.einsum("bmp,bmp->bp", np.real(X), np.real(X))

@@ -1,4 +1,4 @@
-"""What repetition tells: coherence over periods, and responses of several maneuvers as one."""
+"""Repeated excitation: coherence over periods, and responses averaged over maneuvers."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from flexsid.errors import BadInput
 from flexsid.sysid.signals import FrequencyResponse
 
 
-def coherence(
+def compute_coherence(
     reference: Complex[np.ndarray, "n_repeats n_omega"],
     outputs: Complex[np.ndarray, "n_repeats n_omega n_y"],
 ) -> Float[np.ndarray, "n_omega n_y"]:
-    """Share of every output that repeats with the excitation, from 0 to 1.
+    """Compute the coherence of every output with the excitation over repetitions, 0 to 1.
 
     Parameters
     ----------
     reference
-        Excitation of each line, period by period or maneuver by maneuver.
+        Excitation at each frequency, period by period or maneuver by maneuver.
     outputs
-        Outputs at the same lines.
+        Outputs at the same frequencies.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def coherence(
     """
     if reference.shape[0] < 2:
         raise BadInput(
-            "coherence compares repetitions; one period of one maneuver has none, use its "
+            "coherence needs two repetitions; one period of one maneuver has none; use its "
             "standard errors",
             code="no-repetition",
         )
@@ -44,7 +44,7 @@ def coherence(
 
 @dataclass(frozen=True, slots=True)
 class RepeatedResponse:
-    """Responses of several maneuvers as one.
+    """Responses averaged over several maneuvers.
 
     ``disagreement`` (n_omega, n_y, n_u) is the root mean square distance of the
     maneuvers from the combination in their own standard deviations, about 1 where
@@ -56,14 +56,14 @@ class RepeatedResponse:
     probability: float
 
 
-def combine(responses: Sequence[FrequencyResponse]) -> RepeatedResponse:
-    """Average responses by inverse variance at the lines of the first.
+def combine_responses(responses: Sequence[FrequencyResponse]) -> RepeatedResponse:
+    """Average responses by inverse variance at the frequencies of the first.
 
     Parameters
     ----------
     responses
-        Of the same outputs and inputs, with standard deviations. Where lines differ
-        the others are interpolated; a line outside the others' span is dropped.
+        Of the same outputs and inputs, with standard deviations. Where frequencies
+        differ the others are interpolated; frequencies outside the others' span are dropped.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def combine(responses: Sequence[FrequencyResponse]) -> RepeatedResponse:
     for response in responses:
         if (response.outputs, response.inputs) != (first.outputs, first.inputs):
             raise BadInput(
-                "responses of different outputs or inputs cannot be averaged; choose the same "
+                "responses of different outputs or inputs cannot be averaged; select the same "
                 "of every maneuver",
                 code="different-responses",
             )
@@ -84,8 +84,8 @@ def combine(responses: Sequence[FrequencyResponse]) -> RepeatedResponse:
     omega = first.omega[(first.omega >= low) & (first.omega <= high)]
     if not omega.size:
         raise BadInput("the maneuvers excite bands without a common frequency", code="empty-band")
-    values = np.stack([_at(r.omega, r.values, omega) for r in responses])
-    std = np.stack([_at(r.omega, _std(r), omega) for r in responses])
+    values = np.stack([_interpolate(r.omega, r.values, omega) for r in responses])
+    std = np.stack([_interpolate(r.omega, _get_std(r), omega) for r in responses])
     weight = 1.0 / std**2
     mean = np.sum(weight * values, axis=0) / np.sum(weight, axis=0)
     distance = np.sum(np.abs(values - mean) ** 2 * weight, axis=0)
@@ -105,7 +105,7 @@ def combine(responses: Sequence[FrequencyResponse]) -> RepeatedResponse:
     )
 
 
-def _std(response: FrequencyResponse) -> np.ndarray:
+def _get_std(response: FrequencyResponse) -> np.ndarray:
     if response.std is None:
         raise BadInput(
             "a response without standard deviation cannot be weighed against others",
@@ -114,8 +114,8 @@ def _std(response: FrequencyResponse) -> np.ndarray:
     return response.std
 
 
-def _at(omega: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Linear between lines."""
-    place = np.clip(np.searchsorted(omega, wanted), 1, omega.size - 1)
-    share = ((wanted - omega[place - 1]) / (omega[place] - omega[place - 1]))[:, None, None]
+def _interpolate(omega: np.ndarray, values: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Interpolate linearly between frequencies."""
+    place = np.clip(np.searchsorted(omega, target), 1, omega.size - 1)
+    share = ((target - omega[place - 1]) / (omega[place] - omega[place - 1]))[:, None, None]
     return (1.0 - share) * values[place - 1] + share * values[place]

@@ -1,4 +1,4 @@
-"""Windowed spectra: responses from sweeps, doublets and whatever has no lines of its own."""
+"""Windowed spectra: responses from sweeps, doublets and other inputs without harmonics."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from flexsid.errors import BadInput
 from flexsid.sysid.signals import FrequencyResponse
 
 _OVERLAP = 0.5
-_INDEPENDENT = 0.947  # Hann windows at half overlap are nearly independent (Welch 1967)
+_INDEPENDENT = 0.947  # share of independent Hann windows at half overlap (Welch 1967)
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,7 @@ class WindowedResponse:
     n_windows: int
 
 
-def windowed_responses(
+def compute_windowed_responses(
     inputs: Float[np.ndarray, "n_samples n_u"],
     outputs: Float[np.ndarray, "n_samples n_y"],
     rate_hz: float,
@@ -33,7 +33,7 @@ def windowed_responses(
     input_names: tuple[str, ...],
     output_names: tuple[str, ...],
 ) -> WindowedResponse:
-    """Responses of all outputs to all inputs from averaged windows.
+    """Compute responses of all outputs to all inputs from averaged windows.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def windowed_responses(
     freedom = count * _INDEPENDENT - n_u
     if freedom < 1:
         raise BadInput(
-            f"{count} windows of {window_s:g} s cannot tell {n_u} inputs apart; choose windows "
+            f"{count} windows of {window_s:g} s cannot resolve {n_u} inputs; choose windows "
             f"shorter than {inputs.shape[0] / rate_hz * 2 / (n_u + 3):.3g} s or fewer inputs",
             code="too-few-windows",
             windows=count,
@@ -74,7 +74,7 @@ def windowed_responses(
     S_uu = np.einsum("sfi,sfj->fij", u.conj(), u)
     S_uz = np.einsum("sfi,sfj->fij", u.conj(), z)
     S_zz = np.sum(np.abs(z) ** 2, axis=0)
-    # surfaces that hardly moved at a line leave it without an answer
+    # without motion of the surfaces the response at a frequency is undetermined
     scale = np.sqrt(np.maximum(np.einsum("fii->fi", S_uu).real, np.finfo(float).tiny))
     unit = S_uu / (scale[:, :, None] * scale[:, None, :])
     inverse = np.linalg.pinv(unit, hermitian=True) / (scale[:, :, None] * scale[:, None, :])

@@ -1,4 +1,4 @@
-"""Information before flight: the standard errors that an excitation promises."""
+"""Fisher information and Cramer-Rao bounds of a planned excitation."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.estimation.as_flown import AsFlown
 from flexsid.sysid.estimation.experiment import Experiment
-from flexsid.sysid.estimation.line_model import LineModel
-from flexsid.sysid.estimation.noise import smoothed_density
+from flexsid.sysid.estimation.flight_noise import FlightNoiseModel
+from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
+from flexsid.sysid.estimation.noise import smooth_density
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -21,17 +21,18 @@ from flexsid.sysid.signals import TimeHistory
 from flexsid.sysid.spectra.fourier import finite_fourier_transform
 
 LOAD_FACTOR = "load factor"
-_REFITS = 4  # until weights and what is left of the model error agree
-_POINTS = 16  # per shortest period, where peaks are looked for
+_REFITS = 4  # iterations of the weights and the remaining model error
+_POINTS = 16  # samples per shortest period, for the peaks: at most 2 % below the true ones
+_LARGEST_CONDITION = 1e13  # of the scaled information: relative error of its inverse about 1e-3
 
 
 @dataclass(frozen=True, slots=True)
-class ExpectedLines:
-    """One input's lines as they would be recorded.
+class PredictedSpectra:
+    """Predicted spectra at the harmonics of one input.
 
-    ``signal`` is each output over the root of what lies beside it there, noise and model
-    error; ``sensitivity`` its change with each parameter over the mean level of that over
-    all lines, by which the estimator weighs. Both are amplitude ratios. [1]
+    ``signal`` is each output over the standard deviation of noise and model error there;
+    ``sensitivity`` is the Jacobian of the outputs over the mean of that standard deviation
+    over all harmonics, with which the estimator weights. Both are amplitude ratios. [1]
     """
 
     omega: Float[np.ndarray, " n_omega"]
@@ -40,59 +41,60 @@ class ExpectedLines:
 
 
 @dataclass(frozen=True, slots=True)
-class Expectation:
-    """Information that each input brings at the amplitude it has now.
+class FisherInformation:
+    """Fisher information of each input at its present amplitude.
 
-    ``scatter`` is what the information would be worth if the estimator knew the noise as
-    it is: the covariance is I^-1 (scatter) I^-1, which is I^-1 for white noise. ``prior``
-    adds to both. ``waves`` are deflections [rad] and load factor [1] over time by input.
+    ``score_covariance`` is the covariance of the score under the true noise: the covariance
+    of the parameters is I^-1 (score covariance) I^-1, which is I^-1 for white noise.
+    ``prior`` adds to both. ``waves`` are deflections [rad] and load factor [1] over time.
     """
 
     names: tuple[str, ...]
     inputs: tuple[str, ...]
     theta: Float[np.ndarray, " n_theta"]
     information: Float[np.ndarray, "n_u n_theta n_theta"]
-    scatter: Float[np.ndarray, "n_u n_theta n_theta"]
+    score_covariance: Float[np.ndarray, "n_u n_theta n_theta"]
     prior: Float[np.ndarray, " n_theta"]
     limited: tuple[str, ...]
     waves: Float[np.ndarray, "n_u n_time n_limited"]
-    lines: tuple[ExpectedLines, ...] = ()
+    lines: tuple[PredictedSpectra, ...] = ()
 
     def covariance(
         self, gains: Float[np.ndarray, " n_u"] | None = None
     ) -> Float[np.ndarray, "n_theta n_theta"]:
-        """Predicted covariance when inputs are multiplied by gains."""
-        inverse, middle = self.parts(self._powers(gains))
+        """Predicted covariance of the parameters for inputs multiplied by gains."""
+        inverse, middle = self.sandwich_factors(self._powers(gains))
         return inverse @ middle @ inverse
 
     def std_errors(
         self, gains: Float[np.ndarray, " n_u"] | None = None
     ) -> Float[np.ndarray, " n_theta"]:
-        """Predicted standard errors when inputs are multiplied by gains."""
+        """Predicted standard errors for inputs multiplied by gains."""
         return np.sqrt(np.diag(self.covariance(gains)))
 
     def peaks(
         self, gains: Float[np.ndarray, " n_u"] | None = None
     ) -> Float[np.ndarray, " n_limited"]:
-        """Largest of every limited quantity, all inputs moving together."""
+        """Peak of every limited quantity with all inputs active."""
         return np.abs(np.tensordot(np.sqrt(self._powers(gains)), self.waves, axes=1)).max(axis=0)
 
-    def parts(
+    def sandwich_factors(
         self, powers: Float[np.ndarray, " n_u"]
     ) -> tuple[Float[np.ndarray, "n_theta n_theta"], Float[np.ndarray, "n_theta n_theta"]]:
-        """Inverse information and scatter when the inputs' powers are multiplied."""
+        """Inverse information and score covariance for input powers multiplied by ``powers``."""
         prior = np.diag(self.prior)
         inverse = _invert(np.tensordot(powers, self.information, axes=1) + prior)
-        return inverse, np.tensordot(powers, self.scatter, axes=1) + prior
+        return inverse, np.tensordot(powers, self.score_covariance, axes=1) + prior
 
-    def worth(self) -> list[Float[np.ndarray, " n_omega"]]:
-        """Of every line, how many parameters' worth of information it brings, by input.
+    def information_by_frequency(self) -> list[Float[np.ndarray, " n_omega"]]:
+        """Information of every harmonic, as a number of parameters, by input.
 
-        The trace of its information with the covariance of all: the slope of the
-        D-optimal criterion with the line's power. Without priors all lines together
-        are worth as many parameters as there are.
+        Notes
+        -----
+        tr(I_k I^-1): the derivative of the D-optimal criterion with respect to the log power
+        of harmonic k. Without priors the sum over all harmonics is the number of parameters.
         """
-        inverse, _ = self.parts(self._powers(None))
+        inverse, _ = self.sandwich_factors(self._powers(None))
         half = np.linalg.cholesky(inverse)
         return [
             2.0 * np.sum(np.abs(one.sensitivity @ half) ** 2, axis=(1, 2)) for one in self.lines
@@ -102,34 +104,34 @@ class Expectation:
         return np.ones(len(self.inputs)) if gains is None else np.asarray(gains, dtype=float) ** 2
 
 
-def expect(
+def predict_cramer_rao_bounds(
     model: AeroelasticModel,
     parameters: Parameters,
     multisine: Multisine,
-    flown: AsFlown,
+    flight_noise: FlightNoiseModel,
     priors: Mapping[str, float] | None = None,
-) -> Expectation:
-    """Fisher information of output error at the lines of a design.
+) -> FisherInformation:
+    """Compute the Fisher information of output error for a multisine.
 
     Parameters
     ----------
     model
-        At the flight condition that is meant.
+        At the planned flight condition.
     parameters
-        Free quantities; their start is taken as true.
+        Free parameters; their starting values are taken as true.
     multisine
         Its inputs must be inputs of the model.
-    flown
-        How surfaces follow and how outputs scatter.
+    flight_noise
+        Command-to-surface responses and spectra of the output noise.
     priors
         Standard deviations of prior knowledge by parameter.
 
     Notes
     -----
-    One period, recorded whole. Noise of density S has transforms of variance S T_record; the
-    estimator weights with its mean over the lines, and the covariance counts what it really
-    is, 1/2 N^-1 [Re sum J^H W S W J] N^-1, as for a fit. Inputs own their lines, so that their
-    information adds up.
+    One period is recorded. The transform of noise of density S has variance S T_record. The
+    estimator weights with W, the inverse of its mean over the harmonics; the covariance is the
+    sandwich 1/2 N^-1 [Re sum J^H W S W J] N^-1 with N = Re sum J^H W J, as for a fit. Every
+    harmonic is assigned to one input, so that the information of the inputs adds up.
     """
     foreign = set(multisine.inputs) - set(model.inputs)
     if foreign:
@@ -139,48 +141,49 @@ def expect(
         )
     period = multisine.period_s
     n_time = _POINTS * max(int(tones.harmonics.max()) for tones in multisine.tones.values())
-    answers, waves = [], []
+    spectra, waves = [], []
     for name, tones in multisine.tones.items():
         omega = 2.0 * np.pi * tones.harmonics / period
         command = -0.5j * period * tones.amplitudes * np.exp(1j * tones.phases)
-        answer = _answer(model, parameters, flown, omega, {name: command})
-        whole = np.zeros((n_time // 2 + 1, answer.limited.shape[1]), dtype=complex)
-        whole[tones.harmonics] = answer.limited
-        answers.append(answer)
+        spectrum = _predict_spectra(model, parameters, flight_noise, omega, {name: command})
+        whole = np.zeros((n_time // 2 + 1, spectrum.limited.shape[1]), dtype=complex)
+        whole[tones.harmonics] = spectrum.limited
+        spectra.append(spectrum)
         waves.append(np.fft.irfft(whole, n_time, axis=0) * (n_time / period))
     return _gather(
         parameters,
         multisine.inputs,
         (*model.inputs, LOAD_FACTOR),
-        answers,
+        spectra,
         np.stack(waves),
-        flown,
-        period + flown.margin_s,
+        flight_noise,
+        period + flight_noise.margin_s,
         priors,
     )
 
 
-def expect_from_history(
+def predict_cramer_rao_bounds_from_history(
     model: AeroelasticModel,
     parameters: Parameters,
     history: TimeHistory,
-    flown: AsFlown,
+    flight_noise: FlightNoiseModel,
     band_hz: tuple[float, float],
     priors: Mapping[str, float] | None = None,
-) -> Expectation:
-    """The same for any input, all surfaces counted as one: doublet, 3-2-1-1, sweep.
+) -> FisherInformation:
+    """Compute the Fisher information of any input history, all surfaces as one input.
 
     Parameters
     ----------
     history
-        Commands named as the model's inputs; the record must hold the response, too. [rad]
+        Commands named as the model's inputs, such as doublets, 3-2-1-1s or sweeps; the record
+        must include the response. [rad]
     band_hz
-        Lines of 1/record from here to there are used. [Hz]
+        Lowest and highest frequency; the spacing is one over the record length. [Hz]
 
     Raises
     ------
     BadInput
-        If the band holds no line of the record.
+        If no frequency of the record lies in the band.
     """
     n_samples = history.values.shape[0]
     duration = n_samples / history.rate_hz
@@ -189,103 +192,114 @@ def expect_from_history(
     used = (omega >= 2.0 * np.pi * band_hz[0]) & (omega <= 2.0 * np.pi * band_hz[1])
     if not used.any():
         raise BadInput(
-            f"no line of a record of {duration:g} s lies between {band_hz[0]:g} and"
-            f" {band_hz[1]:g} Hz",
+            f"a record of {duration:g} s has no frequency between {band_hz[0]:g} and"
+            f" {band_hz[1]:g} Hz; widen the band or lengthen the record",
             code="empty-band",
         )
     omega = omega[used]
     spectra = finite_fourier_transform(history.values, history.rate_hz, omega)
-    answer = _answer(
-        model, parameters, flown, omega, dict(zip(history.names, spectra.T, strict=True))
+    spectrum = _predict_spectra(
+        model, parameters, flight_noise, omega, dict(zip(history.names, spectra.T, strict=True))
     )
-    waves = waves_of_history(model, parameters, history, flown)[None]
+    waves = compute_waves(model, parameters, history, flight_noise)[None]
     limited = (*model.inputs, LOAD_FACTOR)
-    return _gather(parameters, ("all",), limited, [answer], waves, flown, duration, priors)
+    return _gather(parameters, ("all",), limited, [spectrum], waves, flight_noise, duration, priors)
 
 
-def waves_of_history(
-    model: AeroelasticModel, parameters: Parameters, history: TimeHistory, flown: AsFlown
+def compute_waves(
+    model: AeroelasticModel,
+    parameters: Parameters,
+    history: TimeHistory,
+    flight_noise: FlightNoiseModel,
 ) -> Float[np.ndarray, "n_time n_limited"]:
-    """Deflections [rad] and load factor [1] that commands bring about."""
+    """Compute deflections [rad] and load factor [1] over time for a command history."""
     n_samples = history.values.shape[0]
     harmonics = np.arange(1, (n_samples + 1) // 2)
     omega = 2.0 * np.pi * harmonics * history.rate_hz / n_samples
     spectra = np.fft.rfft(history.values, axis=0)[harmonics]
-    inputs = _deflections(model, flown, omega, dict(zip(history.names, spectra.T, strict=True)))
+    inputs = _compute_deflections(
+        model, flight_noise, omega, dict(zip(history.names, spectra.T, strict=True))
+    )
     sensors = np.ones((omega.size, len(model.outputs)), dtype=complex)
-    motion = _line_model(model, parameters, omega, inputs, sensors).respond(parameters.start).motion
+    motion = (
+        _build_line_model(model, parameters, omega, inputs, sensors)
+        .respond(parameters.start)
+        .motion
+    )
     whole = np.zeros((n_samples // 2 + 1, len(model.inputs) + 1), dtype=complex)
-    whole[harmonics] = _limited(model, omega, inputs, motion)
+    whole[harmonics] = _stack_limited(model, omega, inputs, motion)
     return np.fft.irfft(whole, n_samples, axis=0)
 
 
 @dataclass(frozen=True, slots=True)
-class _Answer:
-    """Recorded outputs, their sensitivities, and what the model misses, at lines."""
+class _PredictedSpectrum:
+    """Recorded outputs, limited quantities, Jacobian and unmodelled response by harmonic."""
 
     omega: Float[np.ndarray, " n_omega"]
     outputs: Complex[np.ndarray, "n_omega n_y"]
     limited: Complex[np.ndarray, "n_omega n_limited"]
     jacobian: Complex[np.ndarray, "n_omega n_y n_theta"]
-    missed: Complex[np.ndarray, "n_omega n_y"]
+    unmodelled: Complex[np.ndarray, "n_omega n_y"]
 
 
-def _answer(
+def _predict_spectra(
     model: AeroelasticModel,
     parameters: Parameters,
-    flown: AsFlown,
+    flight_noise: FlightNoiseModel,
     omega: Float[np.ndarray, " n_omega"],
     commands: Mapping[str, Complex[np.ndarray, " n_omega"]],
-) -> _Answer:
-    inputs = _deflections(model, flown, omega, commands)
-    missed = np.zeros((omega.size, len(model.outputs)), dtype=complex)
+) -> _PredictedSpectrum:
+    inputs = _compute_deflections(model, flight_noise, omega, commands)
+    unmodelled = np.zeros((omega.size, len(model.outputs)), dtype=complex)
     for name, command in commands.items():
-        if name in flown.missed:
-            missed += flown.missed[name](omega) * command[:, None]
-    lines = _line_model(model, parameters, omega, inputs, flown.instruments(omega))
-    response = lines.respond(parameters.start)
-    sensitivity = lines.sensitivity(parameters.start, response)
-    return _Answer(
+        if name in flight_noise.unmodelled_responses:
+            unmodelled += flight_noise.unmodelled_responses[name](omega) * command[:, None]
+    line_model = _build_line_model(
+        model, parameters, omega, inputs, flight_noise.instruments(omega)
+    )
+    response = line_model.respond(parameters.start)
+    sensitivity = line_model.sensitivity(parameters.start, response)
+    return _PredictedSpectrum(
         omega,
         response.outputs,
-        _limited(model, omega, inputs, response.motion),
-        lines.jacobian(sensitivity),
-        missed,
+        _stack_limited(model, omega, inputs, response.motion),
+        line_model.jacobian(sensitivity),
+        unmodelled,
     )
 
 
-def _deflections(
+def _compute_deflections(
     model: AeroelasticModel,
-    flown: AsFlown,
+    flight_noise: FlightNoiseModel,
     omega: Float[np.ndarray, " n_omega"],
     commands: Mapping[str, Complex[np.ndarray, " n_omega"]],
 ) -> Complex[np.ndarray, "n_omega n_u"]:
     inputs = np.zeros((omega.size, len(model.inputs)), dtype=complex)
     for name, command in commands.items():
-        inputs += flown.follow[name](omega) * command[:, None]
+        inputs += flight_noise.command_responses[name](omega) * command[:, None]
     return inputs
 
 
-def _line_model(
+def _build_line_model(
     model: AeroelasticModel,
     parameters: Parameters,
     omega: Float[np.ndarray, " n_omega"],
     inputs: Complex[np.ndarray, "n_omega n_u"],
     instruments: Complex[np.ndarray, "n_omega n_y"],
-) -> LineModel:
+) -> FrequencyDomainModel:
     nothing = np.zeros(instruments.shape, dtype=complex)
     group = np.zeros(omega.size, dtype=int)
     experiment = Experiment("design", model, instruments, omega, inputs, nothing, group, ("",))
-    return LineModel(experiment, parameters)
+    return FrequencyDomainModel(experiment, parameters)
 
 
-def _limited(
+def _stack_limited(
     model: AeroelasticModel,
     omega: Float[np.ndarray, " n_omega"],
     inputs: Complex[np.ndarray, "n_omega n_u"],
     motion: Complex[np.ndarray, "n_omega n_r"],
 ) -> Complex[np.ndarray, "n_omega n_limited"]:
-    """Deflections, and the load factor at the centre of gravity: V (q - alpha-dot) / g."""
+    """Stack deflections and the load factor at the centre of gravity, V (q - alpha-dot) / g."""
     load = model.condition.airspeed / GRAVITY * (motion[:, 1] - 1j * omega * motion[:, 0])
     return np.column_stack([inputs, load])
 
@@ -294,79 +308,79 @@ def _gather(
     parameters: Parameters,
     inputs: tuple[str, ...],
     limited: tuple[str, ...],
-    answers: Sequence[_Answer],
+    spectra: Sequence[_PredictedSpectrum],
     waves: Float[np.ndarray, "n_u n_time n_limited"],
-    flown: AsFlown,
+    flight_noise: FlightNoiseModel,
     record_s: float,
     priors: Mapping[str, float] | None,
-) -> Expectation:
+) -> FisherInformation:
     known = dict(priors or {})
     prior = np.array([known[n] ** -2.0 if n in known else 0.0 for n in parameters.names])
-    omega = np.concatenate([answer.omega for answer in answers])
-    J = np.concatenate([answer.jacobian for answer in answers])
-    noise = record_s * flown.noise(omega)
-    left, level = _refitted(
+    omega = np.concatenate([spectrum.omega for spectrum in spectra])
+    J = np.concatenate([spectrum.jacobian for spectrum in spectra])
+    noise = record_s * flight_noise.noise(omega)
+    remaining, level = _refit(
         J,
-        np.concatenate([answer.missed for answer in answers]),
+        np.concatenate([spectrum.unmodelled for spectrum in spectra]),
         np.real(np.diagonal(noise, axis1=1, axis2=2)).mean(axis=0),
         prior,
     )
     size = np.sqrt(level)
     J = J / size[:, None]
-    density = noise / np.outer(size, size) + _smoothed(omega, left / size)
-    beside = size * np.sqrt(np.real(np.diagonal(density, axis1=1, axis2=2)))
-    ends = np.cumsum([answer.omega.size for answer in answers])[:-1]
-    parts = [np.split(each, ends) for each in (J, density, beside)]
-    return Expectation(
+    density = noise / np.outer(size, size) + _smooth_by_frequency(omega, remaining / size)
+    deviation = size * np.sqrt(np.real(np.diagonal(density, axis1=1, axis2=2)))
+    ends = np.cumsum([spectrum.omega.size for spectrum in spectra])[:-1]
+    parts = [np.split(each, ends) for each in (J, density, deviation)]
+    return FisherInformation(
         names=parameters.names,
         inputs=inputs,
         theta=parameters.start,
         information=np.stack([_products(own, own) for own in parts[0]]),
-        scatter=np.stack(
+        score_covariance=np.stack(
             [_products(own, S @ own) for own, S in zip(parts[0], parts[1], strict=True)]
         ),
         prior=prior,
         limited=limited,
         waves=waves,
         lines=tuple(
-            ExpectedLines(answer.omega, answer.outputs / level, own)
-            for answer, own, level in zip(answers, parts[0], parts[2], strict=True)
+            PredictedSpectra(spectrum.omega, spectrum.outputs / level, own)
+            for spectrum, own, level in zip(spectra, parts[0], parts[2], strict=True)
         ),
     )
 
 
-def _refitted(
+def _refit(
     J: Complex[np.ndarray, "n_omega n_y n_theta"],
-    missed: Complex[np.ndarray, "n_omega n_y"],
+    unmodelled: Complex[np.ndarray, "n_omega n_y"],
     noise: Float[np.ndarray, " n_y"],
     prior: Float[np.ndarray, " n_theta"],
 ) -> tuple[Complex[np.ndarray, "n_omega n_y"], Float[np.ndarray, " n_y"]]:
-    """Model error that a fit to these lines would leave, and mean level of all that is left.
+    """Compute the model error that remains after a fit, and the mean residual power.
 
-    The parameters give way until the error is least in the weights that follow from it.
+    The parameters minimise the weighted error; the weights follow from the remaining error.
     """
-    left, level = missed, noise + np.mean(np.abs(missed) ** 2, axis=0)
-    if not missed.any():
-        return left, level
+    remaining, level = unmodelled, noise + np.mean(np.abs(unmodelled) ** 2, axis=0)
+    if not unmodelled.any():
+        return remaining, level
     for _ in range(_REFITS):
         weighted = J / level[:, None]
         normal = 0.5 * _products(weighted, J) + np.diag(0.5 * prior)
-        pull = np.real(np.einsum("kyp,ky->p", weighted.conj(), missed))
+        gradient = np.real(np.einsum("kyp,ky->p", weighted.conj(), unmodelled))
         scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-        step = np.linalg.lstsq(normal / np.outer(scale, scale), pull / scale, rcond=1e-12)[0]
-        left = missed - J @ (step / scale)
-        level = noise + np.mean(np.abs(left) ** 2, axis=0)
-    return left, level
+        step = np.linalg.lstsq(normal / np.outer(scale, scale), gradient / scale, rcond=1e-12)[0]
+        remaining = unmodelled - J @ (step / scale)
+        level = noise + np.mean(np.abs(remaining) ** 2, axis=0)
+    return remaining, level
 
 
-def _smoothed(
+def _smooth_by_frequency(
     omega: Float[np.ndarray, " n_omega"], values: Complex[np.ndarray, "n_omega n_y"]
 ) -> Complex[np.ndarray, "n_omega n_y n_y"]:
-    """Density of values over neighbouring lines, at every line in the order given."""
+    """Smooth the spectral density of values over neighbouring frequencies; order as given."""
     order = np.argsort(omega, kind="stable")
-    smooth = smoothed_density(values[order], np.zeros(omega.size, dtype=int), 1)
+    smooth = smooth_density(values[order], np.zeros(omega.size, dtype=int), 1)
     density = np.empty((omega.size, *smooth.blocks.shape[1:]), dtype=complex)
-    density[order] = smooth.of_lines()
+    density[order] = smooth.expand_blocks()
     return density
 
 
@@ -383,9 +397,10 @@ def _invert(information: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
     scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
     scaled = information / np.outer(scale, scale)
     condition = float(np.linalg.cond(scaled))
-    if not condition < 1e13:
+    if not condition < _LARGEST_CONDITION:
         raise NotIdentifiable(
-            f"the design's information has condition number {condition:.1e}: some derivatives are"
-            " not told apart; excite more inputs or free fewer derivatives"
+            f"the Fisher information of the design has condition number {condition:.1e}, above"
+            f" {_LARGEST_CONDITION:.0e}: some derivatives are not identifiable; excite more inputs"
+            " or free fewer derivatives"
         )
     return np.linalg.inv(scaled) / np.outer(scale, scale)

@@ -1,8 +1,8 @@
-"""What moves the aerodynamic coefficients: a first fit of derivatives, and what it leaves.
+"""Process model of the aerodynamic coefficients: derivatives, and density of process noise.
 
-The smoother in time needs to know how coefficients move. Between lines and beside them they
-follow the motion and the surfaces far more closely than any process of their own; how
-closely, the lines tell. Nobody sees these derivatives: errors in them are part of what is left.
+The smoother in time needs a model of the coefficients. They depend on the motion and the
+surfaces, with derivatives fitted to the spectra, and on process noise. The derivatives are
+not a result: their errors are part of the process noise.
 """
 
 from __future__ import annotations
@@ -12,23 +12,23 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.sysid.estimation.equation_error import aerodynamic_coefficients
+from flexsid.sysid.estimation.equation_error import compute_aerodynamic_coefficients
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 
-_ROUNDS = 10  # that tell how large coefficients are
-_FIRST = 3  # steps of expectation maximisation, which come near from anywhere
+_ROUNDS = 10  # that estimate the size of coefficients
+_EM_STEPS = 3  # steps of the EM algorithm, which converge from any start
 _STEPS = 30
 _HALVINGS = 6
-_SETTLED = 0.02  # change of a density that ends them
-_USUAL = 0.5  # root mean square of what derivatives bring, in that of the coefficient
-_LEAST_FREEDOM = 0.5  # of the lines: the derivatives are not all free
+_CONVERGED = 0.02  # relative change of a density that ends the steps
+_PRIOR_SHARE = 0.5  # prior rms of the contribution of derivatives over the rms of the coefficient
+_LEAST_FREEDOM = 0.5  # of the data points: the derivatives are not all free
 
 
 @dataclass(frozen=True, slots=True)
-class Driving:
-    """Derivatives, and the density of what coefficients do besides."""
+class ProcessModel:
+    """Derivatives, and the density of the process noise of the coefficients."""
 
     derivatives: DerivativeTable
     density: Float[np.ndarray, "n_r n_r"]
@@ -36,7 +36,7 @@ class Driving:
 
 @dataclass(frozen=True, slots=True)
 class _Moments:
-    """Sums over the lines, per density of one: variables w, coefficients c, and their errors."""
+    """Sums over the frequencies per unit density: variables w, coefficients c, their errors."""
 
     w: Complex[np.ndarray, "n_omega n_w"]
     ww: Float[np.ndarray, "n_w n_w"]
@@ -45,9 +45,9 @@ class _Moments:
 
 
 class _ProcessEquations:
-    """Motion with its errors, in the form that the equations of motion take at lines.
+    """Motion with its errors, in the equations of motion at each frequency.
 
-    With theta the derivatives, K r = theta w + what is left, and w = L r + u.
+    With theta the derivatives, K r = theta w + process noise, and w = L r + u.
     """
 
     def __init__(
@@ -70,17 +70,17 @@ class _ProcessEquations:
         self.K = model.known_dynamics(motion.omega) / model.row_factors()[:, None]
         self.motion = motion
         self.known = np.linalg.inv(motion.covariance)
-        self.told = np.matmul(self.known, motion.values[:, :, None])
+        self.weighted = np.matmul(self.known, motion.values[:, :, None])
         self.shape = shape
 
     def moments(
         self, theta: Float[np.ndarray, "n_r n_w"], density: Float[np.ndarray, " n_r"]
     ) -> _Moments:
-        """Expectations for these derivatives and this density of what is left."""
+        """Expected sums (E step) for these derivatives and this density of the process noise."""
         own = self.K - theta @ self.L
         left = own.conj().transpose(0, 2, 1) / (density * self.shape[:, None])[:, None, :]
         errors = np.linalg.inv(self.known + left @ own)
-        r = np.matmul(errors, self.told + np.matmul(left, (self.u @ theta.T)[:, :, None]))
+        r = np.matmul(errors, self.weighted + np.matmul(left, (self.u @ theta.T)[:, :, None]))
         w = np.matmul(self.L, r) + self.u[:, :, None]
         values, vectors = np.linalg.eigh(0.5 * (errors + errors.conj().transpose(0, 2, 1)))
         root = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
@@ -103,7 +103,7 @@ class _ProcessEquations:
         """Twice the negative logarithm of the likelihood."""
         own = self.K - theta @ self.L
         left = np.matmul(own, self.motion.values[:, :, None]) - (self.u @ theta.T)[:, :, None]
-        V = self._spread(own, density)
+        V = self._compute_covariance(own, density)
         fit = np.real(np.sum(left.conj() * np.linalg.solve(V, left)))
         return 2.0 * float(fit + np.sum(np.linalg.slogdet(V)[1]))
 
@@ -114,82 +114,83 @@ class _ProcessEquations:
         w: Complex[np.ndarray, "n_omega n_w"],
     ) -> Float[np.ndarray, "n_theta n_theta"]:
         """Of all derivatives, row by row."""
-        inverse = np.linalg.inv(self._spread(self.K - theta @ self.L, density))
+        inverse = np.linalg.inv(self._compute_covariance(self.K - theta @ self.L, density))
         n_r, n_w = theta.shape
         weight = inverse.conj().reshape(len(w), -1)
         products = (w[:, :, None] * w[:, None, :].conj()).reshape(len(w), -1)
         found = 2.0 * np.real(weight.T @ products).reshape(n_r, n_r, n_w, n_w)
         return found.transpose(0, 2, 1, 3).reshape(n_r * n_w, -1)
 
-    def _spread(
+    def _compute_covariance(
         self, own: Complex[np.ndarray, "n_omega n_r n_r"], density: Float[np.ndarray, " n_r"]
     ) -> Complex[np.ndarray, "n_omega n_r n_r"]:
-        """Covariance of what is left with what errors of the motion add to it."""
+        """Covariance of the equation residuals: process noise and errors of the motion."""
         left = np.eye(density.size) * (density * self.shape[:, None])[:, None, :]
         return own @ self.motion.covariance @ own.conj().transpose(0, 2, 1) + left
 
 
-def fit_driving(
+def fit_process_model(
     model: AeroelasticModel,
     motion: ReconstructedMotion,
     inputs: Complex[np.ndarray, "n_omega n_u"],
     shape: Float[np.ndarray, " n_omega"],
-) -> Driving:
-    """Tell how coefficients follow motion and surfaces.
+) -> ProcessModel:
+    """Fit derivatives of coefficients to motion and surfaces, and the process noise.
 
     Parameters
     ----------
     model
-        What is known of the dynamics.
+        Known dynamics.
     motion
-        Line by line, with its errors.
+        At each frequency, with its errors.
     inputs
-        Deflections at the lines. [rad s]
+        Deflections at the frequencies. [rad s]
     shape
-        Variance of a line for a density of one.
+        Variance of a data point for a density of one.
 
     Notes
     -----
-    Source: Shumway and Stoffer 1982, at lines instead of samples: the motion is taken as its
-    measured value with its error, pulled towards what the derivatives make of it. The
-    derivatives follow by Gauss-Newton steps, as expectation maximisation alone is slow, and
-    with a prior: all together bring what the coefficient is, whose size is told first.
+    Source: Shumway and Stoffer 1982, at frequencies instead of samples: the motion is the
+    posterior of its measured value with its error and of the process model. The
+    derivatives follow by Gauss-Newton steps, as the EM algorithm alone is slow, and
+    with a prior: the rms of all contributions together is that of the coefficient, which is
+    estimated first.
     """
     lines = _ProcessEquations(model, motion, inputs, shape)
     theta = np.zeros((motion.values.shape[1], lines.u.shape[1]))
     n_omega = motion.omega.size
-    C = aerodynamic_coefficients(model, motion)
+    C = compute_aerodynamic_coefficients(model, motion)
     density = np.mean(np.abs(C) ** 2 / shape[:, None], axis=0)
     moments = lines.moments(theta, density)
     for _ in range(_ROUNDS):
         density = moments.cc / n_omega
         moments = lines.moments(theta, density)
-    usual = _usual(model, np.sqrt(np.diag(moments.ww) / n_omega))
+    usual = _estimate_prior_size(model, np.sqrt(np.diag(moments.ww) / n_omega))
     prior = 1.0 / (density[:, None] * usual**2)
     freedom = max(1.0 - theta.shape[1] / (2.0 * n_omega), _LEAST_FREEDOM)
     for k in range(_STEPS):
-        if k < _FIRST:
-            theta = _maximised(moments, density, prior)
+        if k < _EM_STEPS:
+            theta = _maximise_derivatives(moments, density, prior)
         else:
-            theta = _improved(lines, moments, theta, density, prior)
+            theta = _step_derivatives(lines, moments, theta, density, prior)
         moments = lines.moments(theta, density)
         left = moments.cc - np.sum(theta * (2.0 * moments.cw - theta @ moments.ww), axis=1)
         update = np.maximum(left, 1e-12 * moments.cc) / (n_omega * freedom)
         change = float(np.max(np.abs(np.log(update / density))))
         density = update
-        if change < _SETTLED:
+        if change < _CONVERGED:
             break
-    covariance = _covariance(lines, moments, theta, density, prior)
+    covariance = _compute_error_covariance(lines, moments, theta, density, prior)
     power = np.real((moments.w / shape[:, None]).T @ moments.w.conj()) / n_omega
-    doubt = np.einsum("ajbl,jl->ab", covariance.reshape(theta.shape * 2), power)
+    uncertainty = np.einsum("ajbl,jl->ab", covariance.reshape(theta.shape * 2), power)
     table = DerivativeTable(model.modes.numbers, model.inputs, theta)
-    return Driving(table, np.diag(density) + doubt)
+    return ProcessModel(table, np.diag(density) + uncertainty)
 
 
-def _maximised(
+def _maximise_derivatives(
     moments: _Moments, density: Float[np.ndarray, " n_r"], prior: Float[np.ndarray, "n_r n_w"]
 ) -> Float[np.ndarray, "n_r n_w"]:
-    """Derivatives that the expected motion makes most likely."""
+    """Derivatives of largest expected likelihood (M step)."""
     rows = [
         np.linalg.solve(moments.ww + 0.5 * level * np.diag(held), cw)
         for level, held, cw in zip(density, prior, moments.cw, strict=True)
@@ -197,7 +198,7 @@ def _maximised(
     return np.stack(rows)
 
 
-def _improved(
+def _step_derivatives(
     lines: _ProcessEquations,
     moments: _Moments,
     theta: Float[np.ndarray, "n_r n_w"],
@@ -206,7 +207,7 @@ def _improved(
 ) -> Float[np.ndarray, "n_r n_w"]:
     """Derivatives after a Gauss-Newton step, halved until the likelihood grows."""
     slope = 2.0 * (moments.cw - theta @ moments.ww) / density[:, None] - theta * prior
-    covariance = _covariance(lines, moments, theta, density, prior)
+    covariance = _compute_error_covariance(lines, moments, theta, density, prior)
     step = (covariance @ slope.ravel()).reshape(theta.shape)
 
     def misfit(tried: np.ndarray) -> float:
@@ -220,7 +221,7 @@ def _improved(
     return theta
 
 
-def _covariance(
+def _compute_error_covariance(
     lines: _ProcessEquations,
     moments: _Moments,
     theta: Float[np.ndarray, "n_r n_w"],
@@ -233,11 +234,13 @@ def _covariance(
     return np.linalg.inv(information / np.outer(size, size)) / np.outer(size, size)
 
 
-def _usual(model: AeroelasticModel, size: Float[np.ndarray, " n_w"]) -> Float[np.ndarray, " n_w"]:
-    """Size of derivatives that bring what the coefficient is, over the number of kinds.
+def _estimate_prior_size(
+    model: AeroelasticModel, size: Float[np.ndarray, " n_w"]
+) -> Float[np.ndarray, " n_w"]:
+    """Prior standard deviation of derivatives: rms of the coefficient over that of the variable.
 
-    Modes move the air alike where their masses are alike, so that those that hardly move
-    bring little.
+    Modes of equal mass are taken as equally effective, so that modes with little motion
+    contribute little.
     """
     n = len(model.modes.numbers)
     root_mass = np.sqrt(model.modes.mass)
@@ -247,4 +250,4 @@ def _usual(model: AeroelasticModel, size: Float[np.ndarray, " n_w"]) -> Float[np
             mine = slice(first, first + n)
             size[mine] = np.max(size[mine] * root_mass) / root_mass
     kinds = 2 + 2 * (n > 0) + len(model.inputs)
-    return _USUAL / np.sqrt(kinds) / np.maximum(size, 1e-300)
+    return _PRIOR_SHARE / np.sqrt(kinds) / np.maximum(size, 1e-300)

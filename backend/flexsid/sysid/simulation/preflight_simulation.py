@@ -1,4 +1,4 @@
-"""Rehearse: fly a linear model in closed loop through an excitation, sample by sample."""
+"""Pre-flight simulation of a linear model in closed loop under an excitation."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from flexsid.errors import BadInput
 from flexsid.sysid.model.aeroelastic import StateSpace
 from flexsid.sysid.model.laws import series
 
-_LARGEST = 1.5  # rad of incidence or attitude beyond which nothing linear flies
-_BETWEEN = 500  # samples from one report to the next
+_LARGEST_ANGLE = 1.5  # rad of incidence or attitude: a linear model is not valid beyond
+_REPORT_INTERVAL = 500  # samples
 
 
 @dataclass(frozen=True, slots=True)
-class Rehearsed:
-    """What happened: outputs, true deflections, and commands before the actuators."""
+class SimulatedFlight:
+    """Outputs, true deflections, and commands before the actuators."""
 
     outputs: Float[np.ndarray, "n_samples n_y"]
     deflections: Float[np.ndarray, "n_samples n_u"]
     commands: Float[np.ndarray, "n_samples n_u"]
 
 
-def rehearse(
+def simulate_flight(
     plant: StateSpace,
     actuators: StateSpace,
     actuator_delay_s: Float[np.ndarray, " n_u"],
@@ -35,8 +35,8 @@ def rehearse(
     controller: StateSpace | None = None,
     delay_s: float = 0.0,
     report: Callable[[float], None] | None = None,
-) -> Rehearsed:
-    """Simulate from trim at rest.
+) -> SimulatedFlight:
+    """Simulate a flight from trim at rest.
 
     Parameters
     ----------
@@ -49,26 +49,26 @@ def rehearse(
     excitation
         Added to the commands after the control law. [rad]
     rate_hz
-        Of the excitation, of the control law and of the answer. [Hz]
+        Of the excitation, of the control law and of the result. [Hz]
     controller
-        u = K y with the sign in K; None flies open loop.
+        u = K y with the sign in K; None for open loop.
     delay_s
-        From measurement to command, besides one sample. [s]
+        From measurement to command, in addition to one sample. [s]
     report
-        Told the share that is done; may raise to stop.
+        Called with the fraction done; may raise to stop.
 
     Raises
     ------
     BadInput
-        If the aircraft diverges: model unstable, and nobody holds it.
+        If the aircraft diverges: the model is unstable without stabilising controller.
 
     Notes
     -----
     Between samples commands are held; aircraft and actuators are advanced together by
     their exact transition, the law by its own.
     """
-    together = series(actuators, plant)
-    F, G = _held(together.A, together.B, 1.0 / rate_hz)
+    joined = series(actuators, plant)
+    F, G = _discretise(joined.A, joined.B, 1.0 / rate_hz)
     n_a, n_u = actuators.A.shape[0], excitation.shape[1]
     leads = np.round(actuator_delay_s * rate_hz).astype(int)
     wait = 1 + round(delay_s * rate_hz)
@@ -76,14 +76,14 @@ def rehearse(
     commands = np.vstack([excitation, np.zeros((wait, n_u))])
     top = int(leads.max(initial=0))
     delayed = np.zeros((top + n_samples, n_u))
-    law, read, driven = _law(plant, controller, 1.0 / rate_hz)
+    law, read, driven = _discretise_law(plant, controller, 1.0 / rate_hz)
     x, law_state = np.zeros(F.shape[0]), np.zeros(law[0].shape[0])
     states = np.zeros((n_samples, F.shape[0]))
     ordered = np.zeros((n_samples, n_u))
     angles = n_a + np.array([plant.states.index(name) for name in ("alpha", "theta")])
     every = np.arange(n_u)
     Fk, Gk, Ck, Dk = law
-    C_read, D_read = together.C[read], together.D[read]
+    C_read, D_read = joined.C[read], joined.D[read]
     for k in range(n_samples):
         delayed[top + k] = commands[k]
         now = delayed[top + k - leads, every]
@@ -93,27 +93,31 @@ def rehearse(
             commands[k + wait, driven] += Ck @ law_state + Dk @ y
             law_state = Fk @ law_state + Gk @ y
         x = F @ x + G @ now
-        if k % _BETWEEN == 0:
+        if k % _REPORT_INTERVAL == 0:
             if report is not None:
                 report(k / n_samples)
-            if not np.all(np.abs(x[angles]) < _LARGEST):
+            if not np.all(np.abs(x[angles]) < _LARGEST_ANGLE):
                 break
-    too_far = ~(np.abs(states[:, angles]).max(axis=1) < _LARGEST)
+    too_far = ~(np.abs(states[:, angles]).max(axis=1) < _LARGEST_ANGLE)
     if too_far.any():
         first = int(np.argmax(too_far))
         raise BadInput(
             f"the aircraft diverges within {first / rate_hz:.1f} s: the model is unstable and "
-            + ("needs a controller" if controller is None else "this controller does not hold it"),
+            + (
+                "needs a controller"
+                if controller is None
+                else "this controller does not stabilise it"
+            ),
             code="diverges",
         )
-    return Rehearsed(
-        outputs=states @ together.C.T + ordered @ together.D.T,
+    return SimulatedFlight(
+        outputs=states @ joined.C.T + ordered @ joined.D.T,
         deflections=states[:, :n_a] @ actuators.C.T + ordered @ actuators.D.T,
         commands=commands[:n_samples],
     )
 
 
-def _law(
+def _discretise_law(
     plant: StateSpace, controller: StateSpace | None, step_s: float
 ) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray, np.ndarray]:
     none = np.zeros(0, dtype=int)
@@ -126,21 +130,21 @@ def _law(
         missing = [name for name in names if name not in known]
         if missing:
             raise BadInput(
-                f"the controller {what} '{missing[0]}', which the model has not; it has "
+                f"the controller {what} '{missing[0]}', which is not in the model; it has "
                 f"{', '.join(known)}",
                 code="unknown-channel",
                 channel=missing[0],
             )
     read = np.array([plant.outputs.index(name) for name in controller.inputs], dtype=int)
     driven = np.array([plant.inputs.index(name) for name in controller.outputs], dtype=int)
-    F, G = _held(controller.A, controller.B, step_s)
+    F, G = _discretise(controller.A, controller.B, step_s)
     return (F, G, controller.C, controller.D), read, driven
 
 
-def _held(
+def _discretise(
     A: Float[np.ndarray, "n n"], B: Float[np.ndarray, "n m"], step_s: float
 ) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n m"]]:
-    """Transition over one step, and the effect of inputs held over it."""
+    """Compute the transition over one step, and the effect of constant inputs over it."""
     n, m = B.shape
     joined = np.zeros((n + m, n + m))
     joined[:n, :n], joined[:n, n:] = A, B

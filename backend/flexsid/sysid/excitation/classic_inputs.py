@@ -13,7 +13,7 @@ KINDS = ("doublet", "3-2-1-1", "sweep")
 _PULSES = {"doublet": (1, -1), "3-2-1-1": (1, 1, 1, -1, -1, 1, -1)}
 
 
-def in_turn(
+def design_classic_input(
     kind: str,
     peaks: Mapping[str, float],
     duration_s: float,
@@ -35,7 +35,7 @@ def in_turn(
     rate_hz
         Of the samples. [Hz]
     record_s
-        Of the history: the rest is rest. [s]
+        Of the history; zero after the last turn. [s]
     band_hz
         Of a sweep. [Hz]
     pulse_s

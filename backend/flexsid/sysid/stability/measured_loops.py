@@ -1,6 +1,6 @@
-"""Loops as flown: gain and margins of each surface's loop from one closed-loop maneuver.
+"""Measured loops: gain and margins of each surface's loop from one closed-loop maneuver.
 
-At the lines of one input no other input is excited, so that its deflection over its
+At the harmonics of one input no other input is excited, so that its deflection over its
 recorded excitation is A / (1 + L): its own loop closed around the actuator A, all other
 loops closed as they fly.
 """
@@ -15,16 +15,17 @@ from scipy.interpolate import make_interp_spline
 
 from flexsid.errors import BadInput
 from flexsid.sysid.signals import FrequencyData
-from flexsid.sysid.spectra.scatter import noise_about_responses
-from flexsid.sysid.stability.closed_loop import Margins, margins_of
+from flexsid.sysid.spectra.residual_spectrum import estimate_noise_about_responses
+from flexsid.sysid.stability.closed_loop import Margins, compute_margins
 
-_DRAWS = 200
-_FINE = 1500
+_DRAWS = 200  # of Monte Carlo, for the errors of margins
+_FINE = 1500  # frequencies between which margins are interpolated
+_LEAST_HARMONICS = 8  # of an input, for a cubic interpolation of its loop gain
 
 
 @dataclass(frozen=True, slots=True)
-class FlownLoop:
-    """Gain of one loop, broken in front of its actuator, at its own lines.
+class MeasuredLoop:
+    """Gain of one loop, broken in front of its actuator, at its own harmonics.
 
     ``std`` is the standard deviation of the complex error; the margins' are from draws.
     """
@@ -38,46 +39,46 @@ class FlownLoop:
     disk_std: float
 
 
-def flown_loops(
+def estimate_loop_gains(
     deflections: FrequencyData,
     commands: FrequencyData,
     actuators: Complex[np.ndarray, "n_omega n_u"],
-    owner: np.ndarray,
+    assigned_input: np.ndarray,
     seed: int = 0,
-) -> tuple[FlownLoop, ...]:
-    """Loop gains L_i = A e_i / delta_i - 1 with their margins.
+) -> tuple[MeasuredLoop, ...]:
+    """Estimate loop gains L_i = A e_i / delta_i - 1 with their margins.
 
     Parameters
     ----------
     deflections
-        True deflections at all lines. [rad s]
+        True deflections at all harmonics. [rad s]
     commands
         Recorded excitation, added to the command in front of the actuator. [rad s]
     actuators
         Deflection over command of every input. [1]
-    owner
-        Index of the input that owns each line.
+    assigned_input
+        Index of the input that each harmonic is assigned to.
     seed
         Of the draws from which the margins' errors come.
 
     Raises
     ------
     BadInput
-        If an input owns fewer than eight lines.
+        If an input has fewer than eight harmonics.
     """
-    noise = noise_about_responses(
+    noise = estimate_noise_about_responses(
         deflections.omega,
-        owner,
+        assigned_input,
         deflections.values,
-        commands.values[np.arange(owner.size), owner],
+        commands.values[np.arange(assigned_input.size), assigned_input],
     )
     rng = np.random.default_rng(seed)
     loops = []
     for index, name in enumerate(deflections.names):
-        own = np.flatnonzero(owner == index)
-        if own.size < 8:
+        own = np.flatnonzero(assigned_input == index)
+        if own.size < _LEAST_HARMONICS:
             raise BadInput(
-                f"input '{name}' owns {own.size} lines; its loop needs at least eight",
+                f"input '{name}' has {own.size} harmonics; its loop needs {_LEAST_HARMONICS}",
                 code="too-few-lines",
                 input=name,
             )
@@ -90,17 +91,18 @@ def flown_loops(
         matrix = make_interp_spline(omega, np.eye(own.size), k=3)(fine)
         scatter = rng.normal(size=(_DRAWS, own.size)) + 1j * rng.normal(size=(_DRAWS, own.size))
         drawn = [
-            margins_of(name, fine, matrix @ (gain + std * each / np.sqrt(2.0))) for each in scatter
+            compute_margins(name, fine, matrix @ (gain + std * each / np.sqrt(2.0)))
+            for each in scatter
         ]
         phases = np.array([margins.phase for margins in drawn])
         finite = phases[np.isfinite(phases)]
         loops.append(
-            FlownLoop(
+            MeasuredLoop(
                 surface=name,
                 omega=omega,
                 gain=gain,
                 std=std,
-                margins=margins_of(name, fine, matrix @ gain),
+                margins=compute_margins(name, fine, matrix @ gain),
                 phase_std=float(finite.std()) if finite.size else float("nan"),
                 disk_std=float(np.std([margins.disk for margins in drawn])),
             )

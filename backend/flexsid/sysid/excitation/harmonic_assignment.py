@@ -1,4 +1,4 @@
-"""Who owns which harmonics: interleaved over a band, and refusals with the numbers."""
+"""Harmonic assignment: harmonics of each input, interleaved over a band, and their checks."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from flexsid.errors import BadInput
-from flexsid.sysid.excitation.multisine import allot_harmonics
+from flexsid.sysid.excitation.multisine import assign_harmonics
 
-_GRID = 2001  # frequencies over which the density of lines is laid out
-_NEAR = 0.05  # standard deviation of the lines about a target, of its frequency
+_GRID = 2001  # frequencies over which the density of harmonics is evaluated
+_NEAR = 0.05  # standard deviation of the harmonics about a target, of its frequency
 
 
-def allot_band(
+def assign_harmonics_in_band(
     order: Sequence[str], per_input: int, duration_s: float, band_hz: tuple[float, float]
 ) -> dict[str, Int[np.ndarray, " n_tones"]]:
-    """Deal harmonics of 1/duration to the inputs in turn, evenly over a band.
+    """Assign harmonics of 1/duration to the inputs in turn, evenly over a band.
 
     Parameters
     ----------
@@ -47,18 +47,18 @@ def allot_band(
             f" ask for fewer, widen the band, or fly {longer:.4g} s",
             code="too-many-harmonics",
         )
-    # Whole spacing keeps every input's lines equally far apart, so none beats slowly.
+    # A whole spacing gives every input equally spaced harmonics without slow beats.
     spacing = held // asked if asked else 1
-    dealt = allot_harmonics(order, per_input, 1)
+    dealt = assign_harmonics(order, per_input, 1)
     return {name: first + spacing * (own - 1) for name, own in dealt.items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Band:
-    """What one input is to excite: ``count`` lines from ``low_hz`` to ``high_hz``.
+    """Band of one input: ``count`` harmonics from ``low_hz`` to ``high_hz``.
 
-    Where ``targets_hz`` are named, half of the lines gather about them, within a tenth of
-    each frequency.
+    With ``targets_hz``, half of the harmonics lie about them, within a tenth of each
+    frequency.
     """
 
     low_hz: float
@@ -67,10 +67,10 @@ class Band:
     targets_hz: tuple[float, ...] = ()
 
 
-def allot_bands(
+def assign_harmonics_to_bands(
     bands: Mapping[str, Band], duration_s: float
 ) -> dict[str, Int[np.ndarray, " n_tones"]]:
-    """Give every input lines in a band of its own, none of them shared.
+    """Assign harmonics to every input in a band of its own, none of them shared.
 
     Parameters
     ----------
@@ -86,9 +86,9 @@ def allot_bands(
 
     Notes
     -----
-    Each input has places where it would like lines: evenly over its band, or denser
-    about its targets. Places are served from the lowest up, each with the nearest
-    harmonic that is free, so that inputs with the same band interleave.
+    Each input requests frequencies evenly over its band, or denser about its targets.
+    From the lowest up, each requested frequency gets the nearest free harmonic, so that
+    inputs with the same band interleave.
     """
     places = sorted(
         (place, index, name)
@@ -107,22 +107,22 @@ def allot_bands(
             raise BadInput(
                 f"{name} asks for {band.count} harmonics from {band.low_hz:g} to"
                 f" {band.high_hz:g} Hz; the band holds {max(0, last - first + 1)} of"
-                f" 1/{duration_s:g} s and the inputs together want more; ask for fewer, widen the"
+                f" 1/{duration_s:g} s and the inputs together need more; ask for fewer, widen the"
                 " band, or fly longer",
                 code="too-many-harmonics",
             )
-        chosen = int(left[np.argmin(np.abs(left - place))])
-        free[chosen] = False
-        dealt[name].append(chosen)
+        nearest = int(left[np.argmin(np.abs(left - place))])
+        free[nearest] = False
+        dealt[name].append(nearest)
     return {name: np.sort(np.array(own, dtype=int)) for name, own in dealt.items()}
 
 
 def _places(name: str, band: Band) -> Float[np.ndarray, " count"]:
-    """Frequencies at equal shares of the density of lines that is wanted. [Hz]"""
+    """Frequencies at equal shares of the requested density of harmonics. [Hz]"""
     if not (0.0 < band.low_hz <= band.high_hz and band.count >= 1):
         raise BadInput(
-            f"{name} cannot have {band.count} lines from {band.low_hz:g} to {band.high_hz:g} Hz;"
-            " give at least one, from a positive frequency up",
+            f"{name} cannot have {band.count} harmonics from {band.low_hz:g} to"
+            f" {band.high_hz:g} Hz; give at least one, from a positive frequency up",
             code="bad-band",
         )
     for target in band.targets_hz:
@@ -142,39 +142,39 @@ def _places(name: str, band: Band) -> Float[np.ndarray, " count"]:
     return np.interp((np.arange(band.count) + 0.5) / band.count, share / share[-1], hz)
 
 
-def check_allotment(
+def check_harmonics(
     harmonics: Mapping[str, Sequence[int]], duration_s: float, rate_hz: float
 ) -> None:
-    """Refuse what cannot be orthogonal at the real sample rate.
+    """Raise BadInput for harmonics that are not orthogonal at the sample rate.
 
     Raises
     ------
     BadInput
-        If an input has no harmonics, two share one, a line reaches the Nyquist
+        If an input has no harmonics, two share one, a harmonic reaches the Nyquist
         frequency, or the period is no whole number of samples.
     """
     if not harmonics:
-        raise BadInput("the design moves no input; name at least one", code="no-inputs")
-    owner: dict[int, str] = {}
+        raise BadInput("the design has no input; give at least one", code="no-inputs")
+    assigned: dict[int, str] = {}
     for name, own in harmonics.items():
         if not own:
             raise BadInput(
-                f"input {name} has no harmonics; give it at least one or leave it out",
+                f"input {name} has no harmonics; give it at least one or remove the input",
                 code="input-without-harmonics",
             )
         for harmonic in own:
             if harmonic < 1:
                 raise BadInput(
-                    f"harmonic {harmonic} of {name} is no oscillation; the lowest is 1",
+                    f"harmonic {harmonic} of {name} is not an oscillation; the lowest is 1",
                     code="bad-harmonic",
                 )
-            if harmonic in owner:
+            if harmonic in assigned:
                 raise BadInput(
-                    f"harmonic {harmonic} belongs to {owner[harmonic]} and {name}; the two would"
+                    f"harmonic {harmonic} belongs to {assigned[harmonic]} and {name}; the two would"
                     " not be orthogonal; give it to one",
                     code="shared-harmonic",
                 )
-            owner[harmonic] = name
+            assigned[harmonic] = name
     n_samples = duration_s * rate_hz
     if abs(n_samples - round(n_samples)) > 1e-6:
         raise BadInput(
@@ -182,7 +182,7 @@ def check_allotment(
             f" {round(n_samples) / rate_hz:.9g} s so that the period is whole",
             code="period-not-whole",
         )
-    highest = max(owner)
+    highest = max(assigned)
     if 2 * highest >= round(n_samples):
         raise BadInput(
             f"harmonic {highest} is {highest / duration_s:.4g} Hz, not below the Nyquist"

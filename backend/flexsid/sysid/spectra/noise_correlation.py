@@ -1,4 +1,4 @@
-"""How alike the noise of neighbouring lines is, because all come from one record."""
+"""Correlation of the noise of neighbouring frequencies of one record."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 
-def line_correlation(
+def compute_noise_correlation(
     omega: Float[np.ndarray, " n_omega"], start_s: float, end_s: float
 ) -> Complex[np.ndarray, "n_omega n_omega"]:
-    """Correlation of the finite Fourier transforms of white noise at some lines.
+    """Correlation of the finite Fourier transforms of white noise at some frequencies.
 
     Parameters
     ----------
     omega
-        Lines, of any spacing. [rad/s]
+        Frequencies, of any spacing. [rad/s]
     start_s, end_s
         Of the record that is transformed. [s]
 
@@ -22,7 +22,7 @@ def line_correlation(
     -----
     For X(w) = integral of x exp(-j w t) over T = t1 - t0 and white x,
     E[X(w) X(v)*] = integral of exp(-j (w - v) t), which over T is
-    sinc((w - v) T / 2 pi) exp(-j (w - v) (t0 + t1) / 2). Lines at multiples of 1/T are
+    sinc((w - v) T / 2 pi) exp(-j (w - v) (t0 + t1) / 2). Multiples of 1/T are
     independent; where the record is longer than the period of the excitation, neighbours
     are not: a record 1.2 periods long gives 0.16.
     Source: Brillinger, Time Series (1981), section 4.3.

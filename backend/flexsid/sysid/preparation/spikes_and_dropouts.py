@@ -14,18 +14,21 @@ from flexsid.errors import BadInput
 
 _SPIKE = 9.0  # robust standard deviations
 _WIDEST_SPIKE = 3  # samples
-_LOCAL = 201  # samples that tell how busy a channel is
-_STILL = 10  # equal samples in a row that are a dropout where they seldom are
-_REPEATED = 0.25  # of the samples: with fewer different values, a recorder rounds coarsely
+_LOCAL = 201  # samples of the running median that scales a channel
+_DROPOUT_SAMPLES = 10  # equal samples in a row of a dropout, where such runs are rare
+_REPEATED = 0.25  # of the samples: with fewer different values, the recorder rounds coarsely
 _ROUNDED = 0.35  # of a digit: standard deviation of rounding, in the misfit of a cubic
-_OFTENER, _MUCH_OFTENER = 3, 10  # times as often as beside: a crest stays at its last digit, too
-_FEW_DIGITS = 64
-_LONGEST_REPAIR_S = 0.1
-_SUPPORT = 8  # samples on either side that a repair goes through
+_FREQUENT, _VERY_FREQUENT = (
+    3,
+    10,
+)  # times as often as neighbouring values: a crest repeats its last digit, too
+_FEW_DIGITS = 64  # resolution steps in the range of a coarse recorder
+_LONGEST_REPAIR_S = 0.1  # a longer interval is not interpolated [s]
+_SUPPORT = 8  # samples on either side that the spline of a repair passes through
 
 
-class Artefact(StrEnum):
-    """What is wrong with a stretch of samples."""
+class SampleDefect(StrEnum):
+    """Kind of defect of an interval of samples."""
 
     SPIKE = "spike"
     DROPOUT = "dropout"
@@ -33,77 +36,76 @@ class Artefact(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stretch:
+class DefectiveInterval:
     """Samples ``first`` up to, not including, ``stop``."""
 
-    kind: Artefact
+    kind: SampleDefect
     first: int
     stop: int
 
 
-def find_artefacts(
+def find_defects(
     samples: Float[np.ndarray, " n_samples"], moving: slice | None = None
-) -> tuple[Stretch, ...]:
-    """Find what no sensor of a moving aircraft records.
+) -> tuple[DefectiveInterval, ...]:
+    """Find spikes, dropouts and saturation in the samples of one channel.
 
     Parameters
     ----------
     samples
         As recorded, in the native unit: a rounding would hide equal samples.
     moving
-        Samples during which what is measured is known to move, so that a value held then
-        is no rest; None where that is not known.
+        Samples during which the measured quantity is known to move, so that a constant value
+        is a dropout; None where that is not known.
 
     Notes
     -----
     A spike departs from the cubic through its neighbours, or from the running median,
     by far more than samples around it do. A dropout repeats one value while samples
     elsewhere change. Saturation stays at the largest or smallest value of the record
-    more often than at any value next to it. Equal values that rounding to the digits of the
-    recorder explains are none of these: where values repeat, a dropout is left by more than
-    one digit, and a spike is larger than rounding makes of a smooth signal.
+    more often than at any value next to it. Equal values due to the resolution of the
+    recorder are excluded: where values repeat, a dropout ends with a jump of more than
+    one digit, and a spike is larger than the rounding of a smooth signal.
     """
     x = np.asarray(samples, dtype=float)
-    if x.size < 3 * _STILL:
+    if x.size < 3 * _DROPOUT_SAMPLES:
         return ()
     if np.ptp(x) == 0.0:
-        whole = Stretch(kind=Artefact.DROPOUT, first=0, stop=x.size)
+        whole = DefectiveInterval(kind=SampleDefect.DROPOUT, first=0, stop=x.size)
         return () if moving is None else (whole,)
-    first, stop = _equal_runs(x)
-    digit = _digit(x)
-    saturated = _saturated(x, first, stop, digit)
-    held = _held(x, first, stop, moving) & _leaps(x, first, stop, digit) & ~saturated
-    taken = _inside(x.size, first[held | saturated], stop[held | saturated])
-    spikes = _spikes(x, digit) & ~ndimage.binary_dilation(taken, iterations=2)
+    first, stop = _find_equal_runs(x)
+    digit = _find_resolution(x)
+    saturated = _find_saturated(x, first, stop, digit)
+    held = _find_held(x, first, stop, moving) & _find_jumps(x, first, stop, digit) & ~saturated
+    taken = _mask_runs(x.size, first[held | saturated], stop[held | saturated])
+    spikes = _find_spikes(x, digit) & ~ndimage.binary_dilation(taken, iterations=2)
     found = [
-        *(_stretches(Artefact.SATURATION, first[saturated], stop[saturated])),
-        *(_stretches(Artefact.DROPOUT, first[held], stop[held])),
-        *(_stretches(Artefact.SPIKE, *_runs_of(spikes))),
+        *(_build_intervals(SampleDefect.SATURATION, first[saturated], stop[saturated])),
+        *(_build_intervals(SampleDefect.DROPOUT, first[held], stop[held])),
+        *(_build_intervals(SampleDefect.SPIKE, *_find_runs(spikes))),
     ]
     return tuple(sorted(found, key=lambda stretch: stretch.first))
 
 
-def repair(
+def repair_samples(
     samples: Float[np.ndarray, " n_samples"],
     stretches: Sequence[tuple[int, int]],
     rate_hz: float,
 ) -> Float[np.ndarray, " n_samples"]:
-    """Put a cubic spline through the neighbours in place of samples.
+    """Replace samples by a cubic spline through their neighbours.
 
     Parameters
     ----------
     samples
         Of one channel.
     stretches
-        First sample, and the sample after the last, of each stretch to replace.
+        First sample, and the sample after the last, of each interval to replace.
     rate_hz
         Samples per second. [Hz]
 
     Raises
     ------
     BadInput
-        If a stretch lies outside the record, or is so long that its samples would be
-        invented.
+        If an interval lies outside the record, or is too long to be interpolated.
     """
     x = np.asarray(samples, dtype=float)
     bad = np.zeros(x.size, dtype=bool)
@@ -116,25 +118,27 @@ def repair(
         if (stop - first) / rate_hz > _LONGEST_REPAIR_S:
             raise BadInput(
                 f"samples {first} to {stop} last {(stop - first) / rate_hz:.3g} s; more than "
-                f"{_LONGEST_REPAIR_S:g} s cannot be repaired without inventing motion: leave the "
-                "channel out",
+                f"{_LONGEST_REPAIR_S:g} s cannot be interpolated; exclude the "
+                "channel",
                 code="too-long-to-repair",
             )
         bad[first:stop] = True
     result = x.copy()
-    for first, stop in zip(*_runs_of(bad), strict=True):
+    for first, stop in zip(*_find_runs(bad), strict=True):
         around = np.r_[max(0, first - _SUPPORT) : first, stop : min(x.size, stop + _SUPPORT)]
         around = around[~bad[around]]
         if around.size < 2:
-            raise BadInput("nothing is left around a stretch to repair it by", code="bad-stretch")
+            raise BadInput(
+                "an interval has no valid samples around it to interpolate", code="bad-stretch"
+            )
         degree = min(3, around.size - 1)
         curve = interpolate.make_interp_spline(around, x[around], k=degree)
         result[first:stop] = curve(np.arange(first, stop))
     return result
 
 
-def _digit(x: Float[np.ndarray, " n"]) -> float:
-    """Smallest step of a recorder that rounds so coarsely that values repeat; zero for others."""
+def _find_resolution(x: Float[np.ndarray, " n"]) -> float:
+    """Resolution of a recorder that rounds so coarsely that values repeat; zero for others."""
     levels = np.unique(x)
     if levels.size > _REPEATED * x.size:
         return 0.0
@@ -142,48 +146,48 @@ def _digit(x: Float[np.ndarray, " n"]) -> float:
     return float(gaps[gaps > 1e-6 * np.ptp(x)].min())
 
 
-def _leaps(
+def _find_jumps(
     x: Float[np.ndarray, " n"], first: np.ndarray, stop: np.ndarray, digit: float
 ) -> np.ndarray:
-    """Which runs of equal samples are entered or left by more than rounding explains."""
+    """Runs of equal samples that begin or end with a jump of more than the resolution."""
     before = np.where(first > 0, np.abs(x[first] - x[first - 1]), 0.0)
     after = np.where(stop < x.size, np.abs(x[np.minimum(stop, x.size - 1)] - x[first]), 0.0)
     return (np.maximum(before, after) > 1.5 * digit) | (digit == 0.0)
 
 
-def _spikes(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarray, " n"]:
-    """Samples that stand out, the largest of each group of neighbours."""
-    return _single(x, digit) | _wide(x, digit)
+def _find_spikes(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarray, " n"]:
+    """Samples that are outliers, the largest of each group of neighbours."""
+    return _find_single_spikes(x, digit) | _find_wide_spikes(x, digit)
 
 
-def _single(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarray, " n"]:
+def _find_single_spikes(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarray, " n"]:
     away = np.zeros_like(x)
     away[2:-2] = x[2:-2] - (4.0 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6.0
     size = np.abs(away)
     largest = size >= ndimage.maximum_filter1d(size, 5)
     there, back = np.diff(x, prepend=x[0]), np.diff(x, append=x[-1])
     returns = (there * back < 0) & (np.minimum(np.abs(there), np.abs(back)) > 0.4 * size)
-    # A spike throws its neighbours' cubics off by two thirds; a step, only the one before it.
+    # A spike changes its neighbours' cubics by two thirds; a step, only the one before it.
     sign = np.sign(away)
     returns &= np.maximum(np.roll(away, 1) * sign, np.roll(away, -1) * sign) < -0.45 * size
-    return largest & returns & (size > _SPIKE * _busy(away, digit))
+    return largest & returns & (size > _SPIKE * _estimate_local_scale(away, digit))
 
 
-def _wide(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarray, " n"]:
-    """A few samples off together: far from the running median, with a jump on both sides."""
+def _find_wide_spikes(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarray, " n"]:
+    """Outliers of a few samples: far from the running median, with a jump on both sides."""
     away = x - ndimage.median_filter(x, 2 * _WIDEST_SPIKE + 1, mode="nearest")
     steps = np.abs(np.diff(x, prepend=x[0]))
-    usual = _SPIKE * _busy(steps, digit)
+    usual = _SPIKE * _estimate_local_scale(steps, digit)
     jump = steps > usual
     off = np.abs(away) > 0.5 * usual
-    keep = np.zeros(x.size, dtype=bool)
-    for first, stop in zip(*_runs_of(off), strict=True):
+    found = np.zeros(x.size, dtype=bool)
+    for first, stop in zip(*_find_runs(off), strict=True):
         if stop - first <= _WIDEST_SPIKE and jump[first] and stop < x.size and jump[stop]:
-            keep[first:stop] = True
-    return keep
+            found[first:stop] = True
+    return found
 
 
-def _busy(values: Float[np.ndarray, " n"], digit: float) -> Float[np.ndarray, " n"]:
+def _estimate_local_scale(values: Float[np.ndarray, " n"], digit: float) -> Float[np.ndarray, " n"]:
     """Robust standard deviation around every sample, nowhere less than of the record."""
     size = np.abs(values)
     step = max(1, values.size // 2000)
@@ -193,18 +197,18 @@ def _busy(values: Float[np.ndarray, " n"], digit: float) -> Float[np.ndarray, " 
     return 1.4826 * np.maximum(spread, least)
 
 
-def _equal_runs(x: Float[np.ndarray, " n"]) -> tuple[np.ndarray, np.ndarray]:
+def _find_equal_runs(x: Float[np.ndarray, " n"]) -> tuple[np.ndarray, np.ndarray]:
     edges = np.flatnonzero(np.diff(x)) + 1
     return np.r_[0, edges], np.r_[edges, x.size]
 
 
-def _saturated(
+def _find_saturated(
     x: Float[np.ndarray, " n"], first: np.ndarray, stop: np.ndarray, digit: float
 ) -> np.ndarray:
-    """Which runs of equal samples stand at the end of a sensor's range."""
+    """Runs of equal samples at the end of a sensor's range."""
     values, length = x[first], stop - first
     found = np.zeros(first.size, dtype=bool)
-    more = _OFTENER if digit == 0.0 or np.ptp(x) > _FEW_DIGITS * digit else _MUCH_OFTENER
+    more = _FREQUENT if digit == 0.0 or np.ptp(x) > _FEW_DIGITS * digit else _VERY_FREQUENT
     for end, order in ((values.max(), -1), (values.min(), 1)):
         at_end = values == end
         levels = np.unique(values)[::order][1:4]
@@ -216,10 +220,10 @@ def _saturated(
     return found
 
 
-def _held(
+def _find_held(
     x: Float[np.ndarray, " n"], first: np.ndarray, stop: np.ndarray, moving: slice | None
 ) -> np.ndarray:
-    """Which runs of equal samples are far longer than runs usually are here.
+    """Runs of equal samples that are far longer than usual in the record.
 
     Rest at either end of a record is trim, but for what lies in ``moving``.
     """
@@ -227,13 +231,13 @@ def _held(
     at_ends = np.maximum(np.minimum(stop, end) - np.maximum(first, begin), 0)
     length = np.where((first > 0) & (stop < x.size), stop - first, at_ends)
     usual = float(np.percentile(length, 95))
-    long = length >= max(_STILL, 5.0 * usual)
+    long = length >= max(_DROPOUT_SAMPLES, 5.0 * usual)
     if moving is not None:
         return long
     return long if length[long].sum() <= x.size // 2 else np.zeros_like(long)
 
 
-def _inside(
+def _mask_runs(
     n: int, first: Int[np.ndarray, " n_runs"], stop: Int[np.ndarray, " n_runs"]
 ) -> Bool[np.ndarray, " n"]:
     mask = np.zeros(n, dtype=bool)
@@ -242,10 +246,15 @@ def _inside(
     return mask
 
 
-def _runs_of(mask: Bool[np.ndarray, " n"]) -> tuple[np.ndarray, np.ndarray]:
+def _find_runs(mask: Bool[np.ndarray, " n"]) -> tuple[np.ndarray, np.ndarray]:
     edges = np.diff(np.r_[False, mask, False].astype(np.int8))
     return np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
 
 
-def _stretches(kind: Artefact, first: np.ndarray, stop: np.ndarray) -> list[Stretch]:
-    return [Stretch(kind=kind, first=int(a), stop=int(b)) for a, b in zip(first, stop, strict=True)]
+def _build_intervals(
+    kind: SampleDefect, first: np.ndarray, stop: np.ndarray
+) -> list[DefectiveInterval]:
+    return [
+        DefectiveInterval(kind=kind, first=int(a), stop=int(b))
+        for a, b in zip(first, stop, strict=True)
+    ]

@@ -1,7 +1,7 @@
-"""What flight test has always extrapolated: damping, flutter margin, envelope of the impulse.
+"""Flutter prediction by extrapolation: damping, flutter margin, envelope function.
 
-They need no model, only what a mode did at the speeds flown. Beside the model's own
-prediction they show what knowing the structure is worth.
+These methods need no model, only the roots of a mode at the speeds flown. Compared with
+the model's own prediction they show the benefit of a known structure.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from jaxtyping import Complex, Float
 
 from flexsid.errors import NotIdentifiable
 
-_PERIODS = 20.0  # of the slower root: how long an impulse response is watched
+_WINDOW_PERIODS = 20.0  # of the slower root: window of the impulse response
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +30,8 @@ class TestPoint:
     partner: complex
 
 
-def damping_extrapolation(points: Sequence[TestPoint]) -> float:
-    """Airspeed at which a parabola through the critical decay rates reaches zero. [m/s]
+def extrapolate_damping(points: Sequence[TestPoint]) -> float:
+    """Extrapolate the critical decay rates by a parabola to zero; return the airspeed. [m/s]
 
     Raises
     ------
@@ -40,11 +40,11 @@ def damping_extrapolation(points: Sequence[TestPoint]) -> float:
     """
     V = np.array([point.airspeed for point in points])
     rate = np.array([np.real(point.critical) for point in points])
-    return _first_zero(V, rate, "the decay rate")
+    return _extrapolate_to_zero(V, rate, "the decay rate")
 
 
-def flutter_margin(points: Sequence[TestPoint]) -> float:
-    """Airspeed at which the flutter margin of two roots vanishes. [m/s]
+def extrapolate_flutter_margin(points: Sequence[TestPoint]) -> float:
+    """Extrapolate the flutter margin of two roots to zero; return the airspeed. [m/s]
 
     Raises
     ------
@@ -57,14 +57,14 @@ def flutter_margin(points: Sequence[TestPoint]) -> float:
     quartic of two roots, quadratic in dynamic pressure for quasi-steady aerodynamics.
     """
     q = np.array([point.dynamic_pressure for point in points])
-    margin = np.array([_margin(point.critical, point.partner) for point in points])
-    at = _first_zero(q, margin, "the flutter margin")
+    margin = np.array([_compute_margin(point.critical, point.partner) for point in points])
+    at = _extrapolate_to_zero(q, margin, "the flutter margin")
     ratio = points[-1].airspeed / np.sqrt(points[-1].dynamic_pressure)
     return float(np.sqrt(at) * ratio)
 
 
-def envelope_function(points: Sequence[TestPoint]) -> float:
-    """Airspeed at which the envelope of an impulse response would no longer decay. [m/s]
+def extrapolate_envelope(points: Sequence[TestPoint]) -> float:
+    """Extrapolate the decay of the envelope of an impulse response; return the airspeed. [m/s]
 
     Raises
     ------
@@ -79,19 +79,19 @@ def envelope_function(points: Sequence[TestPoint]) -> float:
     """
     V = np.array([point.airspeed for point in points])
     if len(points) < 3:
-        return _first_zero(V, V, "the shape parameter")
+        return _extrapolate_to_zero(V, V, "the shape parameter")
     slowest = min(abs(root) for point in points for root in (point.critical, point.partner))
-    window_s = 2.0 * np.pi * _PERIODS / slowest
+    window_s = 2.0 * np.pi * _WINDOW_PERIODS / slowest
     time_s = np.linspace(0.0, window_s, 4000)
     shape = []
     for point in points:
         roots = np.array([point.critical, point.partner])
         envelope = np.abs(np.sum(np.exp(roots[:, None] * time_s), axis=0))
         shape.append(float(envelope.sum() / (envelope @ time_s)))
-    return _first_zero(V, np.array(shape) - 2.0 / window_s, "the shape parameter")
+    return _extrapolate_to_zero(V, np.array(shape) - 2.0 / window_s, "the shape parameter")
 
 
-def _margin(a: complex, b: complex) -> float:
+def _compute_margin(a: complex, b: complex) -> float:
     """Flutter margin F of two roots beta + j omega."""
     b1, w1, b2, w2 = a.real, abs(a.imag), b.real, abs(b.imag)
     half = 0.5 * (w2**2 - w1**2)
@@ -103,18 +103,20 @@ def _margin(a: complex, b: complex) -> float:
     return first + second - third
 
 
-def _first_zero(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"], what: str) -> float:
+def _extrapolate_to_zero(
+    x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"], what: str
+) -> float:
     """Where a parabola (a line through fewer than four points) first reaches zero beyond x[0]."""
     if x.size < 3:
         raise NotIdentifiable(
-            f"{what} of {x.size} test points cannot be extrapolated; it takes three",
+            f"{what} of {x.size} test points cannot be extrapolated; it needs three",
             code="too-few-points",
         )
     n_distinct = np.unique(np.round(x / np.abs(x).max(), 2)).size
     if n_distinct < 3:
         raise NotIdentifiable(
             f"{what} of {x.size} test points at {n_distinct} airspeeds cannot be extrapolated; it"
-            " takes three",
+            " needs three",
             code="too-few-points",
         )
     order = np.argsort(x)
