@@ -1,4 +1,4 @@
-"""What the environment decides."""
+"""Settings from environment variables."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ DEFAULT_PORT = 8000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """Where the database is, on which port of this computer the page is served, who computes.
+    """Address of the database, port of the web server, number of worker processes.
 
-    ``dask`` is the address of a scheduler; without it ``workers`` processes of this
-    computer compute (None: one less than there are cores). Reports are put into the file
+    ``dask`` is the address of a scheduler; without it ``workers`` local
+    processes compute (None: one less than the number of cores). Reports use the file
     ``report_template``.
     """
 
@@ -29,7 +29,7 @@ class Settings:
 
 
 def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
-    """Read the variables ``FLEXSID_...``; what is not set has its default."""
+    """Read the variables ``FLEXSID_...``; unset ones have their defaults."""
     port = _number(environment, "FLEXSID_PORT", "a port number", 65535)
     return Settings(
         database=environment.get("FLEXSID_DATABASE") or DEFAULT_DATABASE,

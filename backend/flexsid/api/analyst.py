@@ -1,4 +1,4 @@
-"""Who asks: the name that the local analyst has set, which nobody has verified."""
+"""Name of the analyst of a request, as set in the workbench; it is not authenticated."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _LONGEST = 100
 
 
 def read_name(sent: str) -> str:
-    """Return a name as it is kept: one spelling, no control characters, single blanks.
+    """Return a name as it is stored: NFKC normalised, no control characters, single blanks.
 
     Raises
     ------
     BadInput
-        If it is no name.
+        If the text is not a valid name.
     """
     try:
         text = unquote(sent, errors="strict")
@@ -34,29 +34,29 @@ def read_name(sent: str) -> str:
         raise BadInput(f"{HEADER} {error}", code="bad-analyst") from error
 
 
-_DESCRIPTION = "Name of the analyst, percent-encoded UTF-8; nobody verifies it."
+_DESCRIPTION = "Name of the analyst, percent-encoded UTF-8; not authenticated."
 
 
-async def _analyst(
+async def _get_analyst(
     name: Annotated[str, Header(alias=HEADER, description=_DESCRIPTION)] = "",
 ) -> str:
     return read_name(name)
 
 
-async def _named_analyst(
+async def _require_analyst(
     name: Annotated[str, Header(alias=HEADER, description=_DESCRIPTION)],
 ) -> str:
     known = read_name(name)
     if not known:
         raise BadInput(
-            f"this is kept with a name: set yours in the workbench, or send it as {HEADER}",
+            f"the name of the analyst is missing; set it in the workbench, or send it as {HEADER}",
             code="no-analyst",
         )
     return known
 
 
-TheAnalyst = Annotated[str, Depends(_analyst)]
-"""Name of who asks; empty where none is set."""
+TheAnalyst = Annotated[str, Depends(_get_analyst)]
+"""Name of the analyst of the request; empty if none is set."""
 
-NamedAnalyst = Annotated[str, Depends(_named_analyst)]
-"""Name of who asks; refused where none is set."""
+NamedAnalyst = Annotated[str, Depends(_require_analyst)]
+"""Name of the analyst of the request; the request is refused if none is set."""

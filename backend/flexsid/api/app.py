@@ -1,4 +1,4 @@
-"""create_app: from settings to the whole service."""
+"""The FastAPI application: database, dispatcher, routes and frontend."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from fastapi.routing import APIRoute
 import flexsid
 from flexsid.api.body_limit import BodyLimit
 from flexsid.api.context import Context
-from flexsid.api.description import describe
+from flexsid.api.description import add_examples
 from flexsid.api.docs import add_docs
 from flexsid.api.errors import Problem, add_error_handlers
-from flexsid.api.guards import Guards
-from flexsid.api.live import Live
+from flexsid.api.live_events import LiveEvents
 from flexsid.api.page import add_page
-from flexsid.api.parameters import DESCRIBED, only_known
+from flexsid.api.parameters import DESCRIPTION, refuse_unknown_parameters
+from flexsid.api.request_coalescing import RequestCoalescing
 from flexsid.api.routes import (
     aircraft,
     batches,
@@ -41,6 +41,7 @@ from flexsid.api.routes import (
     jobs,
     maneuvers,
     mappings,
+    modal_files,
     modal_tables,
     model_structures,
     nomenclature,
@@ -50,47 +51,46 @@ from flexsid.api.routes import (
     review,
     runs,
     saved_views,
-    structure_files,
     uploads,
     vibration_tests,
 )
 from flexsid.api.routes import searches as search_routes
 from flexsid.api.routes import tasks as task_routes
-from flexsid.api.together import Together
-from flexsid.jobs.apart import DispatcherApart, Duty
+from flexsid.api.security import SecurityMiddleware
+from flexsid.jobs.dispatcher_process import DispatcherProcess, DispatcherSettings
 from flexsid.jobs.health import QueueHealth
+from flexsid.jobs.pipeline import load_estimation_pipeline
 from flexsid.jobs.searches import Searches
-from flexsid.jobs.steps import estimation_steps
 from flexsid.reports import read_template
 from flexsid.settings import Settings
 from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.workflow.background_tasks import Tasks
-from flexsid.workflow.importing.flight_import import BringAlong
+from flexsid.workflow.importing.flight_import import AddBuiltinAircraft
 from flexsid.workflow.importing.uploads import Uploads
-from flexsid.workflow.quality.campaign_quality import Assessments
+from flexsid.workflow.quality.campaign_quality import CampaignAssessment
 from flexsid.workflow.review.clock import find_clock_error
 
 _log = logging.getLogger(__name__)
 
-# The database and numpy hold the interpreter anyway; many threads only make them
-# wait for each other (forty on one list of a thousand rows came to a standstill).
+# The database driver and numpy hold the interpreter lock; more threads only wait for each
+# other (forty threads on one list of a thousand rows blocked each other).
 _THREADS = 4
 
 
 def create_app(
     settings: Settings,
     *,
-    bring_along: BringAlong | None = None,
+    add_builtin_aircraft: AddBuiltinAircraft | None = None,
 ) -> FastAPI:
-    """Make the service: database brought up to date, dispatcher, routes and page.
+    """Make the application: migrated database, dispatcher, routes and frontend.
 
     Parameters
     ----------
     settings
-        Which database; read when the service starts, from ``app.state.settings``.
-    bring_along
+        Database and workers; read when the service starts, from ``app.state.settings``.
+    add_builtin_aircraft
         Adds an aircraft that comes with the software when an upload needs it.
     """
 
@@ -98,21 +98,23 @@ def create_app(
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         anyio.to_thread.current_default_thread_limiter().total_tokens = _THREADS
         settings: Settings = app.state.settings
-        # A template that is none should stop the server, not the first report.
-        own = settings.report_template
-        template = None if own is None else read_template(own)
+        # An invalid template stops the server, not the first report.
+        template_path = settings.report_template
+        template = None if template_path is None else read_template(template_path)
         migration = upgrade(settings.database)
         store = Store.open(settings.database)
-        late = find_clock_error(store)
-        if late is not None:
-            _log.warning(late)
-        live = Live(store)
-        duty = Duty(settings.database, estimation_steps, settings.dask, settings.workers)
-        dispatcher = DispatcherApart(duty, on_change=live.ring)
+        clock_error = find_clock_error(store)
+        if clock_error is not None:
+            _log.warning(clock_error)
+        live = LiveEvents(store)
+        duty = DispatcherSettings(
+            settings.database, load_estimation_pipeline, settings.dask, settings.workers
+        )
+        dispatcher = DispatcherProcess(duty, on_change=live.notify)
         dispatcher.start()
-        received = Uploads(store, _upload_folder(settings.database), bring_along)
-        received.start()
-        assessments = Assessments(store, settings.database)
+        uploads_service = Uploads(store, _locate_uploads(settings.database), add_builtin_aircraft)
+        uploads_service.start()
+        assessments = CampaignAssessment(store, settings.database)
         tasks = Tasks()
         searches = Searches(store)
         searches.start()
@@ -120,8 +122,8 @@ def create_app(
             store=store,
             dispatcher=dispatcher,
             migration=migration,
-            bring_along=bring_along,
-            uploads=received,
+            add_builtin_aircraft=add_builtin_aircraft,
+            uploads=uploads_service,
             assessments=assessments,
             report_template=template,
             tasks=tasks,
@@ -134,7 +136,7 @@ def create_app(
         finally:
             live.stop()
             assessments.stop()
-            received.stop()
+            uploads_service.stop()
             tasks.stop()
             searches.stop()
             dispatcher.stop()
@@ -143,19 +145,19 @@ def create_app(
     app = FastAPI(
         title="flexsid",
         summary="A workbench to identify flexible aircraft from flight test",
-        description=DESCRIBED,
+        description=DESCRIPTION,
         version=flexsid.__version__,
         lifespan=lifespan,
         openapi_url="/api/v1/openapi.json",
         docs_url=None,
         redoc_url=None,
-        generate_unique_id_function=_operation_id,
+        generate_unique_id_function=_make_operation_id,
     )
     app.state.settings = settings
     api = APIRouter(
         prefix="/api/v1",
         responses={"4XX": {"model": Problem}},
-        dependencies=[Depends(only_known)],
+        dependencies=[Depends(refuse_unknown_parameters)],
     )
     for module in (
         health,
@@ -168,7 +170,7 @@ def create_app(
         mappings,
         uploads,
         modal_tables,
-        structure_files,
+        modal_files,
         vibration_tests,
         predictions,
         model_structures,
@@ -192,23 +194,23 @@ def create_app(
     ):
         api.include_router(module.router)
     app.include_router(api)
-    describe(app)
+    add_examples(app)
     add_docs(app)
     add_page(app)
     add_error_handlers(app)
     app.add_middleware(BodyLimit)
-    app.add_middleware(Together)
-    app.add_middleware(Guards)  # the one added last comes first
+    app.add_middleware(RequestCoalescing)
+    app.add_middleware(SecurityMiddleware)  # the last one added runs first
     return app
 
 
-def _upload_folder(database: str) -> Path:
-    """Beside a database that is a file, for what is uploaded may be as large."""
+def _locate_uploads(database: str) -> Path:
+    """Return the folder of uploads: beside a database file, since uploads may be as large."""
     file = sqlite_file(parse_url(database))
     if file is None:
         return Path(tempfile.gettempdir()) / f"flexsid-uploads-{getpass.getuser()}"
     return file.with_name(f"{file.name}-uploads")
 
 
-def _operation_id(route: APIRoute) -> str:
+def _make_operation_id(route: APIRoute) -> str:
     return route.name

@@ -1,4 +1,4 @@
-"""What a route is handed: the store, and who carries out runs."""
+"""Services that routes use: store, dispatcher, uploads, tasks."""
 
 from __future__ import annotations
 
@@ -7,42 +7,42 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
-from flexsid.api.live import Live
-from flexsid.jobs.apart import DispatcherApart
+from flexsid.api.live_events import LiveEvents
+from flexsid.jobs.dispatcher_process import DispatcherProcess
 from flexsid.jobs.health import QueueHealth
 from flexsid.jobs.searches import Searches
 from flexsid.storage.store import Store
 from flexsid.workflow.background_tasks import Tasks
-from flexsid.workflow.importing.flight_import import BringAlong
+from flexsid.workflow.importing.flight_import import AddBuiltinAircraft
 from flexsid.workflow.importing.uploads import Uploads
-from flexsid.workflow.quality.campaign_quality import Assessments
+from flexsid.workflow.quality.campaign_quality import CampaignAssessment
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Context:
-    """What lives as long as the server."""
+    """Services that exist as long as the server."""
 
     store: Store
-    dispatcher: DispatcherApart
+    dispatcher: DispatcherProcess
     migration: str
-    bring_along: BringAlong | None
+    add_builtin_aircraft: AddBuiltinAircraft | None
     uploads: Uploads
-    assessments: Assessments
+    assessments: CampaignAssessment
     report_template: str | None
     tasks: Tasks
     searches: Searches
-    live: Live
+    live: LiveEvents
     queue_health: QueueHealth
 
 
-# Asynchronous, so that no thread is spent on handing over a reference.
-async def _context(request: Request) -> Context:
+# Asynchronous, so that no thread of the pool is needed.
+async def _get_context(request: Request) -> Context:
     return request.app.state.context
 
 
-async def _store(request: Request) -> Store:
+async def _get_store(request: Request) -> Store:
     return request.app.state.context.store
 
 
-TheContext = Annotated[Context, Depends(_context)]
-TheStore = Annotated[Store, Depends(_store)]
+TheContext = Annotated[Context, Depends(_get_context)]
+TheStore = Annotated[Store, Depends(_get_store)]

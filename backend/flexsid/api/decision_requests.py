@@ -1,4 +1,4 @@
-"""What a client asks of the review of model structures, strictly read."""
+"""Request models of the review of model structures, validated strictly."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from flexsid.text import LONGEST_NAME, LONGEST_NOTE
 
 _STRICT = ConfigDict(extra="forbid")
 
-# Said for good: never nothing but blanks.
-Said = Annotated[
+# Stored permanently, therefore not blank.
+RequiredText = Annotated[
     str, StringConstraints(strip_whitespace=True, min_length=1, max_length=LONGEST_NOTE), Lines
 ]
-Subject = Annotated[
+RequiredLine = Annotated[
     str, StringConstraints(strip_whitespace=True, min_length=1, max_length=LONGEST_NAME), Line
 ]
 Ids = Annotated[tuple[Id, ...], Field(max_length=200)]
@@ -39,14 +39,14 @@ class ReferenceRequest:
 
     __pydantic_config__ = _STRICT
 
-    def record(self) -> StructureReference:
-        """Return what is kept."""
+    def to_record(self) -> StructureReference:
+        """Return the record to be stored."""
         return StructureReference(id=self.id, version=self.version)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ComparisonRequest:
-    """Runs and predictions to be compared, of one coefficient or all."""
+    """Runs and predictions to compare, for one coefficient or all."""
 
     run_ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=200)]
     prediction_ids: Ids = ()
@@ -57,14 +57,14 @@ class ComparisonRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProposalRequest:
-    """A model structure for a range of conditions, and what speaks for it.
+    """A proposed model structure for a range of conditions, with its reasoning and evidence.
 
-    ``limits`` are closed intervals; without any it is proposed for all conditions.
+    ``limits`` are closed intervals; without limits it is proposed for all conditions.
     """
 
-    title: Subject
+    title: RequiredLine
     structure: ReferenceRequest
-    reasoning: Said
+    reasoning: RequiredText
     changes: ReferenceRequest | None = None
     limits: dict[LimitedQuantity, tuple[Number, Number]] | None = None
     run_ids: Ids = ()
@@ -73,12 +73,12 @@ class ProposalRequest:
 
     __pydantic_config__ = _STRICT
 
-    def record(self) -> StructureProposal:
-        """Return what is kept."""
+    def to_record(self) -> StructureProposal:
+        """Return the record to be stored."""
         return StructureProposal(
             title=self.title,
-            structure=self.structure.record(),
-            changes=None if self.changes is None else self.changes.record(),
+            structure=self.structure.to_record(),
+            changes=None if self.changes is None else self.changes.to_record(),
             limits=dict(self.limits or {}),
             reasoning=self.reasoning,
             run_ids=tuple(dict.fromkeys(self.run_ids)),
@@ -96,7 +96,7 @@ class ProposalRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RevisionRequest:
-    """Another proposal in the place of ``revision``."""
+    """A proposal that replaces ``revision``."""
 
     revision: Version
     proposal: ProposalRequest
@@ -106,9 +106,9 @@ class RevisionRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CommentRequest:
-    """What is said of a decision as a whole, or of one derivative."""
+    """A comment on a decision, or on one derivative."""
 
-    text: Said
+    text: RequiredText
     derivative: Annotated[str, Field(min_length=1, max_length=64), Line] | None = None
 
     __pydantic_config__ = _STRICT
@@ -116,38 +116,38 @@ class CommentRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VoteRequest:
-    """A vote on ``revision``, and why."""
+    """A vote on ``revision``, with its reason."""
 
     revision: Version
     vote: Vote
-    text: Said
+    text: RequiredText
 
     __pydantic_config__ = _STRICT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WithdrawalRequest:
-    """Why ``revision`` is taken back."""
+    """The reason for withdrawing ``revision``."""
 
     revision: Version
-    text: Said
+    text: RequiredText
 
     __pydantic_config__ = _STRICT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RulesRequest:
-    """Rules of review on top of ``version``, and why they change."""
+    """Review rules that replace ``version``, with the reason for the change."""
 
     quorum: Annotated[int, Field(strict=True, ge=1, le=50)]
     own_allowed: Annotated[bool, Field(strict=True)]
     version: Annotated[int, Field(strict=True, ge=0, le=2**31 - 2)]
-    reason: Said
+    reason: RequiredText
 
     __pydantic_config__ = _STRICT
 
-    def record(self, aircraft_id: int, author: str) -> ReviewRules:
-        """Return the rules that are wanted, with the version they were read in."""
+    def to_record(self, aircraft_id: int, author: str) -> ReviewRules:
+        """Return the requested rules, with the version that they replace."""
         return ReviewRules(
             aircraft_id=aircraft_id,
             quorum=self.quorum,
@@ -160,7 +160,7 @@ class RulesRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FreezeRequest:
-    """A figure of ``GET /figures/{kind}?{query}``, to be kept as it is now."""
+    """A figure of ``GET /figures/{kind}?{query}``, to be stored in its current state."""
 
     kind: Annotated[str, Field(pattern=r"^[a-z]+(-[a-z]+)*$", max_length=64)]
     query: Annotated[str, Field(pattern=r"^[!-~]*$", max_length=2000)]

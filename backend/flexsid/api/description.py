@@ -1,4 +1,4 @@
-"""The description of the interface: what FastAPI tells, with refusals and examples as they are."""
+"""The OpenAPI description: that of FastAPI, with error responses and examples added."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from fastapi import FastAPI
 
 _PROBLEM = "application/problem+json"
 
-ANSWERS = Path(__file__).with_name("answers.json")
-"""What routes answered to their examples, by operation; `tests/api/record_answers.py` renews it."""
+EXAMPLES = Path(__file__).with_name("examples.json")
+"""Recorded responses by operation; `tests/api/record_examples.py` renews them."""
 
-# An example by the name of a parameter; ids are 1 unless they stand here.
+# Examples by the name of a parameter; ids not listed here are 1.
 _EXAMPLES: dict[str, Any] = {
     "aircraft_id": 1,
     "fta": 506,
@@ -61,8 +61,8 @@ _EXAMPLES: dict[str, Any] = {
     "surface": "bfs",
 }
 
-# Where the demonstration campaign has another than the first.
-_OWN: dict[str, dict[str, Any]] = {
+# Examples by operation, where the demonstration campaign needs another value.
+_OPERATION_EXAMPLES: dict[str, dict[str, Any]] = {
     "find_maneuvers": {"flight_id": 4},
     "list_flight_channels": {"flight_id": 4},
     "cut_maneuver": {"flight_id": 4},
@@ -120,7 +120,7 @@ _BODIES: dict[str, Any] = {
         "structure": _STRUCTURE,
     },
     "edit_model_structure": {"name": "SP + SW1B, q and az", "structure": _STRUCTURE, "version": 1},
-    "change_maneuvers": {"ids": [1], "action": "tag", "tag": "doubtful"},
+    "change_maneuvers": {"ids": [1], "action": "tag", "tag": "questionable"},
     "change_runs": {"ids": [1], "action": "tag", "tag": "baseline"},
     "add_saved_view": {"page": "runs", "name": "my runs", "search": "method=OE"},
     "propose_decision": _PROPOSAL,
@@ -134,7 +134,7 @@ _BODIES: dict[str, Any] = {
         "version": 0,
         "reason": "two pairs of eyes",
     },
-    "freeze_figure": {"kind": "spectrum", "query": "maneuver_id=1", "title": "Inputs as flown"},
+    "freeze_figure": {"kind": "spectrum", "query": "maneuver_id=1", "title": "Measured inputs"},
     "create_design": {
         "name": "FTA 500, first try",
         "fta": 500,
@@ -144,7 +144,7 @@ _BODIES: dict[str, Any] = {
         "peaks": [0.0175, 0.035, 0.07],
         "effort": "quick",
     },
-    "take_conditioning": {"items": [{"channel": "q", "kind": "delay", "delay_s": 0.004}]},
+    "add_conditioning": {"items": [{"channel": "q", "kind": "delay", "delay_s": 0.004}]},
     "cut_maneuver": {"label": "4-01 FTA 506", "start_s": 500.0, "stop_s": 530.0, "fta": 506},
     "assess_maneuvers": {"maneuver_ids": [1]},
     "set_thrust": {
@@ -152,7 +152,7 @@ _BODIES: dict[str, Any] = {
         "text": "rpm,280,300\n40000,60,55\n80000,210,190\n",
         "source": "ground run of 2026-05-12",
     },
-    "search_design": {
+    "start_design": {
         "name": "about the short period",
         "duration_s": 24.0,
         "rate_hz": 100.0,
@@ -162,8 +162,8 @@ _BODIES: dict[str, Any] = {
         ],
         "effort": "quick",
     },
-    "redesign": {"name": "FTA 500, phases anew", "effort": "quick"},
-    "rehearse": {"run_id": 1, "level": 1, "controller_id": 1},
+    "redesign_phases": {"name": "FTA 500, new phases", "effort": "quick"},
+    "simulate_design": {"run_id": 1, "level": 1, "controller_id": 1},
     "create_controller": {
         "aircraft_id": 1,
         "name": "Pitch damper",
@@ -175,9 +175,9 @@ _BODIES: dict[str, Any] = {
         "number": 12,
         "name": "SW2B",
         "symmetric": True,
-        "reason": "the winglets follow the second bending",
+        "reason": "the winglets move with the second bending mode",
     },
-    "import_structure": {
+    "import_modal_data": {
         "aircraft_id": 1,
         "name": "FEM 5.1",
         "length_unit": "in",
@@ -191,12 +191,17 @@ _BODIES: dict[str, Any] = {
         "force_unit": "N",
         "length_unit": "m",
     },
-    "keep_found_modes": {"name": "GVT", "low_hz": 2.0, "high_hz": 18.0, "like_id": 1},
+    "save_identified_modes": {"name": "GVT", "low_hz": 2.0, "high_hz": 18.0, "template_id": 1},
     "check_orthogonality": {"modal_table_id": 1, "field": "mass"},
     "import_flutter_summary": {"aircraft_id": 1, "name": "SOL 145", "speed_unit": "kt"},
     "upload_files": {"files": ["recording.csv"]},
     "upload_maneuver": {"files": ["recording.csv"], "mapping": "mapping.toml"},
-    "import_flown": {"files": ["commands.csv"], "name": "As flown", "rate_hz": 50.0, "unit": "deg"},
+    "import_multisines": {
+        "files": ["commands.csv"],
+        "name": "OMS 1",
+        "rate_hz": 50.0,
+        "unit": "deg",
+    },
     "upload_controller": {
         "file": "damper.mat",
         "aircraft_id": 1,
@@ -210,7 +215,7 @@ _BODIES: dict[str, Any] = {
     "import_upload": {"mapping": _MAPPING, "aircraft_id": 1},
 }
 
-# How texts begin; what is read by programs only has no example.
+# Beginnings of text responses; binary formats have no example.
 _TEXTS = {
     "text/csv": "frequency_hz,bfs,wf1s\n0.25,1.02,0.44\n",
     "text/html": "<!doctype html>\n<title>Run 1, output error</title>\n",
@@ -220,56 +225,57 @@ _TEXTS = {
 }
 
 
-def describe(app: FastAPI) -> None:
-    """Amend what the application tells of itself, once, when it is first asked."""
-    told = app.openapi
+def add_examples(app: FastAPI) -> None:
+    """Add error responses and examples to the OpenAPI description, once, on first use."""
+    generate = app.openapi
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
-            answers = json.loads(ANSWERS.read_text(encoding="utf-8"))
-            for operation in operations(told()):
-                _amend(operation)
-                _show(operation, answers)
-        return told()
+            examples = json.loads(EXAMPLES.read_text(encoding="utf-8"))
+            for operation in iterate_operations(generate()):
+                _add_request_examples(operation)
+                _add_response_examples(operation, examples)
+        return generate()
 
     app.openapi = openapi
 
 
-def operations(schema: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Every operation of a description."""
+def iterate_operations(schema: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """Yield every operation of an OpenAPI description."""
     for methods in schema["paths"].values():
         yield from methods.values()
 
 
-def _amend(operation: dict[str, Any]) -> None:
-    for status, answer in operation["responses"].items():
-        if status.startswith("4") and "application/json" in answer["content"]:
-            answer["content"] = {_PROBLEM: answer["content"]["application/json"]}
+def _add_request_examples(operation: dict[str, Any]) -> None:
+    """Add examples of body and parameters; declare errors as ``application/problem+json``."""
+    for status, response in operation["responses"].items():
+        if status.startswith("4") and "application/json" in response["content"]:
+            response["content"] = {_PROBLEM: response["content"]["application/json"]}
     for body in operation.get("requestBody", {}).get("content", {}).values():
         if operation["operationId"] in _BODIES:
             body["example"] = _BODIES[operation["operationId"]]
     for parameter in operation.get("parameters", ()):
         if "example" not in parameter and "examples" not in parameter:
-            own = _OWN.get(operation["operationId"], {})
-            example = own.get(parameter["name"], _example(parameter["name"]))
+            specific = _OPERATION_EXAMPLES.get(operation["operationId"], {})
+            example = specific.get(parameter["name"], _find_example(parameter["name"]))
             if example is not None:
                 parameter["example"] = example
 
 
-def _show(operation: dict[str, Any], answers: dict[str, Any]) -> None:
-    """Show what comes back where all goes well."""
-    for status, answer in operation["responses"].items():
+def _add_response_examples(operation: dict[str, Any], examples: dict[str, Any]) -> None:
+    """Add an example to every successful response."""
+    for status, response in operation["responses"].items():
         if not status.startswith("2"):
             continue
-        for kind, content in answer.get("content", {}).items():
-            shown = _TEXTS.get(kind)
+        for kind, content in response.get("content", {}).items():
+            example = _TEXTS.get(kind)
             if kind == "application/json":
-                shown = answers.get(operation["operationId"])
-            if shown is not None:
-                content["example"] = shown
+                example = examples.get(operation["operationId"])
+            if example is not None:
+                content["example"] = example
 
 
-def _example(name: str) -> Any:
+def _find_example(name: str) -> Any:
     if name in _EXAMPLES:
         return _EXAMPLES[name]
     if name.endswith("_ids"):

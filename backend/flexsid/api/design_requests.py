@@ -1,4 +1,4 @@
-"""Requests for excitation designs, by a row of Table 1, harmonics or bands."""
+"""Request models of excitation designs: by a row of Table 1, by harmonics or by bands."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from flexsid.api.requests import Name, Number, Text, Title
 from flexsid.errors import BadInput
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
-from flexsid.sysid.excitation.allotment import Band
-from flexsid.sysid.excitation.designer import InputWish, Wish
+from flexsid.sysid.excitation.designer import DesignSpecification, InputSpecification
+from flexsid.sysid.excitation.harmonic_assignment import Band
 from flexsid.workflow.excitation import excitation_designs
-from flexsid.workflow.excitation.target_modes import reach_of
+from flexsid.workflow.excitation.target_modes import find_reach
 
 _STRICT: Any = ConfigDict(extra="forbid")
 
@@ -25,7 +25,7 @@ Harmonic = Annotated[int, Field(strict=True, ge=1, le=20_000)]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InputRequest:
-    """One input; ``power`` of its lines is flat when left out."""
+    """One input with its harmonics; relative ``power`` by harmonic, flat if omitted."""
 
     name: Name
     harmonics: Annotated[tuple[Harmonic, ...], Field(max_length=500)]
@@ -37,9 +37,9 @@ class InputRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BandRequest:
-    """One input by its band: ``count`` lines, half of them about ``targets_hz`` if any.
+    """One input by its band: ``count`` harmonics, half of them near ``targets_hz`` if given.
 
-    ``spectrum`` gives relative power at frequencies [Hz], log-log between; flat if left out.
+    ``spectrum`` gives relative power at frequencies [Hz], interpolated log-log; flat if omitted.
     """
 
     name: Name
@@ -57,8 +57,8 @@ class BandRequest:
 class DesignRequest:
     """A row of Table 1 by ``fta``, or ``inputs`` by their harmonics, or ``bands``.
 
-    ``peaks`` are the largest commands of an input with relative peak 1 in radians, at most 60 deg.
-    With ``aircraft_id`` the harmonics of a row reach its target modes on that aircraft.
+    ``peaks`` are the low, medium and high amplitudes of an input with relative peak 1 [rad], at
+    most 60 deg. With ``aircraft_id`` the band of a row includes its target modes on that aircraft.
     """
 
     name: Title
@@ -76,17 +76,17 @@ class DesignRequest:
 
     __pydantic_config__ = _STRICT
 
-    def wish(self, store: Store) -> Wish:
-        """Return what the designer is asked."""
+    def to_specification(self, store: Store) -> DesignSpecification:
+        """Return the specification of the design."""
         if (self.fta is not None) + bool(self.inputs) + bool(self.bands) != 1:
-            raise BadInput("give either the number of a row of Table 1, or inputs, or bands")
+            raise BadInput("give either fta (a row of Table 1), or inputs, or bands")
         if self.aircraft_id is not None and self.fta is None:
             raise BadInput(
-                "aircraft_id belongs to a row of Table 1; inputs and bands have their own"
-                " frequencies"
+                "aircraft_id is valid with fta only; omit it with inputs or bands, which define"
+                " their frequencies"
             )
         if self.fta is not None:
-            return excitation_designs.wish_for(
+            return excitation_designs.specify_design(
                 self.fta,
                 self.duration_s,
                 self.rate_hz,
@@ -94,23 +94,23 @@ class DesignRequest:
                 self.peaks,
                 self.effort,
                 self.seed,
-                None if self.aircraft_id is None else reach_of(store, self.fta, self.aircraft_id),
+                None if self.aircraft_id is None else find_reach(store, self.fta, self.aircraft_id),
             )
         if self.bands:
-            return excitation_designs.wish_for_bands(
+            return excitation_designs.specify_bands(
                 tuple(
-                    excitation_designs.BandWish(
-                        name=own.name,
+                    excitation_designs.BandSpecification(
+                        name=item.name,
                         band=Band(
-                            low_hz=own.low_hz,
-                            high_hz=own.high_hz,
-                            count=own.count,
-                            targets_hz=own.targets_hz,
+                            low_hz=item.low_hz,
+                            high_hz=item.high_hz,
+                            count=item.count,
+                            targets_hz=item.targets_hz,
                         ),
-                        relative_peak=own.relative_peak,
-                        spectrum=own.spectrum,
+                        relative_peak=item.relative_peak,
+                        spectrum=item.spectrum,
                     )
-                    for own in self.bands
+                    for item in self.bands
                 ),
                 self.duration_s,
                 self.rate_hz,
@@ -119,15 +119,15 @@ class DesignRequest:
                 self.seed,
             )
         inputs = tuple(
-            InputWish(
-                name=own.name,
-                harmonics=own.harmonics,
-                relative_peak=own.relative_peak,
-                power=own.power,
+            InputSpecification(
+                name=item.name,
+                harmonics=item.harmonics,
+                relative_peak=item.relative_peak,
+                power=item.power,
             )
-            for own in self.inputs
+            for item in self.inputs
         )
-        return Wish(
+        return DesignSpecification(
             duration_s=self.duration_s,
             rate_hz=self.rate_hz,
             inputs=inputs,
@@ -139,7 +139,7 @@ class DesignRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RescaleRequest:
-    """Factors on the amplitudes of inputs; those left out stay."""
+    """Factors on the amplitudes of inputs; omitted inputs are unchanged."""
 
     name: Title
     gains: Annotated[dict[Name, Positive], Field(min_length=1, max_length=40)]
@@ -150,7 +150,7 @@ class RescaleRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RedesignRequest:
-    """The same lines with other phases."""
+    """New phases for the harmonics of a design."""
 
     name: Title
     effort: Effort = "thorough"
@@ -159,8 +159,8 @@ class RedesignRequest:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RehearsalRequest:
-    """Whose model flies, at which amplitude, and which controller holds it; none for open loop."""
+class PreflightSimulationRequest:
+    """Run whose model is simulated, amplitude level, and controller (none: open loop)."""
 
     run_id: Annotated[int, Field(strict=True, ge=1, le=LARGEST_ID)]
     level: Annotated[int, Field(strict=True, ge=0, le=2)] = 1

@@ -13,7 +13,7 @@ from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 from starlette.routing import compile_path
 
-from flexsid.api.wire import dump
+from flexsid.api.serialization import dump_json
 from flexsid.errors import (
     BadInput,
     Cancelled,
@@ -41,7 +41,7 @@ _CODES = {400: "bad-request", 404: "not-found", 405: "method-not-allowed", 413: 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FieldError:
-    """What is wrong with one field of a request."""
+    """An error in one field of a request."""
 
     field: str
     message: str
@@ -49,7 +49,7 @@ class FieldError:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
-    """Why a request was not carried out; ``code`` is stable, ``detail`` is for people."""
+    """Why a request failed (RFC 9457); ``code`` is stable, ``detail`` is for the reader."""
 
     type: str
     title: str
@@ -59,8 +59,8 @@ class Problem:
     errors: tuple[FieldError, ...] | None = None
 
 
-def problem(status: int, code: str, detail: str, **context: Any) -> Response:
-    """Make the answer that describes a problem."""
+def make_problem(status: int, code: str, detail: str, **context: Any) -> Response:
+    """Make the response of a problem."""
     body = {
         **context,
         "type": "about:blank",
@@ -69,54 +69,55 @@ def problem(status: int, code: str, detail: str, **context: Any) -> Response:
         "detail": detail,
         "code": code,
     }
-    return Response(dump(body), status_code=status, media_type="application/problem+json")
+    return Response(dump_json(body), status_code=status, media_type="application/problem+json")
 
 
 def add_error_handlers(app: FastAPI) -> None:
-    """Let every error of the application leave as a problem."""
-    app.add_exception_handler(FlexsidError, _flexsid_error)
-    app.add_exception_handler(RequestValidationError, _bad_request)
-    app.add_exception_handler(HTTPException, _http_error)
-    app.add_exception_handler(Exception, _unexpected)
+    """Return every error of the application as a problem."""
+    app.add_exception_handler(FlexsidError, _handle_flexsid_error)
+    app.add_exception_handler(RequestValidationError, _handle_bad_request)
+    app.add_exception_handler(HTTPException, _handle_http_error)
+    app.add_exception_handler(Exception, _handle_unexpected_error)
 
 
-async def _flexsid_error(_request: Request, error: Exception) -> Response:
+async def _handle_flexsid_error(_request: Request, error: Exception) -> Response:
     assert isinstance(error, FlexsidError)
     status = next((s for kind, s in _STATUS if isinstance(error, kind)), None)
     if status is None:
-        # Words for the analyst: what was asked cannot be done, whatever it is called.
-        _log.warning("an error without a status of its own", exc_info=error)
+        # The message is meant for the analyst: the request cannot be processed.
+        _log.warning("an error class without an HTTP status", exc_info=error)
         status = HTTPStatus.UNPROCESSABLE_ENTITY
-    context = {name: _plain(value) for name, value in error.context.items()}
-    return problem(status, error.code, error.message, **context)
+    context = {name: _to_json_value(value) for name, value in error.context.items()}
+    return make_problem(status, error.code, error.message, **context)
 
 
-async def _bad_request(_request: Request, error: Exception) -> Response:
+async def _handle_bad_request(_request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     errors = [
-        FieldError(field=_field(found["loc"]), message=found["msg"]) for found in error.errors()
+        FieldError(field=_name_field(found["loc"]), message=found["msg"])
+        for found in error.errors()
     ]
     detail = "; ".join(f"{e.field}: {e.message}" for e in errors)
-    return problem(422, "invalid-request", detail, errors=errors)
+    return make_problem(422, "invalid-request", detail, errors=errors)
 
 
-async def _http_error(request: Request, error: Exception) -> Response:
+async def _handle_http_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     detail = str(error.detail)
     if error.status_code == HTTPStatus.NOT_FOUND:
-        detail = f"there is nothing at {request.url.path}"
+        detail = f"no resource at {request.url.path}"
     if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
-        detail = f"{request.method} is not possible at {request.url.path}"
+        detail = f"{request.method} is not allowed at {request.url.path}"
     code = _CODES.get(error.status_code, "http-error")
-    answer = problem(error.status_code, code, detail)
-    answer.headers.update(error.headers or {})
+    response = make_problem(error.status_code, code, detail)
+    response.headers.update(error.headers or {})
     if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
-        answer.headers["Allow"] = ", ".join(_methods_at(request))
-    return answer
+        response.headers["Allow"] = ", ".join(_find_methods(request))
+    return response
 
 
-def _methods_at(request: Request) -> list[str]:
-    """What is possible at a path; a route knows only its own method."""
+def _find_methods(request: Request) -> list[str]:
+    """Return all methods of a path; a route has only its own."""
     described: dict[str, dict[str, Any]] = request.app.openapi()["paths"]
     here = request.url.path
     found = described.get(here) or next(
@@ -126,19 +127,17 @@ def _methods_at(request: Request) -> list[str]:
     return [method.upper() for method in found]
 
 
-async def _unexpected(_request: Request, _error: Exception) -> Response:
-    # The server logs the trace; the analyst is not shown it.
-    return problem(
-        500, "internal-error", "an error of the software; the log of the server has the details"
-    )
+async def _handle_unexpected_error(_request: Request, _error: Exception) -> Response:
+    # The traceback is logged by the server and not sent.
+    return make_problem(500, "internal-error", "internal error; the server log has the details")
 
 
-def _field(location: Sequence[str | int]) -> str:
-    """Name a field as the client does, without the part of the request it stands in."""
+def _name_field(location: Sequence[str | int]) -> str:
+    """Return the name of a field, without the part of the request that contains it."""
     named = location[1:] if location and location[0] in ("body", "query", "path") else location
     return ".".join(str(part) for part in named) or "body"
 
 
-def _plain(value: object) -> Any:
+def _to_json_value(value: object) -> Any:
     whole = is_dataclass(value) or isinstance(value, str | int | float | bool | list | dict | None)
     return value if whole else str(value)

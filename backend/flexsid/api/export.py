@@ -1,4 +1,4 @@
-"""A figure as the page draws it, or its numbers as CSV or MAT."""
+"""Figure responses: the Plotly specification, or its data as CSV or MAT."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Annotated, Any, Literal
 from fastapi import Query
 from fastapi.responses import Response
 
-from flexsid.api.wire import Json
-from flexsid.figures.numbers import comma_separated, curves
+from flexsid.api.serialization import Json
+from flexsid.figures.numbers import extract_curves, write_csv
 
 Form = Annotated[
     Literal["json", "csv", "mat"],
-    Query(alias="format", description="Figure, or the numbers it shows."),
+    Query(alias="format", description="Plotly figure, or its data as CSV or MAT."),
 ]
 
 
@@ -25,33 +25,33 @@ FILES: dict[int | str, dict[str, Any]] = {
         }
     }
 }
-"""What a figure's answer may be besides JSON, as the description tells it."""
+"""Media types of a figure response besides JSON, for the OpenAPI description."""
 
 
-def sent(spec: dict[str, Any], form: Form) -> Response:
-    """Answer with a figure, or with its numbers as a file."""
+def respond_with_figure(spec: dict[str, Any], form: Form) -> Response:
+    """Return the response of a figure, or of its data as a file."""
     if form == "csv":
-        content = comma_separated(spec).encode()
-        return _file(content, "text/csv; charset=utf-8")
+        content = write_csv(spec).encode()
+        return _make_file_response(content, "text/csv; charset=utf-8")
     if form == "mat":
-        return _file(_matlab(spec), "application/octet-stream")
+        return _make_file_response(_write_matlab(spec), "application/octet-stream")
     return Json(spec)
 
 
-def _file(content: bytes, media_type: str) -> Response:
-    # Without a name of its own: the page knows of what the figure is.
+def _make_file_response(content: bytes, media_type: str) -> Response:
+    # Without a file name: the page names the download.
     disposition = {"Content-Disposition": "attachment"}
     return Response(content, media_type=media_type, headers=disposition)
 
 
-def _matlab(spec: dict[str, Any]) -> bytes:
-    """One struct per curve in ``curves``; MATLAB 5, which everything reads."""
-    from scipy import io as files  # only where somebody wants MATLAB
+def _write_matlab(spec: dict[str, Any]) -> bytes:
+    """Return a MATLAB 5 file with one struct per curve in ``curves``."""
+    from scipy import io as files  # slow to import, and needed for MAT only
 
-    found = [
+    structs = [
         {"name": curve.name, "x_axis": curve.axes[0], "y_axis": curve.axes[1], **curve.columns}
-        for curve in curves(spec)
+        for curve in extract_curves(spec)
     ]
-    out: Any = io.BytesIO()  # which the stubs of savemat do not know
-    files.savemat(out, {"curves": found}, do_compression=True)
+    out: Any = io.BytesIO()  # the stubs of savemat do not accept BytesIO
+    files.savemat(out, {"curves": structs}, do_compression=True)
     return out.getvalue()

@@ -1,4 +1,4 @@
-"""Only what a route has: a mistyped parameter would be a filter that does not filter."""
+"""Refusal of unknown and repeated query parameters."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from flexsid.api.errors import FieldError
 from flexsid.errors import BadInput
 from flexsid.text import LONGEST_NOTE, check_line
 
-DESCRIBED = (
+DESCRIPTION = (
     "A query parameter that a route does not have is refused with 422 and the code"
     " `unknown-parameter`, one that is given twice with `repeated-parameter`."
 )
 
-# A route cannot be a key; finding its parameters takes longer than many an answer.
+# By endpoint, since a route is not hashable; the look-up is slower than many responses.
 _known: dict[Callable[..., Any], tuple[str, ...]] = {}
 
 
-async def only_known(request: Request) -> None:
-    """Refuse query parameters that the route does not read.
+async def refuse_unknown_parameters(request: Request) -> None:
+    """Refuse query parameters that the route does not have, or that are repeated.
 
     Raises
     ------
     BadInput
-        Naming the parameter, and those that the route has.
+        With the parameter, and the parameters of the route.
     HTTPException
-        405 where a word was taken for an id: `DELETE /runs/facets` is no run that is deleted.
+        405 if a word stands where an id is expected: `DELETE /runs/facets`.
     """
     word = any(str(value).replace("-", "").isalpha() for value in request.path_params.values())
     if word and request.url.path in request.app.openapi()["paths"]:
@@ -49,11 +49,11 @@ async def only_known(request: Request) -> None:
                     code="bad-text",
                     errors=[FieldError(field=name, message=str(error))],
                 ) from error
-    known = _parameters(request.scope["route"])
+    known = _list_parameters(request.scope["route"])
     given = Counter(name for name, _value in request.query_params.multi_items())
     unknown = [name for name in given if name not in known]
     if unknown:
-        takes = f"it takes {', '.join(known)}" if known else "it takes none"
+        takes = f"expected {', '.join(known)}" if known else "expected none"
         raise BadInput(
             f"{request.url.path} has no query parameter {', '.join(map(repr, unknown))}; {takes}",
             code="unknown-parameter",
@@ -61,7 +61,7 @@ async def only_known(request: Request) -> None:
         )
     repeated = [name for name, times in given.items() if times > 1]
     if repeated:
-        more = "given more than once; several values are separated by commas"
+        more = "given more than once; separate several values by commas"
         raise BadInput(
             f"{', '.join(repeated)}: {more}",
             code="repeated-parameter",
@@ -69,7 +69,7 @@ async def only_known(request: Request) -> None:
         )
 
 
-def _parameters(route: APIRoute) -> tuple[str, ...]:
+def _list_parameters(route: APIRoute) -> tuple[str, ...]:
     known = _known.get(route.endpoint)
     if known is None:
         found = get_flat_params(route.dependant)

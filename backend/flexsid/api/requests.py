@@ -1,4 +1,4 @@
-"""What a client asks for: records without what only the server knows, strictly read."""
+"""Request models: records without server-side fields, validated strictly."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _STRICT: Any = ConfigDict(extra="forbid")
 LARGEST_NUMBER = LARGEST["number"]
 LATEST_S = LARGEST["time"]
 
-# Strict, for a Boolean is no number here.
+# Strict: a Boolean is not accepted as a number.
 Id = Annotated[int, Field(strict=True, ge=1, le=LARGEST_ID)]
 Number = Annotated[float, Field(strict=True, ge=-LARGEST_NUMBER, le=LARGEST_NUMBER)]
 Moment = Annotated[float, Field(strict=True, ge=-LATEST_S, le=LATEST_S)]
@@ -34,14 +34,14 @@ Names = Annotated[tuple[Name, ...], Field(max_length=500)]
 Title = Name
 Author = Annotated[str, Field(max_length=LONGEST_NAME), Line]
 Text = Annotated[str, Field(max_length=LONGEST_NOTE), Lines]
-# Of the longest characters that JSON knows, this many are still a body that is read.
+# Even with every character escaped in JSON, such a text stays below the body limit.
 LONGEST_TEXT = 128 * 1024
 MappingText = Annotated[str, Field(min_length=1, max_length=LONGEST_TEXT)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MappingRequest:
-    """Keep a mapping under a name."""
+    """A mapping to store under a name."""
 
     name: Title
     text: MappingText
@@ -52,7 +52,7 @@ class MappingRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UploadMappingRequest:
-    """A mapping, as TOML, for the files of an upload; ``confirmed``: its guesses are right."""
+    """A TOML mapping for the files of an upload; ``confirmed``: its guesses are confirmed."""
 
     mapping: MappingText
     aircraft_id: Id | None = None
@@ -63,7 +63,7 @@ class UploadMappingRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PreviewRequest:
-    """A mapping and the channels of it that are drawn; the first ones where none is named."""
+    """A mapping and the channels to plot; the first ones if none are given."""
 
     mapping: MappingText
     channels: Names = ()
@@ -71,13 +71,13 @@ class PreviewRequest:
     __pydantic_config__ = _STRICT
 
 
-# A comma would end a tag where several are written into one address.
+# No commas, which separate tags in a query.
 Tag = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\s,](?:[^,]*[^\s,])?$"), Line]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChangeRequest:
-    """Do the same to many maneuvers or runs; ``tag`` goes with ``tag`` and ``untag``."""
+    """One action on many maneuvers or runs; ``tag`` is used by ``tag`` and ``untag``."""
 
     ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=10_000)]
     action: Action
@@ -88,7 +88,7 @@ class ChangeRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SavedViewRequest:
-    """Keep what a page shows under a name."""
+    """The filters of a page to store under a name."""
 
     page: Literal["campaign", "runs", "compare", "flutter"]
     name: Title
@@ -97,8 +97,8 @@ class SavedViewRequest:
 
     __pydantic_config__ = _STRICT
 
-    def record(self) -> SavedView:
-        """Return what is kept."""
+    def to_record(self) -> SavedView:
+        """Return the record to be stored."""
         return SavedView(page=self.page, name=self.name, search=self.search, author=self.author)
 
 
@@ -123,14 +123,14 @@ class StepRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConditioningRequest:
-    """Corrections to take together."""
+    """Corrections to apply together."""
 
     items: Annotated[tuple[StepRequest, ...], Field(min_length=1, max_length=1000)]
 
     __pydantic_config__ = _STRICT
 
-    def corrections(self) -> list[Correction]:
-        """Return what was asked for."""
+    def to_corrections(self) -> list[Correction]:
+        """Return the requested corrections."""
         return [
             Correction(
                 channel=one.channel,
@@ -148,7 +148,7 @@ class ConditioningRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AssessRequest:
-    """Maneuvers to look at; all that nobody has looked at where none is named."""
+    """Maneuvers whose data quality is assessed; all unassessed ones if omitted."""
 
     maneuver_ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=10_000)] | None = None
 
@@ -157,7 +157,7 @@ class AssessRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CutRequest:
-    """A window of a flight that becomes a maneuver. [s]"""
+    """A window of a flight to cut out as a maneuver. [s]"""
 
     label: Title
     start_s: Moment
@@ -168,8 +168,8 @@ class CutRequest:
 
     __pydantic_config__ = _STRICT
 
-    def record(self) -> Cut:
-        """Return what was asked for."""
+    def to_record(self) -> Cut:
+        """Return the requested window."""
         return Cut(
             label=self.label,
             start_s=self.start_s,

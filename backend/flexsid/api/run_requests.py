@@ -1,4 +1,4 @@
-"""Requests for runs, batches and model structures."""
+"""Request models of runs, batches and model structures."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Frequency = Annotated[float, Field(strict=True, ge=0.0, le=1e4)]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedToRequest:
-    """A source that a derivative is held at."""
+    """Run or prediction whose value a derivative is fixed to."""
 
     source: HeldBy
     id: Id
@@ -49,7 +49,7 @@ class StructureRequest:
     free: Names | None = None
     fixed: Annotated[dict[Name, Number] | None, Field(max_length=500)] = None
     free_delays: Annotated[bool, Field(strict=True)] = False
-    also_free: Names = ()
+    extra_parameters: Names = ()
     axis: Literal["longitudinal"] = "longitudinal"
     absent: Names = ()
     fixed_to: Annotated[dict[Name, FixedToRequest] | None, Field(max_length=500)] = None
@@ -58,8 +58,8 @@ class StructureRequest:
 
     __pydantic_config__ = _STRICT
 
-    def record(self) -> Structure:
-        """Return what is kept."""
+    def to_record(self) -> Structure:
+        """Return the record to be stored."""
         return Structure(
             modes=self.modes,
             inputs=self.inputs,
@@ -67,7 +67,7 @@ class StructureRequest:
             free=self.free,
             fixed=self.fixed or {},
             free_delays=self.free_delays,
-            also_free=self.also_free,
+            extra_parameters=self.extra_parameters,
             axis=self.axis,
             absent=self.absent,
             fixed_to={
@@ -81,7 +81,7 @@ class StructureRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SettingsRequest:
-    """Choices of the analyst that are not model structure."""
+    """Settings of the estimation, apart from the model structure."""
 
     start: Start = Start.BEST
     band_hz: tuple[Frequency, Frequency] | None = None
@@ -90,12 +90,12 @@ class SettingsRequest:
     priors: Annotated[dict[Name, Prior] | None, Field(max_length=500)] = None
     prior_spread: Annotated[float, Field(strict=True, gt=0.0, le=100.0)] | None = None
     start_run_id: Id | None = None
-    together_with: Annotated[tuple[Id, ...], Field(max_length=100)] = ()
+    additional_maneuver_ids: Annotated[tuple[Id, ...], Field(max_length=100)] = ()
 
     __pydantic_config__ = _STRICT
 
-    def record(self) -> RunSettings:
-        """Return what is kept."""
+    def to_record(self) -> RunSettings:
+        """Return the record to be stored."""
         return RunSettings(
             start=self.start,
             band_hz=self.band_hz,
@@ -104,21 +104,21 @@ class SettingsRequest:
             priors=self.priors or {},
             prior_spread=self.prior_spread,
             start_run_id=self.start_run_id,
-            together_with=self.together_with,
+            additional_maneuver_ids=self.additional_maneuver_ids,
         )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LimitsRequest:
-    """What a run may take before it is stopped."""
+    """Time and memory limits of a run; it is stopped beyond them."""
 
     time_s: Annotated[float | None, Field(strict=True, gt=0.0, le=86_400.0)] = None
     memory_mb: Annotated[int | None, Field(strict=True, ge=64, le=1_000_000)] = None
 
     __pydantic_config__ = _STRICT
 
-    def record(self) -> Limits:
-        """Return what is kept."""
+    def to_record(self) -> Limits:
+        """Return the record to be stored."""
         return Limits(time_s=self.time_s, memory_mb=self.memory_mb)
 
 
@@ -129,9 +129,9 @@ Priority = Annotated[int, Field(strict=True, ge=-100, le=100)]
 class RunRequest:
     """Estimate a model of one maneuver by one method.
 
-    What is left out is chosen: the aircraft's latest tables and the prediction
-    that covers most of the derivatives. The structure is given in full, or by
-    ``structure_id`` (in its newest version, else in ``structure_version``).
+    Omitted ids default to the aircraft's latest tables and the prediction that covers most of the
+    derivatives. The structure is given in full, or by ``structure_id`` (in
+    ``structure_version``, the newest if omitted).
     """
 
     maneuver_id: Id
@@ -149,13 +149,13 @@ class RunRequest:
 
     __pydantic_config__ = _STRICT
 
-    def record(self, structure: Structure, version: int | None, analyst: str) -> EstimationRun:
-        """Return the run that is queued, with the structure that was found for it."""
+    def to_record(self, structure: Structure, version: int | None, analyst: str) -> EstimationRun:
+        """Return the run to be queued, with its resolved structure."""
         return EstimationRun(
             maneuver_id=self.maneuver_id,
             method=self.method,
             structure=structure,
-            settings=(self.settings or SettingsRequest()).record(),
+            settings=(self.settings or SettingsRequest()).to_record(),
             modal_table_id=self.modal_table_id,
             damping_table_id=self.damping_table_id,
             prediction_id=self.prediction_id,
@@ -163,13 +163,13 @@ class RunRequest:
             structure_version=version,
             author=self.author or analyst,
             priority=self.priority,
-            limits=None if self.limits is None else self.limits.record(),
+            limits=None if self.limits is None else self.limits.to_record(),
         )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BatchStructure:
-    """A structure of a batch: in full, or a kept one, in its newest version if none is named."""
+    """A model structure of a batch: in full, or by id, in its newest version if none is given."""
 
     structure: StructureRequest | None = None
     structure_id: Id | None = None
@@ -180,10 +180,10 @@ class BatchStructure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BatchRequest:
-    """Estimate many maneuvers, by each of the methods, with each of the structures.
+    """Estimate many maneuvers by each of the methods, with each of the structures.
 
-    With ``from_equation_error`` OE and FRE wait for the EE run of the same maneuver and
-    structure, and start from it.
+    With ``from_equation_error``, OE and FRE runs wait for the EE run of the same maneuver and
+    structure, and use its estimates as starting values.
     """
 
     name: Title
@@ -200,15 +200,15 @@ class BatchRequest:
 
     __pydantic_config__ = _STRICT
 
-    def template(
+    def make_template(
         self, structure: Structure, structure_id: int | None, version: int | None, analyst: str
     ) -> EstimationRun:
-        """Return what its runs with one structure have in common."""
+        """Return the common part of the runs with one structure."""
         return EstimationRun(
             maneuver_id=self.maneuver_ids[0],
             method=self.methods[0],
             structure=structure,
-            settings=(self.settings or SettingsRequest()).record(),
+            settings=(self.settings or SettingsRequest()).to_record(),
             modal_table_id=self.modal_table_id,
             damping_table_id=self.damping_table_id,
             prediction_id=self.prediction_id,
@@ -216,13 +216,13 @@ class BatchRequest:
             structure_version=version,
             author=analyst,
             priority=self.priority,
-            limits=None if self.limits is None else self.limits.record(),
+            limits=None if self.limits is None else self.limits.to_record(),
         )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelStructureRequest:
-    """Keep a model structure under a name."""
+    """A model structure to store under a name."""
 
     aircraft_id: Id
     name: Title
@@ -234,9 +234,9 @@ class ModelStructureRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StructureEditRequest:
-    """Keep a new version of a model structure.
+    """A new version of a model structure.
 
-    ``version`` is the one that was edited; the header ``If-Match`` says the same.
+    ``version`` is the version that was edited; the header ``If-Match`` can give it instead.
     """
 
     name: Title

@@ -1,4 +1,4 @@
-"""Reports from the command line."""
+"""Command ``flexsid report``."""
 
 from __future__ import annotations
 
@@ -8,48 +8,48 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from flexsid import reports
-from flexsid.cli.opening import opened
-from flexsid.cli.runs import numbers
-from flexsid.cli.saying import say, write_file
+from flexsid.cli.database import open_store
+from flexsid.cli.output import print_result, write_file
+from flexsid.cli.runs import parse_list
 from flexsid.errors import BadInput
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
 
 
-def report(settings: Settings, chosen: argparse.Namespace) -> int:
-    """Write a report, or the template that reports are put into."""
-    file = Path(chosen.output)
+def report(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Write a report, or the template of reports."""
+    file = Path(arguments.output)
     if file.suffix not in (".html", ".pdf"):
         raise BadInput(f"{file} ends in {file.suffix!r}; expected .html or .pdf")
-    write_file(file, _content(settings, chosen, file.suffix))
-    if chosen.json:
-        say((), {"file": str(file)}, as_json=True)
+    write_file(file, _encode_report(settings, arguments, file.suffix))
+    if arguments.json:
+        print_result((), {"file": str(file)}, as_json=True)
     else:
         print(f"wrote {file}", file=sys.stderr)
     return 0
 
 
-def _content(settings: Settings, chosen: argparse.Namespace, suffix: str) -> bytes:
-    if chosen.kind == "template":
+def _encode_report(settings: Settings, arguments: argparse.Namespace, suffix: str) -> bytes:
+    if arguments.kind == "template":
         return reports.built_in_template().encode()
-    own = chosen.template or settings.report_template
+    own = arguments.template or settings.report_template
     template = None if own is None else reports.read_template(own)
-    with opened(settings) as store:
-        made = _made(store, chosen)
-    html = reports.to_html(made, datetime.now(UTC), template)
+    with open_store(settings) as store:
+        document = _make_report(store, arguments)
+    html = reports.to_html(document, datetime.now(UTC), template)
     return reports.to_pdf(html) if suffix == ".pdf" else html.encode()
 
 
-def _made(store: Store, chosen: argparse.Namespace) -> reports.Report:
-    if chosen.kind == "campaign":
+def _make_report(store: Store, arguments: argparse.Namespace) -> reports.Report:
+    if arguments.kind == "campaign":
         return reports.campaign_report(store)
-    ids = numbers(chosen.ids or "", int, "IDS")
-    if chosen.kind == "comparison":
-        predictions = numbers(chosen.predictions, int, "--predictions")
+    ids = parse_list(arguments.ids or "", int, "IDS")
+    if arguments.kind == "comparison":
+        predictions = parse_list(arguments.predictions, int, "--predictions")
         return reports.comparison_report(store, ids, predictions)
     if len(ids) != 1:
         raise BadInput(
-            f"give one id, e.g. flexsid report {chosen.kind} 3 --output {chosen.kind}.html"
+            f"give one id, e.g. flexsid report {arguments.kind} 3 --output {arguments.kind}.html"
         )
-    made = reports.run_report if chosen.kind == "run" else reports.decision_report
-    return made(store, ids[0])
+    document = reports.run_report if arguments.kind == "run" else reports.decision_report
+    return document(store, ids[0])

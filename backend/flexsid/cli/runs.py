@@ -1,4 +1,4 @@
-"""Ask for a run from the command line, and print what came out."""
+"""Command ``flexsid run``: estimation from maneuvers."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeVar
 
-from flexsid.cli.opening import opened
-from flexsid.cli.saying import complain, say, say_next, show_share
+from flexsid.cli.database import open_store
+from flexsid.cli.output import print_error, print_next_result, print_result, show_count
 from flexsid.errors import BadInput, FlexsidError
-from flexsid.jobs.direct import carry_out
-from flexsid.jobs.steps import estimation_steps
+from flexsid.jobs.inline import execute_run
+from flexsid.jobs.pipeline import load_estimation_pipeline
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, Progress, RunSettings, RunState, Start
 from flexsid.settings import Settings
@@ -20,31 +20,37 @@ from flexsid.storage import batches
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import count_iterations
 from flexsid.workflow.model_structures.model_structures import get_version
-from flexsid.workflow.runs.run_identity import identified
-from flexsid.workflow.runs.run_proposal import with_basis, with_proposal
+from flexsid.workflow.runs.run_identity import add_hashes
+from flexsid.workflow.runs.run_proposal import apply_proposal, attach_proposal_basis
 
 T = TypeVar("T")
 
 
-def read_request(chosen: argparse.Namespace) -> EstimationRun:
+def read_request(arguments: argparse.Namespace) -> EstimationRun:
     """Read the arguments of ``flexsid run``."""
     return EstimationRun(
-        maneuver_id=0,  # of each in turn
-        method=Method(chosen.method),
+        maneuver_id=0,  # set for each maneuver
+        method=Method(arguments.method),
         structure=Structure(
-            modes=tuple(numbers(chosen.modes or "", int, "--modes")),
-            inputs=tuple(numbers(chosen.inputs, str, "--inputs")),
-            outputs=tuple(numbers(chosen.outputs, str, "--outputs")),
-            free=None if chosen.free is None else tuple(numbers(chosen.free, str, "--free")),
+            modes=tuple(parse_list(arguments.modes or "", int, "--modes")),
+            inputs=tuple(parse_list(arguments.inputs, str, "--inputs")),
+            outputs=tuple(parse_list(arguments.outputs, str, "--outputs")),
+            free=None
+            if arguments.free is None
+            else tuple(parse_list(arguments.free, str, "--free")),
             fixed={},
-            free_delays=chosen.free_delays,
-            also_free=tuple(numbers(chosen.also_free, str, "--also-free")),
+            free_delays=arguments.free_delays,
+            extra_parameters=tuple(
+                parse_list(arguments.extra_parameters, str, "--extra-parameters")
+            ),
         ),
         settings=RunSettings(
-            start=Start(chosen.start),
-            band_hz=read_band(chosen.band),
-            prior_spread=chosen.prior_spread,
-            together_with=tuple(numbers(chosen.together_with, int, "--together-with")),
+            start=Start(arguments.start),
+            band_hz=read_band(arguments.band),
+            prior_spread=arguments.prior_spread,
+            additional_maneuver_ids=tuple(
+                parse_list(arguments.additional_maneuver_ids, int, "--additional-maneuvers")
+            ),
         ),
     )
 
@@ -53,88 +59,98 @@ def read_band(text: str | None) -> tuple[float, float] | None:
     """Read two frequencies in Hz."""
     if text is None:
         return None
-    limits = numbers(text, float, "--band")
+    limits = parse_list(text, float, "--band")
     if len(limits) != 2:
         raise BadInput(f"--band is {text!r}; expected two frequencies, e.g. 0.5,12")
     return limits[0], limits[1]
 
 
-def run(settings: Settings, chosen: argparse.Namespace) -> int:
-    """Queue runs, or carry them out here; return 0 unless one failed."""
-    maneuvers = numbers(str(chosen.maneuver), int, "--maneuver")
+def run(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Queue runs, or execute them with ``--wait``; return 0 unless one failed."""
+    maneuvers = parse_list(str(arguments.maneuver), int, "--maneuver")
     if not maneuvers:
         raise BadInput("--maneuver names none; give ids separated by commas, e.g. 1,2,3")
-    wanted = read_request(chosen)
+    requested = read_request(arguments)
     failed = False
-    with opened(settings) as store:
+    with open_store(settings) as store:
         for done, maneuver in enumerate(maneuvers, start=1):
             try:
-                one = _with_structure(store, replace(wanted, maneuver_id=maneuver), chosen)
-                kept = _begin(store, one, wait=chosen.wait)
+                one = _complete_structure(
+                    store, replace(requested, maneuver_id=maneuver), arguments
+                )
+                stored = _submit(store, one, wait=arguments.wait)
             except FlexsidError as error:
                 if len(maneuvers) == 1:
                     raise
-                complain(f"maneuver {maneuver}: {error.message}", error.code, as_json=chosen.json)
+                print_error(
+                    f"maneuver {maneuver}: {error.message}", error.code, as_json=arguments.json
+                )
                 failed = True
                 continue
             if len(maneuvers) == 1:
-                say(_table(kept) if kept.error is None else (), kept, as_json=chosen.json)
+                print_result(
+                    _format_table(stored) if stored.error is None else (),
+                    stored,
+                    as_json=arguments.json,
+                )
             else:
-                show_share(done, len(maneuvers), f"maneuver {maneuver}")
-                say_next(_table(kept)[0], kept, as_json=chosen.json)
-            if kept.error is not None:
-                message = f"run {kept.id} failed: {kept.error['message']}"
-                complain(message, kept.error["code"], as_json=chosen.json)
-            failed = failed or kept.state is RunState.FAILED
+                show_count(done, len(maneuvers), f"maneuver {maneuver}")
+                print_next_result(_format_table(stored)[0], stored, as_json=arguments.json)
+            if stored.error is not None:
+                message = f"run {stored.id} failed: {stored.error['message']}"
+                print_error(message, stored.error["code"], as_json=arguments.json)
+            failed = failed or stored.state is RunState.FAILED
     return 1 if failed else 0
 
 
-def _with_structure(
-    store: Store, wanted: EstimationRun, chosen: argparse.Namespace
+def _complete_structure(
+    store: Store, requested: EstimationRun, arguments: argparse.Namespace
 ) -> EstimationRun:
-    """Take the saved structure that was named; where no modes were, take what is proposed.
+    """Return the run with the saved structure, else with the described or proposed one.
 
-    ``--modes ""`` is a rigid model.
+    ``--modes ""`` is a rigid-body model.
     """
-    described = chosen.modes is not None or wanted.structure != Structure(fixed={})
-    if chosen.structure is not None:
-        if described:
+    is_described = arguments.modes is not None or requested.structure != Structure(fixed={})
+    if arguments.structure is not None:
+        if is_described:
             raise BadInput("give --structure, or describe one by --modes and the like, not both")
-        text = chosen.structure.replace(":", ",", 1)
-        number, *version = numbers(text, int, "--structure") or [0]
-        kept = get_version(store, number, *version[:1])
-        return with_basis(
+        text = arguments.structure.replace(":", ",", 1)
+        number, *version = parse_list(text, int, "--structure") or [0]
+        stored = get_version(store, number, *version[:1])
+        return attach_proposal_basis(
             store,
             replace(
-                wanted,
-                structure=kept.structure,
-                structure_id=kept.structure_id,
-                structure_version=kept.version,
+                requested,
+                structure=stored.structure,
+                structure_id=stored.structure_id,
+                structure_version=stored.version,
             ),
         )
-    if chosen.modes is not None:
-        return with_basis(store, wanted)
-    proposed = with_proposal(store, wanted)
-    if not described:
+    if arguments.modes is not None:
+        return attach_proposal_basis(store, requested)
+    proposed = apply_proposal(store, requested)
+    if not is_described:
         return proposed
-    # What was described stays; the modes are those that are proposed.
-    structure = replace(wanted.structure, modes=proposed.structure.modes)
-    return with_basis(store, replace(wanted, structure=structure, settings=proposed.settings))
+    # The given options stay; the modes are the proposed ones.
+    structure = replace(requested.structure, modes=proposed.structure.modes)
+    return attach_proposal_basis(
+        store, replace(requested, structure=structure, settings=proposed.settings)
+    )
 
 
-def _begin(store: Store, wanted: EstimationRun, *, wait: bool) -> EstimationRun:
-    steps = estimation_steps()
-    steps.prepare(store, wanted)  # what cannot be done is refused at once
+def _submit(store: Store, requested: EstimationRun, *, wait: bool) -> EstimationRun:
+    pipeline = load_estimation_pipeline()
+    pipeline.prepare(store, requested)  # a run that cannot be estimated is refused at once
     if wait:
-        return carry_out(store, wanted, steps, show)
-    kept, _ = batches.add_once(store, identified(store, wanted))
-    return kept
+        return execute_run(store, requested, pipeline, show_progress)
+    stored, _ = batches.add_once(store, add_hashes(store, requested))
+    return stored
 
 
-def _table(run: EstimationRun) -> list[str]:
+def _format_table(run: EstimationRun) -> list[str]:
     result = run.result
     if result is None:
-        later = "" if run.error is not None else "; a server on this database carries it out"
+        later = "" if run.error is not None else "; a server on this database executes it"
         return [f"run {run.id} is {run.state.value}{later}"]
     fit = result.fit
     lines = [
@@ -155,16 +171,16 @@ def _table(run: EstimationRun) -> list[str]:
     return lines + [f"note: {warning}" for warning in fit.warnings]
 
 
-def numbers(text: str, kind: Callable[[str], T], option: str) -> list[T]:
-    """Read what stands between commas."""
+def parse_list(text: str, kind: Callable[[str], T], option: str) -> list[T]:
+    """Parse a comma-separated list."""
     try:
         return [kind(part.strip()) for part in text.split(",") if part.strip()]
     except ValueError as error:
         raise BadInput(f"{option} is {text!r}; expected numbers separated by commas") from error
 
 
-def show(progress: Progress) -> None:
-    """Tell how far it is, to somebody who watches."""
+def show_progress(progress: Progress) -> None:
+    """Show the progress on a terminal."""
     if sys.stderr.isatty():
         cost = "" if progress.cost is None else f"cost {progress.cost:.6g}"
         print(f"\r{progress.message:<40} {cost:<24}", end="", file=sys.stderr, flush=True)

@@ -1,4 +1,4 @@
-"""Serve the workbench, and fill it with the demonstration campaign."""
+"""Commands ``flexsid serve`` and ``flexsid demo``."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import uvicorn
 from fastapi import FastAPI
 
 from flexsid.api.app import create_app
-from flexsid.cli.opening import opened
-from flexsid.cli.saying import say_next
+from flexsid.cli.database import open_store
+from flexsid.cli.output import print_next_result
 from flexsid.demo import campaign
 from flexsid.demo.aircraft import NAME as DEMO_AIRCRAFT
 from flexsid.errors import FlexsidError
-from flexsid.jobs.prompt import be_prompt
+from flexsid.jobs.interpreter import configure_interpreter
 from flexsid.settings import Settings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 
-_LOOPBACK = "127.0.0.1"  # there is no log-in, so nobody else is answered
+_LOOPBACK = "127.0.0.1"  # without log-in, only the loopback address is served
 _GRACE_S = 1
 
 
@@ -28,7 +28,7 @@ class _Server(uvicorn.Server):
     as_json = False
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        # An open stream of events would keep the server from stopping.
+        # An open event stream would prevent the server from stopping.
         app = self.config.app
         if isinstance(app, FastAPI) and hasattr(app.state, "context"):
             app.state.context.live.stop()
@@ -36,29 +36,29 @@ class _Server(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
-        be_prompt()
+        configure_interpreter()
         if self.started:
             url = f"http://{_LOOPBACK}:{self.config.port}"
-            words = f"flexsid serves on {url} (Ctrl-C stops it)"
-            say_next(words, {"url": url}, as_json=self.as_json)
+            text = f"flexsid serves on {url} (Ctrl-C stops it)"
+            print_next_result(text, {"url": url}, as_json=self.as_json)
 
 
 def serve(settings: Settings, *, as_json: bool = False) -> int:
-    """Serve until told to stop."""
-    with _taken(settings.port) as port:
-        upgrade(settings.database)  # what is no database is said so, before the server starts
+    """Serve until stopped by a signal."""
+    with _bind_port(settings.port) as port:
+        upgrade(settings.database)  # refuses an invalid database before the server starts
         return _serve_on(port, settings, as_json)
 
 
 def demo(settings: Settings, *, as_json: bool = False) -> int:
-    """Fly what is missing of the demonstration campaign, then serve."""
-    with _taken(settings.port) as port:
+    """Simulate the missing maneuvers of the demonstration campaign, then serve."""
+    with _bind_port(settings.port) as port:
         fill(settings, as_json=as_json)
         return _serve_on(port, settings, as_json)
 
 
 def _serve_on(port: socket.socket, settings: Settings, as_json: bool) -> int:
-    app = create_app(settings, bring_along=bring_along)
+    app = create_app(settings, add_builtin_aircraft=add_builtin_aircraft)
     config = uvicorn.Config(
         app,
         host=_LOOPBACK,
@@ -74,38 +74,38 @@ def _serve_on(port: socket.socket, settings: Settings, as_json: bool) -> int:
 
 
 def fill(settings: Settings, *, as_json: bool = False) -> None:
-    """Fly what is missing of the demonstration campaign, with a progress bar."""
-    with opened(settings, new=True) as store:
-        campaign.fill(store, _show_progress)
+    """Simulate the missing maneuvers of the demonstration campaign, with a progress bar."""
+    with open_store(settings, new=True) as store:
+        campaign.add_campaign(store, _show_progress)
         maneuvers = store.maneuver_page(limit=None).items
     if sys.stderr.isatty():
         print(file=sys.stderr)
     if as_json:
-        say_next("", {"maneuvers": len(maneuvers)}, as_json=True)
+        print_next_result("", {"maneuvers": len(maneuvers)}, as_json=True)
 
 
-def bring_along(store: Store, name: str) -> None:
-    """Add the aircraft that comes with the workbench, if it is called so."""
+def add_builtin_aircraft(store: Store, name: str) -> None:
+    """Add the built-in aircraft if ``name`` is its name."""
     if name == DEMO_AIRCRAFT:
         campaign.add_aircraft(store)
 
 
-def _taken(port: int) -> socket.socket:
-    """Take the port first: what cannot be served should not be started, nor flown."""
-    # Named as TCP, or asyncio would leave answers waiting for acknowledgements (40 ms each).
-    taken = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
-    taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+def _bind_port(port: int) -> socket.socket:
+    """Bind the port before the database is filled, and return the listening socket."""
+    # With the protocol given as TCP, asyncio sets TCP_NODELAY; otherwise responses wait 40 ms.
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        taken.bind((_LOOPBACK, port))
-        taken.listen()  # who comes early waits instead of being refused
+        listener.bind((_LOOPBACK, port))
+        listener.listen()  # early connections wait instead of being refused
     except OSError as error:
-        taken.close()
+        listener.close()
         raise FlexsidError(
-            f"port {port} cannot be had ({error.strerror}); choose another by "
+            f"port {port} is not available ({error.strerror}); select another with "
             "FLEXSID_PORT, or make demo PORT=8010",
             code="port-taken",
         ) from error
-    return taken
+    return listener
 
 
 def _show_progress(fraction: float, message: str) -> None:

@@ -1,7 +1,7 @@
-"""A workbench from a notebook or script: HTTP in, tables, figures and models out."""
+"""Python client of a workbench for notebooks and scripts."""
 
 from flexsid.client.connection import RequestRefused, Unreachable
-from flexsid.client.waiting import RunFailed
+from flexsid.client.polling import RunFailed
 from flexsid.client.workbench import Workbench
 
 __all__ = ["RequestRefused", "RunFailed", "Unreachable", "Workbench"]

@@ -1,4 +1,4 @@
-"""Requests to a workbench, and what it refuses."""
+"""HTTP requests to a workbench."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from flexsid.errors import FlexsidError
 
 
 class RequestRefused(FlexsidError):
-    """The workbench did not do what it was asked; ``status`` is that of HTTP."""
+    """The workbench refused the request; ``status`` is the HTTP status."""
 
     def __init__(self, status: int, code: str, message: str) -> None:
         super().__init__(message, code=code)
@@ -24,28 +24,28 @@ class RequestRefused(FlexsidError):
 
 
 class Unreachable(FlexsidError):
-    """No workbench answers at this address."""
+    """No workbench responds at this address."""
 
     code = "unreachable"
 
 
 @dataclass(frozen=True, slots=True)
 class Connection:
-    """Where the workbench is, how long an answer may take, and who asks."""
+    """Address of the workbench, response timeout, and name of the analyst."""
 
     url: str
     timeout_s: float
     analyst: str = ""
 
     def get(self, path: str, query: Mapping[str, Any]) -> bytes:
-        """Read what stands at a path below ``/api/v1``."""
-        asked = urlencode(
-            {name: _text(value) for name, value in query.items() if value is not None}
+        """Return the response of a GET request to a path below ``/api/v1``."""
+        encoded = urlencode(
+            {name: _format_value(value) for name, value in query.items() if value is not None}
         )
-        return self._send(Request(f"{self._address(path)}{'?' if asked else ''}{asked}"))
+        return self._send(Request(f"{self._address(path)}{'?' if encoded else ''}{encoded}"))
 
     def post(self, path: str, body: Any) -> bytes:
-        """Send a body as JSON."""
+        """Return the response of a POST request with a JSON body."""
         return self._send(
             Request(
                 self._address(path),
@@ -56,10 +56,13 @@ class Connection:
         )
 
     def send_files(self, path: str, files: Mapping[str, Iterable[Path]], **fields: Any) -> bytes:
-        """Send files, and fields that are not None, as a form of a page does."""
+        """Return the response of a POST request with files and fields (multipart form)."""
         boundary = secrets.token_hex(16)
         parts = [
-            (f'form-data; name="{name}"; filename="{_quoted(file.name)}"', file.read_bytes())
+            (
+                f'form-data; name="{name}"; filename="{_escape_file_name(file.name)}"',
+                file.read_bytes(),
+            )
             for name, named in files.items()
             for file in named
         ]
@@ -77,7 +80,7 @@ class Connection:
         return self._send(Request(self._address(path), data=data, headers=kind, method="POST"))
 
     def delete(self, path: str) -> None:
-        """Delete what stands at a path."""
+        """Send a DELETE request to a path."""
         self._send(Request(self._address(path), method="DELETE"))
 
     def _address(self, path: str) -> str:
@@ -87,34 +90,36 @@ class Connection:
         if self.analyst:
             request.add_header("X-Flexsid-Analyst", quote(self.analyst))
         try:
-            with urlopen(request, timeout=self.timeout_s) as answer:
-                return answer.read()
+            with urlopen(request, timeout=self.timeout_s) as response:
+                return response.read()
         except HTTPError as error:
             with error:
-                raise _refusal(error.code, error.read()) from error
+                raise _parse_refusal(error.code, error.read()) from error
         except (URLError, TimeoutError, ConnectionError) as error:
             raise Unreachable(
-                f"no workbench answers at {self.url} ({error}); start one with `flexsid serve`"
+                f"no workbench responds at {self.url} ({error}); start one with `flexsid serve`"
             ) from error
 
 
-def _refusal(status: int, content: bytes) -> RequestRefused:
+def _parse_refusal(status: int, content: bytes) -> RequestRefused:
     try:
         problem = json.loads(content)
         return RequestRefused(status, problem["code"], problem["detail"])
     except (ValueError, KeyError, TypeError):
         return RequestRefused(
-            status, "http-error", f"the server answered {status}; is it a workbench?"
+            status,
+            "http-error",
+            f"the server returned HTTP status {status}, not a workbench error; check the address",
         )
 
 
-def _quoted(name: str) -> str:
-    """A file's name as pages send it."""
+def _escape_file_name(name: str) -> str:
+    """Return a file name escaped as in a browser form."""
     return name.replace('"', "%22").replace("\r", "%0D").replace("\n", "%0A")
 
 
-def _text(value: Any) -> str:
-    """Write a value as the interface reads it: lists with commas, truth in small letters."""
+def _format_value(value: Any) -> str:
+    """Format a query value: lists with commas, booleans in lower case."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str) or not isinstance(value, Iterable):

@@ -1,4 +1,4 @@
-"""Answers as DataFrames, where pandas is installed."""
+"""Conversion of responses to DataFrames; requires pandas."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ if TYPE_CHECKING:
 
 
 def table(items: Sequence[dict[str, Any]], index: str | None = "id") -> pandas.DataFrame:
-    """One row per item; fields within fields get columns ``outer.inner``, times are times."""
-    made = _pandas().json_normalize(list(items))
-    for name in made.columns:
+    """Return one row per item; nested fields get columns ``outer.inner``, times are parsed."""
+    frame = _pandas().json_normalize(list(items))
+    for name in frame.columns:
         if name.endswith("_at"):
-            made[name] = _pandas().to_datetime(made[name], format="ISO8601", utc=True)
-    return made.set_index(index) if index is not None and index in made.columns else made
+            frame[name] = _pandas().to_datetime(frame[name], format="ISO8601", utc=True)
+    return frame.set_index(index) if index is not None and index in frame.columns else frame
 
 
 def matrix(values: Sequence[Sequence[float]], names: Sequence[str]) -> pandas.DataFrame:
-    """A square matrix with the same names on rows and columns."""
+    """Return a square matrix with the same names on rows and columns."""
     return _pandas().DataFrame(values, index=list(names), columns=list(names))
 
 
-def side_by_side(comparison: dict[str, Any]) -> pandas.DataFrame:
-    """A comparison with columns ``value`` and ``std_error`` per source.
+def tabulate_comparison(comparison: dict[str, Any]) -> pandas.DataFrame:
+    """Return a comparison with columns ``value`` and ``std_error`` per source.
 
     Predictions also have ``difference_sigma``, their largest difference from a run.
     """
@@ -45,7 +45,7 @@ def side_by_side(comparison: dict[str, Any]) -> pandas.DataFrame:
 
 
 def read_csv(content: bytes) -> pandas.DataFrame:
-    """Numbers that the workbench wrote as CSV."""
+    """Parse a CSV response."""
     return _pandas().read_csv(io.BytesIO(content))
 
 
@@ -54,8 +54,8 @@ def _pandas() -> ModuleType:
         import pandas
     except ImportError as error:
         raise FlexsidError(
-            "tables need pandas; install it with `pip install flexsid[client]`, or take plain"
-            " answers with `Workbench.get`",
+            "tables need pandas; install it with `pip install flexsid[client]`, or use plain"
+            " responses of `Workbench.get`",
             code="no-pandas",
         ) from error
     return pandas

@@ -1,4 +1,4 @@
-"""Workbench: everything that the page shows, for scripts and notebooks."""
+"""Workbench client for scripts and notebooks."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexsid.client.connection import Connection
+from flexsid.client.polling import RunFailed, describe_failure, poll_until_ended
 from flexsid.client.progress import ProgressLine
-from flexsid.client.tables import matrix, read_csv, side_by_side, table
-from flexsid.client.waiting import RunFailed, until_ended, why
+from flexsid.client.tables import matrix, read_csv, table, tabulate_comparison
 from flexsid.errors import BadInput
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _STRUCTURE = frozenset(
     {
         *("inputs", "outputs", "free", "fixed", "fixed_to", "absent", "axis"),
-        *("free_delays", "also_free", "delays", "instruments"),
+        *("free_delays", "extra_parameters", "delays", "instruments"),
     }
 )
 _REQUEST = frozenset(
@@ -30,21 +30,21 @@ _REQUEST = frozenset(
         *("structure_id", "structure_version", "author", "priority", "limits"),
     }
 )
-_PAGE = 1000  # most items of one answer
-_AT_ONCE = 500  # ids in one address
+_PAGE = 1000  # most items of one response
+_AT_ONCE = 500  # most ids in one URL
 
 
 class Workbench:
-    """A running workbench.
+    """Client of a running workbench.
 
     Parameters
     ----------
     url
         Address of the server.
     analyst
-        Your name. It stands with all you ask for, and proposals and comments need one.
+        Name of the analyst, stored with every request; proposals and comments require it.
     timeout_s
-        Longest wait for one answer. [s]
+        Timeout of one response. [s]
 
     Examples
     --------
@@ -63,79 +63,79 @@ class Workbench:
     def __repr__(self) -> str:
         return f"Workbench({self._connection.url!r})"
 
-    # --- plain answers ---
+    # --- plain responses ---
 
     def get(self, path: str, **query: Any) -> Any:
-        """Answer of any route below ``/api/v1``; lists are written with commas.
+        """Return the response of any route below ``/api/v1``; lists are sent with commas.
 
         Parameters
         ----------
         path
             E.g. ``flutter``.
         **query
-            As the interface names them, e.g. ``run_ids=[1, 2]``.
+            Query parameters of the route, e.g. ``run_ids=[1, 2]``.
 
         Raises
         ------
         RequestRefused
-            If the workbench says no; the message says why.
+            If the workbench refuses the request; the message states the reason.
         Unreachable
-            If nobody answers.
+            If no workbench responds.
         """
         return json.loads(self._connection.get(path, query))
 
     def post(self, path: str, body: Any) -> Any:
-        """Send a body as JSON to any route below ``/api/v1``."""
+        """Return the response of any route below ``/api/v1`` to a JSON body."""
         return json.loads(self._connection.post(path, body))
 
     def items(self, path: str, limit: int | None = None, **query: Any) -> list[dict[str, Any]]:
-        """All items of a list, page by page; at most ``limit`` of them."""
-        answer = self.get(path, **query)
-        found: list[dict[str, Any]] = answer["items"]
-        # Only a list that goes on has pages, and takes the size of one.
-        while answer.get("next") is not None and (limit is None or len(found) < limit):
+        """Return all items of a list, at most ``limit``, read page by page."""
+        response = self.get(path, **query)
+        found: list[dict[str, Any]] = response["items"]
+        # Only a list that continues has pages, and accepts a page size.
+        while response.get("next") is not None and (limit is None or len(found) < limit):
             size = _PAGE if limit is None else min(_PAGE, limit - len(found))
-            answer = self.get(path, **query, limit=size, after=answer["next"])
-            found += answer["items"]
+            response = self.get(path, **query, limit=size, after=response["next"])
+            found += response["items"]
         return found[:limit]
 
     # --- lists ---
 
     def table(self, path: str, limit: int | None = None, **query: Any) -> pandas.DataFrame:
-        """A list as a table, one row per item by id; any list of the interface."""
+        """Return any list of the interface as a table, one row per item by id."""
         return table(self.items(path, limit, **query))
 
     def aircraft(self) -> pandas.DataFrame:
-        """All aircraft."""
+        """Return all aircraft."""
         return self.table("aircraft")
 
     def flights(self, **query: Any) -> pandas.DataFrame:
-        """Flights, of one aircraft by ``aircraft_id``."""
+        """Return flights; filter by ``aircraft_id``."""
         return self.table("flights", **query)
 
     def maneuvers(self, limit: int | None = None, **query: Any) -> pandas.DataFrame:
-        """Maneuvers with their condition and newest runs.
+        """Return maneuvers with their condition and newest runs.
 
         ``fta``, ``min_airspeed_ratio``, ``max_fuel``, ``search``, ``method``, ``state``,
-        ``sort`` and the like narrow and order the list as on the page.
+        ``sort`` and so on filter and sort the list as on the page.
         """
         return self.table("maneuvers", limit, **query)
 
     def runs(self, limit: int | None = None, **query: Any) -> pandas.DataFrame:
-        """Runs, newest first; narrowed by ``maneuver_id``, ``method`` or ``state``."""
+        """Return runs, newest first; filter by ``maneuver_id``, ``method`` or ``state``."""
         return self.table("runs", limit, **query)
 
     def predictions(self, **query: Any) -> pandas.DataFrame:
-        """Predictions, of one aircraft by ``aircraft_id``."""
+        """Return predictions; filter by ``aircraft_id``."""
         return self.table("predictions", **query)
 
     def modal_tables(self, **query: Any) -> pandas.DataFrame:
-        """Modal tables; ``kind`` is FEM or GVT."""
+        """Return modal tables; ``kind`` is FEM or GVT."""
         return self.table("modal-tables", **query)
 
     # --- data ---
 
-    def bring_in(
+    def import_maneuver(
         self,
         *files: str | Path,
         mapping: str | Path | None = None,
@@ -149,63 +149,63 @@ class Workbench:
         *files
             Recorder files and tables of one maneuver.
         mapping
-            TOML file that says what they hold; not for forms that are recognised.
+            TOML file that describes them; not needed for recognised formats.
         aircraft_id
-            Whose, where the mapping names none.
+            Aircraft, if the mapping names none.
         confirmed
-            Whether what the mapping marks as guessed is right.
+            Whether the values that the mapping marks as guessed are confirmed.
 
         Raises
         ------
         RequestRefused
-            If they do not hold what the mapping says, or it guesses something that is not
-            confirmed; nothing is kept then.
+            If the files contradict the mapping, or guessed values are not confirmed. Nothing is
+            stored then.
         """
         sent = {"files": [Path(file) for file in files]}
         if mapping is not None:
             sent["mapping"] = [Path(mapping)]
-        answer = self._connection.send_files(
+        response = self._connection.send_files(
             "maneuvers", sent, aircraft_id=aircraft_id, confirmed="true" if confirmed else None
         )
-        return json.loads(answer)["id"]
+        return json.loads(response)["id"]
 
     # --- runs ---
 
     def submit(
-        self, maneuver_id: int, method: str, modes: Iterable[int] | None = None, **choices: Any
+        self, maneuver_id: int, method: str, modes: Iterable[int] | None = None, **options: Any
     ) -> int:
-        """Ask for a run and return its id at once.
+        """Queue a run and return its id.
 
         Parameters
         ----------
         maneuver_id
-            Of which maneuver.
+            Id of the maneuver.
         method
             OE, FRE or EE.
         modes
-            Numbers of the structural modes in the model; none at all is ``[]``. Where no
-            structure is described, it is that of ``structure_id``, else the one that is
-            proposed for the maneuver (approved, saved for its FTA, or the modes in its band).
-        **choices
-            Of the structure (``inputs``, ``outputs``, ``free``, ``fixed``, ``absent``,
-            ``free_delays``, ``also_free`` ...), of the settings (``start``, ``band_hz``,
+            Numbers of the structural modes in the model; ``[]`` for none. Without a described
+            structure, the run uses ``structure_id``, else the structure proposed for the
+            maneuver (approved, saved for its FTA, or the modes in its band).
+        **options
+            Fields of the structure (``inputs``, ``outputs``, ``free``, ``fixed``, ``absent``,
+            ``free_delays``, ``extra_parameters`` ...), of the settings (``start``, ``band_hz``,
             ``noise``, ``priors``, ``prior_spread`` ...) and of the request (``structure_id``,
-            ``modal_table_id``, ``prediction_id``, ``priority`` ...), as the interface names them.
+            ``modal_table_id``, ``prediction_id``, ``priority`` ...) of the interface.
 
         Raises
         ------
         RequestRefused
-            If it cannot be estimated, or a choice is unknown.
+            If the run cannot be estimated, or an option is unknown.
         """
-        structure = {name: choices.pop(name) for name in _STRUCTURE & choices.keys()}
-        request = {name: choices.pop(name) for name in _REQUEST & choices.keys()}
+        structure = {name: options.pop(name) for name in _STRUCTURE & options.keys()}
+        request = {name: options.pop(name) for name in _REQUEST & options.keys()}
         if modes is not None:
             structure["modes"] = list(modes)
         body = {
             "maneuver_id": maneuver_id,
             "method": method,
             "structure": structure or None,
-            "settings": choices or None,
+            "settings": options or None,
             **request,
         }
         return self.post("runs", body)["id"]
@@ -218,64 +218,64 @@ class Workbench:
         Raises
         ------
         RunFailed
-            If one did not succeed, after all have ended; the message says why.
+            If a run did not succeed, after all have ended; the message states the reason.
         TimeoutError
-            If they have not ended in time.
+            If the runs have not ended within ``timeout_s``.
         """
         line = ProgressLine(show_progress)
         try:
-            runs = until_ended(self._jobs, run_ids, timeout_s, line)
+            runs = poll_until_ended(self._fetch_jobs, run_ids, timeout_s, line)
         finally:
             line.end()
-        lost = [run for run in runs if run["state"] != "succeeded"]
-        if lost:
-            raise RunFailed("; ".join(map(why, lost)))
+        unsuccessful = [run for run in runs if run["state"] != "succeeded"]
+        if unsuccessful:
+            raise RunFailed("; ".join(map(describe_failure, unsuccessful)))
 
-    def _jobs(self, run_ids: Sequence[int]) -> list[dict[str, Any]]:
-        """How far runs are, with as few questions as addresses may be long."""
+    def _fetch_jobs(self, run_ids: Sequence[int]) -> list[dict[str, Any]]:
+        """Return the states of runs, in requests of limited URL length."""
         found: dict[int, dict[str, Any]] = {}
         for first in range(0, len(run_ids), _AT_ONCE):
             part = run_ids[first : first + _AT_ONCE]
             items = self.get("jobs", ids=part, limit=_AT_ONCE)["items"]
             found |= {job["id"]: job for job in items}
-        # One that there is not is asked for alone, and refused by its name.
+        # A missing run is requested by itself, so that the error names it.
         return [found.get(number) or self.run(number) for number in run_ids]
 
     def cancel(self, run_id: int) -> None:
-        """Stop a run that has not ended."""
+        """Cancel a run."""
         self.post(f"jobs/{run_id}/cancel", None)
 
     def run(self, run_id: int) -> dict[str, Any]:
-        """One run as the interface answers it: state, structure, settings, fit, poles."""
+        """Return one run: state, structure, settings, fit, poles."""
         return self.get(f"runs/{run_id}")
 
     def parameters(self, run_id: int) -> pandas.DataFrame:
-        """Estimates of a run by name, with standard error and start."""
+        """Return the estimates of a run by name, with standard error and starting value."""
         return table(self.run(run_id)["parameters"], index="name")
 
     def covariance(self, run_id: int) -> pandas.DataFrame:
-        """Covariance of a run's estimates, named on both sides."""
+        """Return the covariance matrix of the estimates of a run, with names."""
         exported = self.get(f"runs/{run_id}/export")
         result = exported["run"]["result"]
         if result is None:
-            raise RunFailed(why(exported["run"]))
+            raise RunFailed(describe_failure(exported["run"]))
         return matrix(exported["covariance"], [part["name"] for part in result["parameters"]])
 
     def comparison(
         self, run_ids: Iterable[int], prediction_ids: Iterable[int] = ()
     ) -> pandas.DataFrame:
-        """Derivatives side by side: a value and a standard error per source.
+        """Return derivatives of runs and predictions: value and standard error per source.
 
         Columns are pairs (source, ``value`` or ``std_error``); predictions also have
         ``difference_sigma``, their largest difference from a run in combined standard errors.
         The last column, ``max_difference_sigma``, is the largest difference between two runs.
         """
         predictions = list(prediction_ids) or None
-        answer = self.get("comparisons", run_ids=run_ids, prediction_ids=predictions)
-        return side_by_side(answer)
+        response = self.get("comparisons", run_ids=run_ids, prediction_ids=predictions)
+        return tabulate_comparison(response)
 
     def flutter(self, run_ids: Iterable[int], **query: Any) -> dict[str, Any]:
-        """What runs say of the next test point: ``next_point`` and ``sentence`` in words, numbers.
+        """Return the flutter prediction of runs and the margin of the next test point.
 
         Parameters
         ----------
@@ -290,16 +290,16 @@ class Workbench:
     def closed_loop(
         self, run_ids: Iterable[int], controller_id: int, **query: Any
     ) -> dict[str, Any]:
-        """Margins of a controller's loops around what runs identified, and where it loses them."""
+        """Return the stability margins of a controller around identified models."""
         return self.get("closed-loop", run_ids=run_ids, controller_id=controller_id, **query)
 
     # --- models and figures ---
 
     def model(self, run_id: int) -> control.StateSpace:
-        """Identified model at the condition of its maneuver, for python-control.
+        """Return the identified model at the condition of its maneuver, for python-control.
 
-        Delays and scale factors of the outputs are not part of it; ``get("runs/1/model")``
-        answers them with the units.
+        Delays and scale factors of the outputs are not included; ``get("runs/1/model")``
+        returns them with the units.
         """
         import control  # takes seconds to load
 
@@ -326,7 +326,7 @@ class Workbench:
         Parameters
         ----------
         file
-            Its ending says the form.
+            File name; the suffix selects the format.
         kind
             ``run``, ``comparison``, ``decision`` or ``campaign``.
         number
@@ -341,11 +341,11 @@ class Workbench:
         Path(file).write_bytes(self._connection.get(path, {**query, "format": form}))
 
     def figure(self, kind: str, **query: Any) -> Figure:
-        """A figure as the page draws it, e.g. ``figure("bode", maneuver_id=1, output="q")``."""
+        """Return a figure of the page, e.g. ``figure("bode", maneuver_id=1, output="q")``."""
         from plotly.graph_objects import Figure  # takes a while to load
 
         return Figure(self.get(f"figures/{kind}", **query))
 
     def numbers(self, kind: str, **query: Any) -> pandas.DataFrame:
-        """Numbers of a figure: a row per point with curve, axes, x, y and error."""
+        """Return the data of a figure: one row per point with curve, axes, x, y and error."""
         return read_csv(self._connection.get(f"figures/{kind}", {**query, "format": "csv"}))

@@ -1,4 +1,4 @@
-"""FLEX-28 as the workbench knows it: geometry, mass, surfaces, sensors and instruments."""
+"""FLEX-28 as defined in the workbench: geometry, mass, surfaces, sensors and instruments."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ _DESCRIPTION = (
 
 
 _STATIC_N = 300.0  # of one engine in standard air
-_HELD_S = 1e-3  # for which the flight computer holds a command: half of it is a delay
+_HELD_S = 1e-3  # zero-order hold of the flight computer; half of it is a delay
 
 
 def describe_aircraft(truth: Truth) -> Aircraft:
-    """Write the aircraft down as an analyst would know it. The airframe is exact, noise typical."""
+    """Return the definition of the aircraft, with exact airframe data and typical noise."""
     source = truth.source
     noise = source["noise_sigma"]
     drag = source["drag"]
@@ -76,12 +76,12 @@ def describe_aircraft(truth: Truth) -> Aircraft:
         flutter=FlutterTable(
             fuel=_numbers(truth.flutter_fuel), speed_m_s=_numbers(truth.flutter_speed)
         ),
-        thrust=thrust_table(),
+        thrust=build_thrust_table(),
     )
 
 
-def thrust_table() -> ThrustTable:
-    """Two small turbojets: thrust goes with the cube of rotation speed, less in warm air."""
+def build_thrust_table() -> ThrustTable:
+    """Return the thrust of two turbojets: cubic in rotation speed, decreasing with temperature."""
     rpm = np.arange(30e3, 100e3, 10e3)
     kelvin = np.array([263.15, 288.15, 313.15])
     newton = _STATIC_N * (rpm[:, None] / rpm[-1]) ** 3 * np.sqrt(288.15 / kelvin)
@@ -95,7 +95,7 @@ def thrust_table() -> ThrustTable:
 
 
 def describe_controller(truth: Truth, aircraft_id: int) -> Controller:
-    """The law that flies, on the sensors that it reads: scheduled, so two airspeeds say all."""
+    """Return the control law; its linear schedule is defined by two airspeeds."""
     law = truth.controller
     corner = law.filter_corner
     lagged = ((-corner, 0.0), (0.0, -corner)), ((corner, 0.0), (0.0, corner))
@@ -119,8 +119,8 @@ def describe_controller(truth: Truth, aircraft_id: int) -> Controller:
     )
 
 
-def anti_alias(source: dict[str, Any]) -> Butterworth:
-    """Give the anti-alias filter that every recorded channel has gone through."""
+def build_anti_alias_filter(source: dict[str, Any]) -> Butterworth:
+    """Return the anti-alias filter of all recorded channels."""
     return _butterworth(source["dynamics"]["antialias"])
 
 
@@ -133,9 +133,9 @@ def _butterworth(entry: dict[str, Any]) -> Butterworth:
 
 
 def _instruments(source: dict[str, Any]) -> dict[str, Instrument]:
-    """Sensor dynamics, anti-alias filter and delay of every kind of channel."""
+    """Return sensor dynamics, anti-alias filter and delay by kind of channel."""
     dynamics = source["dynamics"]
-    last = anti_alias(source)
+    last = build_anti_alias_filter(source)
     delay = dynamics["channel_delay_s"]
 
     def second_order(kind: str) -> SecondOrder:
@@ -159,7 +159,7 @@ def _instruments(source: dict[str, Any]) -> dict[str, Instrument]:
 
 
 def _sensors(truth: Truth) -> tuple[Sensor, ...]:
-    """All 45 sensors in the order of the recorder: alpha, q, theta, accelerometers, gauges."""
+    """Return all 45 sensors in recording order: alpha, q, theta, accelerometers, gauges."""
     noise = truth.source["noise_sigma"]
     place = truth.locations
 
@@ -198,9 +198,9 @@ def _sensors(truth: Truth) -> tuple[Sensor, ...]:
 
 
 def _combinations(source: dict[str, Any]) -> tuple[Combination, ...]:
-    """Symmetric parts of left and right pairs (Eq. 3).
+    """Return symmetric parts of left and right pairs (Eq. 3).
 
-    Lateral accelerometers see a symmetric motion with opposite signs.
+    Lateral accelerometers measure a symmetric motion with opposite signs.
     """
     symmetric = [
         Combination(

@@ -1,4 +1,4 @@
-"""The demonstration campaign: three flights of FLEX-28, flown and kept."""
+"""The demonstration campaign: three flights of FLEX-28, simulated and stored."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from threadpoolctl import threadpool_limits
 from flexsid.demo.aircraft import NAME, describe_aircraft, describe_controller
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import FlownManeuver, fly
-from flexsid.demo.ground import shake
-from flexsid.demo.sources import modal_tables, model_structures, predictions
-from flexsid.demo.vibration_test import measured_responses
+from flexsid.demo.ground import simulate_ground_test
+from flexsid.demo.sources import build_modal_tables, build_model_structures, build_predictions
+from flexsid.demo.vibration_test import build_measured_responses
 from flexsid.demo.whole_flight import add_uncut_flight
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight
@@ -26,7 +26,7 @@ from flexsid.workflow.flutter.controllers import add_controller
 from flexsid.workflow.model_structures.model_structures import add_structure
 
 Report = Callable[[float, str], None]
-"""Takes the fraction that is done, and what was done last."""
+"""Called with the completed fraction and a message."""
 
 SEED = 28
 
@@ -41,7 +41,7 @@ class Card:
 
     @property
     def peak_deg(self) -> float:
-        """Excitation is smaller where the aircraft answers more. [deg]"""
+        """Peak deflection, smaller where the response is larger. [deg]"""
         if self.airspeed_ratio > 1.0:
             return 1.2
         return 2.0 if self.airspeed_ratio < 0.9 else 1.6
@@ -55,11 +55,11 @@ class Sortie:
     flown_on: date
     description: str
     cards: tuple[Card, ...]
-    stiffness_lost: float = 0.0  # share of the first bending's that the flight costs
+    stiffness_lost: float = 0.0  # relative stiffness loss of the first bending mode in the flight
 
     @property
     def ground_fuel(self) -> tuple[float, float]:
-        """Fuel on the runway before and after; climb, approach and taxi burn some too."""
+        """Fuel on the runway before and after, with that of climb, approach and taxi."""
         return self.cards[0].fuel + 0.05, max(0.02, self.cards[-1].fuel - 0.05)
 
 
@@ -120,15 +120,15 @@ _FIRST_CARD_S = 600.0
 _BETWEEN_CARDS_S = 90.0
 
 
-def fill(store: Store, report: Report | None = None, seed: int = SEED) -> int:
-    """Fly what is missing of the campaign and keep it; what is there stays as it is.
+def add_campaign(store: Store, report: Report | None = None, seed: int = SEED) -> int:
+    """Simulate and store the missing maneuvers of the campaign.
 
     Parameters
     ----------
     store
         A migrated store.
     report
-        Told the fraction done and a sentence after every maneuver.
+        Called with the completed fraction and a message after every maneuver.
     seed
         The same seed gives the same samples.
 
@@ -137,23 +137,23 @@ def fill(store: Store, report: Report | None = None, seed: int = SEED) -> int:
     int
         Number of maneuvers added.
     """
-    tell = report or (lambda fraction, message: None)
+    report_progress = report or (lambda fraction, message: None)
     aircraft = add_aircraft(store)
-    missing = _missing(store, aircraft, seed)
+    missing = _find_missing(store, aircraft, seed)
     add_uncut_flight(store, aircraft, seed)
     if missing:
-        tell(0.0, f"flying {len(missing)} maneuvers")
+        report_progress(0.0, f"flying {len(missing)} maneuvers")
     else:
-        tell(1.0, "the campaign is complete")
+        report_progress(1.0, "the campaign is complete")
     flown = _fly_all([task.order for task in missing])
     for count, (task, maneuver) in enumerate(zip(missing, flown, strict=True), start=1):
         add_maneuver(store, maneuver, task.flight_id)
-        tell(count / len(missing), f"flown {maneuver.label}")
+        report_progress(count / len(missing), f"flown {maneuver.label}")
     return len(missing)
 
 
 def add_aircraft(store: Store) -> Aircraft:
-    """Keep FLEX-28 with its modal tables, predictions and structures, unless it is there."""
+    """Store FLEX-28 with modal tables, predictions and model structures, if missing."""
     known = store.aircraft.find(name=NAME)
     if known:
         return known[0]
@@ -161,19 +161,19 @@ def add_aircraft(store: Store) -> Aircraft:
     with store.transaction():
         aircraft = store.aircraft.add(describe_aircraft(truth))
         assert aircraft.id is not None
-        for table in modal_tables(truth, aircraft.id, store.arrays.put):
+        for table in build_modal_tables(truth, aircraft.id, store.arrays.put):
             store.modal_tables.add(table)
-        store.measured_responses.add(measured_responses(truth, aircraft.id, store.arrays.put))
-        for prediction in predictions(truth, aircraft.id, store.arrays.put):
+        store.measured_responses.add(build_measured_responses(truth, aircraft.id, store.arrays.put))
+        for prediction in build_predictions(truth, aircraft.id, store.arrays.put):
             store.predictions.add(prediction)
-        for structure in model_structures(aircraft.id):
+        for structure in build_model_structures(aircraft.id):
             add_structure(store, structure)
         add_controller(store, describe_controller(truth, aircraft.id))
     return aircraft
 
 
 def add_maneuver(store: Store, flown: FlownManeuver, flight_id: int) -> Maneuver:
-    """Keep a flown maneuver with all its channels, or nothing of it."""
+    """Store a simulated maneuver with all channels in one transaction."""
     with store.transaction():
         maneuver = store.maneuvers.add(
             Maneuver(
@@ -227,8 +227,8 @@ class _Task:
     order: _Order
 
 
-def _missing(store: Store, aircraft: Aircraft, seed: int) -> list[_Task]:
-    """Find the cards that are not kept yet; a fill that was cut short goes on there."""
+def _find_missing(store: Store, aircraft: Aircraft, seed: int) -> list[_Task]:
+    """Return the cards that are not stored yet, e.g. after an interruption."""
     tasks = []
     for sortie in PLAN:
         flight = _flight(store, aircraft, sortie)
@@ -245,12 +245,12 @@ def _missing(store: Store, aircraft: Aircraft, seed: int) -> list[_Task]:
         ]
         orders += _ground_records(sortie, seed)
         tasks += [_Task(flight.id, order) for order in orders if order.label not in present]
-    # the ground comes last, so that the cards have the first numbers
+    # ground records last, so that the cards have the first numbers
     return sorted(tasks, key=lambda task: isinstance(task.order.card, _GroundRecord))
 
 
 def _ground_records(sortie: Sortie, seed: int) -> list[_Order]:
-    """Before take-off and after landing; what the flight breaks shows in the second."""
+    """Return ground records before take-off and after landing; the second shows damage."""
     landed_s = _FIRST_CARD_S + len(sortie.cards) * _BETWEEN_CARDS_S + 300.0
     before, after = sortie.ground_fuel
     return [
@@ -285,12 +285,12 @@ def _flight(store: Store, aircraft: Aircraft, sortie: Sortie) -> Flight:
 
 
 def _fly_all(orders: Sequence[_Order]) -> Iterator[FlownManeuver]:
-    """Fly in several processes, in order; a few maneuvers are not worth starting them."""
+    """Simulate in order, in several processes if there are at least four maneuvers."""
     if len(orders) < 4:
         yield from map(_fly_card, orders)
         return
     context = multiprocessing.get_context("spawn")
-    # One thread each: the matrices are small. More than four take longer to start than to fly.
+    # One thread each: the matrices are small. More than four processes take longer to start.
     processes = min(4, os.cpu_count() or 1)
     with ProcessPoolExecutor(
         max_workers=processes, mp_context=context, initializer=threadpool_limits, initargs=(1,)
@@ -303,7 +303,7 @@ def _fly_all(orders: Sequence[_Order]) -> Iterator[FlownManeuver]:
 
 def _fly_card(order: _Order) -> FlownManeuver:
     if isinstance(order.card, _GroundRecord):
-        return shake(
+        return simulate_ground_test(
             fuel=order.card.fuel,
             stiffness_lost=order.card.stiffness_lost,
             seed=order.seed,

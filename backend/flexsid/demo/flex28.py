@@ -1,4 +1,4 @@
-"""FLEX-28 as it truly is: the numbers of ``data/flex28.json`` in SI units and radians."""
+"""True parameters of FLEX-28: the numbers of ``data/flex28.json`` in SI units and radians."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from scipy import interpolate
 
 from flexsid.errors import BadInput
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
-from flexsid.sysid.model.derivatives import DerivativeTable, derivative_names
+from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.modes import ModeTable, StructuralModes
 from flexsid.sysid.simulation.actuators import Actuator
 from flexsid.sysid.simulation.controller import ScheduledController
 from flexsid.units import factor
 
 INPUTS = ("bfs", "wf1s", "wf2s", "wf3s", "wf4s")
-"""Symmetric surface pairs, named as the workbench names them."""
+"""Symmetric surface pairs by their names in the workbench."""
 
 _FOOT = factor("ft", "length")
 _SLUG = factor("slug", "mass")
@@ -31,7 +31,7 @@ _DENSITY = factor("slug/ft3", "density")
 _MICROSTRAIN = factor("ustrain", "strain")
 _DEGREE = factor("deg", "angle")
 
-# Open-loop flutter speed of the eight-mode truth, from its own eigenvalues. [ft/s]
+# Open-loop flutter speed of the eight-mode truth, from its eigenvalues. [ft/s]
 _FLUTTER_FUEL = np.linspace(0.0, 1.0, 17)
 _FLUTTER_SPEED = (
     198.996, 198.157, 197.447, 196.806, 196.264, 195.777, 195.323, 194.954, 194.603,
@@ -41,7 +41,7 @@ _FLUTTER_SPEED = (
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Truth:
-    """The aircraft that is flown; ``source`` is the file's content in its own units."""
+    """The simulated aircraft; ``source`` is the content of the file in its units."""
 
     source: dict[str, Any]
     fuel: np.ndarray
@@ -63,25 +63,25 @@ class Truth:
     controller: ScheduledController
 
     def flutter_speed_at(self, fuel: float) -> float:
-        """Open-loop flutter speed. [m/s]"""
+        """Return the open-loop flutter speed. [m/s]"""
         return float(np.interp(fuel, self.flutter_fuel, self.flutter_speed))
 
     def modes_at(self, fuel: float, count: int) -> StructuralModes:
-        """The first ``count`` symmetric modes at a fuel fraction."""
+        """Return the first ``count`` symmetric modes at a fuel fraction."""
         return self.modes.at(fuel).select(self.symmetric[:count])
 
     def derivatives_at(self, fuel: float, count: int) -> DerivativeTable:
-        """True derivatives with the other modes truncated, at a fuel fraction."""
+        """Return the true derivatives at a fuel fraction, with the other modes truncated."""
         values = interpolate.interp1d(self.fuel, self.derivatives, axis=0)(fuel)
         return DerivativeTable(self.symmetric, INPUTS, values).select(
             self.symmetric[:count], INPUTS
         )
 
     def without(self, absent: Sequence[str]) -> Truth:
-        """The aircraft with some derivatives zero, to see whether a search tells which."""
+        """Return the aircraft with some derivatives zero, to test model structure determination."""
         if not absent:
             return self
-        names = derivative_names(self.symmetric, INPUTS)
+        names = list_derivative_names(self.symmetric, INPUTS)
         unknown = sorted(set(absent) - set(names))
         if unknown:
             raise BadInput(f"FLEX-28 has no derivative {', '.join(unknown)}")
@@ -91,7 +91,7 @@ class Truth:
         return replace(self, derivatives=derivatives)
 
     def condition_at(self, airspeed: float, fuel: float) -> FlightCondition:
-        """Trimmed level flight: lift equals weight, thrust equals drag."""
+        """Return the trimmed level flight condition: lift equals weight, thrust equals drag."""
         mass = float(np.interp(fuel, self.fuel, self.mass))
         force = 0.5 * self.density * airspeed**2 * self.area
         lift = mass * GRAVITY / force
@@ -113,14 +113,14 @@ class Truth:
         )
 
     def body_position(self, point: str, condition: FlightCondition) -> np.ndarray:
-        """Where a point is from the c.g., in body axes. [m]"""
+        """Return the position of a point relative to the c.g., in body axes. [m]"""
         aft, right, up = self.locations[point]
         return np.array([condition.x_cg - aft, right, condition.z_cg - up])
 
 
 @cache
 def load_truth() -> Truth:
-    """Read the shipped aircraft once."""
+    """Return the aircraft of the package, read once."""
     source = json.loads(_data("flex28.json").read_text(encoding="utf-8"))
     dynamics, law = source["dynamics"]["actuator"], source["controller"]
     delay = dynamics["delay_s"]
@@ -157,14 +157,14 @@ def load_truth() -> Truth:
             high_speed=law["V_hi"] * _FOOT,
             least_gain=law["g_min"],
             filter_corner=law["filter_wc"],
-            # The file counts the whole loop; the actuator brings its own share.
+            # The delay of the file is that of the whole loop, including the actuator.
             delay_s=law["total_delay_s"] - delay,
         ),
     )
 
 
 def load_nodes() -> tuple[np.ndarray, np.ndarray]:
-    """Nodes to draw, (K, 3) structural axes [m], and their shapes (F, n, K, 6) [m, rad]."""
+    """Return nodes, (K, 3) in structural axes [m], and their shapes (F, n, K, 6) [m, rad]."""
     with _data("modeshape_grid.npz").open("rb") as stream, np.load(stream) as grid:
         return grid["points_struct"] * _FOOT, _shape_to_si(grid["phi_body"])
 

@@ -1,4 +1,4 @@
-"""Fly one maneuver of FLEX-28 and record it, as an analyst gets it from the aircraft."""
+"""Simulation of one maneuver of FLEX-28 with its recorded channels."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from flexsid.demo.aircraft import anti_alias, describe_aircraft
+from flexsid.demo.aircraft import build_anti_alias_filter, describe_aircraft
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.recorder import LOW, FlownChannel, Recorder, condition_channels
 from flexsid.demo.truth_flight import RATE_HZ, fly_truth
@@ -18,7 +18,7 @@ from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.units import factor, to_si
 from flexsid.workflow.aircraft.flight_condition import complete_condition
-from flexsid.workflow.importing.persistence import largest_correlation
+from flexsid.workflow.importing.persistence import compute_largest_correlation
 
 TRIM_S = 2.0
 SETTLE_S = 4.0
@@ -27,7 +27,7 @@ ALTITUDE_M = 1524.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FlownManeuver:
-    """A recorded maneuver that is not kept yet, with the truth it came from."""
+    """A recorded maneuver before storage, with the true derivatives."""
 
     label: str
     fta: int
@@ -57,7 +57,7 @@ def fly(
     n_periods: int = 1,
     absent: tuple[str, ...] = (),
 ) -> FlownManeuver:
-    """Fly a flight test aid in closed loop from trim and record all channels.
+    """Simulate a flight test aid in closed loop from trim and record all channels.
 
     Parameters
     ----------
@@ -70,23 +70,23 @@ def fly(
     peak_deg
         Largest excitation of the body flaps; the others follow in proportion. [deg]
     modes_in_truth
-        Number of symmetric modes that fly; eight is all.
+        Number of symmetric modes in the simulation, at most eight.
     seed
-        Decides the noise, and nothing else.
+        Seed of the noise.
     noise
-        False gives perfect channels.
+        False gives noise-free channels.
     start_s
         Flight time at which the record starts. [s]
     label
-        What the maneuver is called; made from the condition when left out.
+        Label of the maneuver; derived from the condition by default.
     n_periods
-        How often the excitation is repeated without a pause.
+        Number of consecutive periods of the excitation.
     absent
-        Derivatives that are zero in the aircraft that flies, e.g. ``Cm_etadot9``.
+        Derivatives that are zero in the simulated aircraft, e.g. ``Cm_etadot9``.
     """
     truth = load_truth().without(absent)
     aircraft = describe_aircraft(truth)
-    multisine = design(fta, peak_deg)
+    multisine = design_fta(fta, peak_deg)
     excited_s = n_periods * multisine.period_s
     duration_s = TRIM_S + excited_s + SETTLE_S
     excitation = np.zeros((round(duration_s * RATE_HZ), len(multisine.inputs)))
@@ -97,7 +97,7 @@ def fly(
     airspeed = airspeed_ratio * truth.flutter_speed_at(fuel)
     flight = fly_truth(truth, aircraft.sensors, airspeed, fuel, modes_in_truth, excitation)
     generator = np.random.default_rng(seed) if noise else None
-    recorder = Recorder(aircraft, anti_alias(truth.source), generator)
+    recorder = Recorder(aircraft, build_anti_alias_filter(truth.source), generator)
     surfaces = recorder.surfaces(aircraft, flight.motion.surfaces)
     states = condition_channels(
         flight.condition,
@@ -108,7 +108,7 @@ def fly(
         generator,
     )
     condition = _average(aircraft, states)
-    correlation = largest_correlation([channel.samples[during] for channel in surfaces])
+    correlation = compute_largest_correlation([channel.samples[during] for channel in surfaces])
     assert condition.flutter_speed_m_s is not None
     assert correlation is not None
     return FlownManeuver(
@@ -137,7 +137,7 @@ def fly(
 
 
 @cache
-def design(fta: int, peak_deg: float) -> Multisine:
+def design_fta(fta: int, peak_deg: float) -> Multisine:
     """Design a flight test aid for the five symmetric surfaces of FLEX-28."""
     layout = load_truth().source["multisine"]
     return design_flight_test_aid(
@@ -151,13 +151,13 @@ def design(fta: int, peak_deg: float) -> Multisine:
 
 
 def _during(excited_s: float) -> slice:
-    """Samples of a fast channel while the surfaces are excited."""
+    """Return the samples of a fast channel during the excitation."""
     first = round(TRIM_S * RATE_HZ)
     return slice(first, first + round(excited_s * RATE_HZ))
 
 
 def _average(aircraft: Aircraft, states: list[FlownChannel]) -> Condition:
-    """Average the recorded condition and look up what depends on fuel."""
+    """Return the average recorded condition, with the mass properties at its fuel."""
     assert all(channel.role is Role.CONDITION and channel.rate_hz == LOW for channel in states)
     mean = {
         channel.name: float(to_si(channel.samples.mean(dtype=np.float64), channel.unit))

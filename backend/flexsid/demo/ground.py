@@ -1,7 +1,7 @@
 """FLEX-28 on the runway: the short record before and after each flight (mini-GVT).
 
-A simple model: the aircraft stands on its gear, which stiffens every mode a little;
-there is no airflow, and the surfaces shake the structure with their own inertia.
+A simple model: the aircraft is on its gear, which adds stiffness to every mode;
+there is no airflow, and the inertia of the surfaces excites the structure.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 from scipy import fft
 
-from flexsid.demo.aircraft import anti_alias, describe_aircraft
+from flexsid.demo.aircraft import build_anti_alias_filter, describe_aircraft
 from flexsid.demo.flex28 import INPUTS, Truth, load_truth
-from flexsid.demo.flights import SETTLE_S, TRIM_S, FlownManeuver, design
+from flexsid.demo.flights import SETTLE_S, TRIM_S, FlownManeuver, design_fta
 from flexsid.demo.recorder import Recorder
 from flexsid.demo.truth_flight import RATE_HZ
 from flexsid.records.aircraft import SensorKind
@@ -21,13 +21,13 @@ from flexsid.records.maneuver import GROUND, Condition, Excitation
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.modes import StructuralModes
 from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
-from flexsid.workflow.importing.persistence import largest_correlation
+from flexsid.workflow.importing.persistence import compute_largest_correlation
 
 FTA = 506
 PEAK_DEG = 4.0
 _GEAR_STIFFNESS = 1500.0  # of nose and main gear together, tires included [N/m]
 _UNBALANCE = 4e-3  # mass times distance of a surface from its hinge [kg m]
-# Where the hinge reaction of each pair of surfaces acts.
+# Points of the hinge reaction of each pair of surfaces.
 _HINGES = {
     "bfs": ("ca",),
     "wf1s": ("mal", "mar"),
@@ -38,7 +38,7 @@ _HINGES = {
 _SETTLING_S = 10.0
 
 
-def shake(
+def simulate_ground_test(
     *,
     fuel: float,
     seed: int | tuple[int, ...],
@@ -47,26 +47,26 @@ def shake(
     stiffness_lost: float = 0.0,
     noise: bool = True,
 ) -> FlownManeuver:
-    """Shake the parked aircraft by its own surfaces and record strain and acceleration.
+    """Simulate excitation of the parked aircraft by its surfaces; record strain and acceleration.
 
     Parameters
     ----------
     fuel
         Fuel fraction. [1]
     seed
-        Decides the noise.
+        Seed of the noise.
     start_s
         Time at which the record starts; before take-off it is negative. [s]
     label
-        What the record is called.
+        Label of the record.
     stiffness_lost
-        Share of the stiffness of the first bending that damage has taken. [1]
+        Relative stiffness loss of the first bending mode by damage. [1]
     noise
-        False gives perfect channels.
+        False gives noise-free channels.
     """
     truth = load_truth()
     aircraft = describe_aircraft(truth)
-    multisine = design(FTA, PEAK_DEG)
+    multisine = design_fta(FTA, PEAK_DEG)
     duration_s = TRIM_S + multisine.period_s + SETTLE_S
     excitation = np.zeros((round(duration_s * RATE_HZ), len(INPUTS)))
     first = round(TRIM_S * RATE_HZ)
@@ -86,8 +86,8 @@ def shake(
     sensors = tuple(
         s for s in aircraft.sensors if s.kind in (SensorKind.STRAIN, SensorKind.ACCELEROMETER)
     )
-    modes = _on_gear(truth.modes_at(fuel, len(truth.symmetric)), stiffness_lost)
-    seeing = build_model(
+    modes = _add_gear(truth.modes_at(fuel, len(truth.symmetric)), stiffness_lost)
+    sensor_model = build_model(
         aircraft,
         replace(condition, airspeed_m_s=parked.airspeed),  # no elastic term depends on it
         modes,
@@ -101,12 +101,12 @@ def shake(
     moved = fft.rfft(excitation, length, axis=0) * _actuator(truth, s)[:, None]
     eta = (s**2)[:, None] * (moved @ _coupling(modes))
     eta /= (s**2)[:, None] + 2.0 * s[:, None] * modes.zeta * modes.omega + modes.omega**2
-    felt = np.einsum("fyr,fr->fy", seeing.response(np.abs(s))[:, :, 2:], eta)
+    measured = np.einsum("fyr,fr->fy", sensor_model.response(np.abs(s))[:, :, 2:], eta)
     n_samples = excitation.shape[0]
     generator = np.random.default_rng(seed) if noise else None
-    recorder = Recorder(aircraft, anti_alias(truth.source), generator)
+    recorder = Recorder(aircraft, build_anti_alias_filter(truth.source), generator)
     surfaces = recorder.surfaces(aircraft, fft.irfft(moved, length, axis=0)[:n_samples])
-    correlation = largest_correlation([channel.samples for channel in surfaces])
+    correlation = compute_largest_correlation([channel.samples for channel in surfaces])
     assert correlation is not None
     return FlownManeuver(
         label=label,
@@ -124,7 +124,7 @@ def shake(
         max_input_correlation=correlation,
         channels=(
             *surfaces,
-            *recorder.sensors(sensors, fft.irfft(felt, length, axis=0)[:n_samples], parked),
+            *recorder.sensors(sensors, fft.irfft(measured, length, axis=0)[:n_samples], parked),
             *recorder.commands(multisine.inputs, excitation),
         ),
         truth=DerivativeTable.from_names(truth.symmetric, INPUTS, {}),
@@ -132,8 +132,8 @@ def shake(
     )
 
 
-def _on_gear(modes: StructuralModes, lost: float) -> StructuralModes:
-    """Modes with the gear under nose and main legs, and with the wing's damage."""
+def _add_gear(modes: StructuralModes, lost: float) -> StructuralModes:
+    """Return the modes with the stiffness of nose and main gear, and with the damage."""
     stiffness = modes.omega**2 * np.where(np.arange(len(modes.numbers)) == 0, 1.0 - lost, 1.0)
     for leg in ("cf", "ca"):
         travel = modes.translation[modes.points.index(leg), 2]
@@ -142,7 +142,7 @@ def _on_gear(modes: StructuralModes, lost: float) -> StructuralModes:
 
 
 def _coupling(modes: StructuralModes) -> np.ndarray:
-    """Modal force of each surface's acceleration over modal mass, (n_u, n_modes)."""
+    """Return the modal force per surface acceleration over modal mass, (n_u, n_modes)."""
     rows = [
         sum(modes.translation[modes.points.index(point), 2] for point in _HINGES[name])
         for name in INPUTS
@@ -151,7 +151,7 @@ def _coupling(modes: StructuralModes) -> np.ndarray:
 
 
 def _actuator(truth: Truth, s: np.ndarray) -> np.ndarray:
-    """Linear part of the actuators; nothing reaches its limits on the ground."""
+    """Return the linear actuator response; limits are not reached on the ground."""
     a = truth.actuator
     lag = s**2 + 2.0 * a.damping * a.natural_frequency * s + a.natural_frequency**2
     return a.natural_frequency**2 / lag * np.exp(-s * a.delay_s)

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexsid.demo.aircraft import thrust_table
+from flexsid.demo.aircraft import build_thrust_table
 from flexsid.demo.truth_flight import RATE_HZ
 from flexsid.records.aircraft import Aircraft, Sensor, SensorKind
 from flexsid.records.maneuver import Role
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.instruments import Butterworth, Instrument
-from flexsid.sysid.simulation.recording import pass_instruments
+from flexsid.sysid.simulation.recording import apply_instruments
 from flexsid.units import factor
-from flexsid.workflow.aircraft.thrust import TOTAL_TEMPERATURE, total_temperature
+from flexsid.workflow.aircraft.thrust import TOTAL_TEMPERATURE, compute_total_temperature
 
 HIGH, MEDIUM, LOW = RATE_HZ, 200.0, 20.0
 """The three rates of the paper: f_s, 0.20 f_s, 0.02 f_s. [Hz]"""
@@ -36,7 +36,7 @@ _DIMENSIONS = {"g": "acceleration", "ustrain": "strain"}
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FlownChannel:
-    """One recorded channel in its native unit; ``samples`` (n,) as the recorder keeps them."""
+    """One recorded channel in its native unit; ``samples`` (n,) as recorded."""
 
     name: str
     unit: str
@@ -46,11 +46,11 @@ class FlownChannel:
 
 
 class Recorder:
-    """Records at single precision; without a generator of noise it is a perfect one.
+    """Records in single precision; without a noise generator, free of noise.
 
     Noise is white and enters before the anti-alias filter. ``noise_std`` of a
-    sensor is what it would be at the medium rate without that filter, so that a
-    channel is as noisy at a line whatever its rate.
+    sensor is defined at the medium rate without that filter, so that the noise
+    spectrum of a channel does not depend on its rate.
     """
 
     def __init__(
@@ -63,31 +63,31 @@ class Recorder:
     def surfaces(self, aircraft: Aircraft, deflections: np.ndarray) -> list[FlownChannel]:
         """Record surface positions by their potentiometers."""
         surfaces = aircraft.surfaces
-        seen = self._see(
+        measured = self._measure(
             deflections,
             [str(surface.instrument) for surface in surfaces],
             [surface.noise_std_rad or 0.0 for surface in surfaces],
         )
         return [
             _channel(surface.name, "rad", Role.INPUT, HIGH, samples)
-            for surface, samples in zip(surfaces, seen.T, strict=True)
+            for surface, samples in zip(surfaces, measured.T, strict=True)
         ]
 
     def sensors(
-        self, sensors: Sequence[Sensor], felt: np.ndarray, condition: FlightCondition
+        self, sensors: Sequence[Sensor], true_values: np.ndarray, condition: FlightCondition
     ) -> list[FlownChannel]:
-        """Record sensors, with what they read in trim."""
-        seen = self._see(
-            felt,
+        """Record sensors, including their readings in trim."""
+        measured = self._measure(
+            true_values,
             [str(sensor.instrument) for sensor in sensors],
             [sensor.noise_std or 0.0 for sensor in sensors],
         )
         channels = []
-        for sensor, samples in zip(sensors, seen.T, strict=True):
+        for sensor, samples in zip(sensors, measured.T, strict=True):
             unit = _UNITS[sensor.kind]
             si = factor(unit, _DIMENSIONS[unit]) if unit in _DIMENSIONS else 1.0
             rate = HIGH if sensor.name in _FAST else MEDIUM
-            level = samples + trim_reading(sensor, condition)
+            level = samples + compute_trim_reading(sensor, condition)
             channels.append(_channel(sensor.name, unit, Role.OUTPUT, rate, level / si))
         return channels
 
@@ -98,19 +98,19 @@ class Recorder:
             for name, samples in zip(names, excitation.T, strict=True)
         ]
 
-    def _see(
+    def _measure(
         self, true: np.ndarray, instruments: Sequence[str], noise_std: Sequence[float]
     ) -> np.ndarray:
-        seen = pass_instruments(true, HIGH, [self._instruments[name] for name in instruments])
+        measured = apply_instruments(true, HIGH, [self._instruments[name] for name in instruments])
         if self._noise is None:
-            return seen
+            return measured
         white = self._noise.standard_normal(true.shape) * np.array(noise_std)
         white *= np.sqrt(HIGH / MEDIUM)
-        return seen + pass_instruments(white, HIGH, [self._anti_alias] * len(instruments))
+        return measured + apply_instruments(white, HIGH, [self._anti_alias] * len(instruments))
 
 
-def trim_reading(sensor: Sensor, condition: FlightCondition) -> float:
-    """What a sensor reads in steady level flight. [SI unit of the sensor]"""
+def compute_trim_reading(sensor: Sensor, condition: FlightCondition) -> float:
+    """Return the reading of a sensor in steady level flight. [SI unit of the sensor]"""
     gravity = factor("g", "acceleration")
     if sensor.kind in (SensorKind.VANE, SensorKind.ATTITUDE):
         return condition.alpha
@@ -133,7 +133,7 @@ def condition_channels(
     Parameters
     ----------
     condition
-        What was flown; the recorded values vary a little around it.
+        Flight condition; the recorded values have small variations about it.
     fuel
         Fuel fraction in the middle of the record; it burns down slowly. [1]
     altitude
@@ -149,9 +149,9 @@ def condition_channels(
     level = np.ones_like(time)
     airspeed, height = condition.airspeed * level, altitude * level
     if noise is not None:
-        airspeed *= 1.0 + 0.002 * _wander(time, noise)
+        airspeed *= 1.0 + 0.002 * _generate_drift(time, noise)
         airspeed += noise_std * noise.standard_normal(time.size)
-        height += 3.0 * _wander(time, noise)
+        height += 3.0 * _generate_drift(time, noise)
     burn = 0.004 * (time / duration_s - 0.5) if noise is not None else 0.0 * time
     values = (
         ("airspeed", "m/s", airspeed),
@@ -167,9 +167,9 @@ def condition_channels(
 def _engines(
     condition: FlightCondition, level: np.ndarray
 ) -> Iterator[tuple[str, str, np.ndarray]]:
-    """Rotation speeds at which the engines balance the drag, and the air that they breathe."""
-    table = thrust_table()
-    kelvin = total_temperature(condition.density, condition.airspeed)
+    """Yield rotation speeds at which thrust balances drag, and the total temperature."""
+    table = build_thrust_table()
+    kelvin = compute_total_temperature(condition.density, condition.airspeed)
     each = np.array([np.interp(kelvin, table.total_temperature_k, row) for row in table.thrust_n])
     speed = np.interp(condition.thrust / len(table.engines), each, table.engine_speed_rad_s)
     for name in table.engines:
@@ -177,8 +177,8 @@ def _engines(
     yield TOTAL_TEMPERATURE, "K", kelvin * level
 
 
-def _wander(time: np.ndarray, noise: np.random.Generator) -> np.ndarray:
-    """Slow drift of about unit size and no mean."""
+def _generate_drift(time: np.ndarray, noise: np.random.Generator) -> np.ndarray:
+    """Return a slow drift of about unit amplitude and zero mean."""
     periods = time[-1] * np.array([0.5, 1.0, 2.5])
     drift = np.sin(
         2.0 * np.pi * time[:, None] / periods + noise.uniform(0.0, 2.0 * np.pi, 3)
@@ -187,7 +187,7 @@ def _wander(time: np.ndarray, noise: np.random.Generator) -> np.ndarray:
 
 
 def _channel(name: str, unit: str, role: Role, rate: float, samples: np.ndarray) -> FlownChannel:
-    """Keep every n-th sample of a fast channel: it has been anti-alias filtered."""
+    """Return a channel with every n-th sample, after the anti-alias filter."""
     step = round(HIGH / rate) if rate != LOW else 1
     return FlownChannel(
         name=name,

@@ -1,4 +1,4 @@
-"""What is known of FLEX-28 before it flies: modal tables, predictions, model structures."""
+"""Data of FLEX-28 before flight: modal tables, predictions, model structures."""
 
 from __future__ import annotations
 
@@ -10,21 +10,23 @@ from flexsid.demo.flex28 import INPUTS, Truth, load_nodes
 from flexsid.records.modal_table import ModalKind, ModalTable
 from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.records.prediction import DerivativePrediction
-from flexsid.sysid.model.derivatives import Derivative, derivative_names
+from flexsid.sysid.model.derivatives import Derivative, list_derivative_names
 
-Keep = Callable[[np.ndarray], str]
-"""Keeps an array and answers with its name."""
+SaveArray = Callable[[np.ndarray], str]
+"""Stores an array and returns its name."""
 
 _NAMES = {7: "SW1B", 8: "AW1B", 9: "SW1T", 10: "AW1T", 11: "SFA", 12: "SWL"}
 
-# A panel code without viscosity: too much from the surfaces, too little damping.
+# Inviscid panel code: surface effectiveness too large, damping too small.
 _PANEL_BIAS = {"alpha": 1.08, "q": 0.88, "eta": 1.10, "etadot": 0.90, "surface": 1.18}
 # A stiff half-span model on a splitter plate, at low Reynolds number.
 _TUNNEL_BIAS = {"alpha": 0.95, "surface": 0.86}
 
 
-def modal_tables(truth: Truth, aircraft_id: int, keep: Keep) -> tuple[ModalTable, ModalTable]:
-    """Write down the finite element model, which is exact here, and the ground vibration test."""
+def build_modal_tables(
+    truth: Truth, aircraft_id: int, save: SaveArray
+) -> tuple[ModalTable, ModalTable]:
+    """Return the exact finite element model, and the ground vibration test."""
     modes = truth.modes
     places, shapes = load_nodes()
     symmetric = tuple(kind == "S" for kind in truth.source["mode_class"])
@@ -43,17 +45,17 @@ def modal_tables(truth: Truth, aircraft_id: int, keep: Keep) -> tuple[ModalTable
         points=modes.points,
         gauges=modes.gauges,
         arrays={
-            "omega": keep(modes.omega),
-            "mass": keep(modes.mass),
-            "shape": keep(modes.shape),
-            "strain": keep(modes.strain),
-            "nodes": keep(places),
-            "node_shape": keep(shapes),
+            "omega": save(modes.omega),
+            "mass": save(modes.mass),
+            "shape": save(modes.shape),
+            "strain": save(modes.strain),
+            "nodes": save(places),
+            "node_shape": save(shapes),
         },
         origin="beam finite element model of FLEX-28, 25 modes at 17 fuel weights",
     )
-    # Frequencies of the test differ from the model's by what tuning leaves over.
-    left_over = 1.0 + 0.003 * np.random.default_rng(7).standard_normal((2, modes.omega.shape[1]))
+    # Frequencies of the test differ from those of the updated model by a residual error.
+    residual = 1.0 + 0.003 * np.random.default_rng(7).standard_normal((2, modes.omega.shape[1]))
     ends = [0, -1]
     ground_test = ModalTable(
         aircraft_id=aircraft_id,
@@ -63,27 +65,27 @@ def modal_tables(truth: Truth, aircraft_id: int, keep: Keep) -> tuple[ModalTable
         numbers=modes.numbers,
         names=names,
         symmetric=symmetric,
-        arrays={"omega": keep(modes.omega[ends] * left_over), "zeta": keep(modes.zeta[ends])},
+        arrays={"omega": save(modes.omega[ends] * residual), "zeta": save(modes.zeta[ends])},
         origin="ground vibration test at empty and full fuel",
     )
     return finite_elements, ground_test
 
 
-def predictions(
-    truth: Truth, aircraft_id: int, keep: Keep
+def build_predictions(
+    truth: Truth, aircraft_id: int, save: SaveArray
 ) -> tuple[DerivativePrediction, DerivativePrediction]:
-    """Write down two predictions that err as their kind does; both are the same every time."""
-    names = derivative_names(truth.symmetric, INPUTS)
+    """Return two predictions with typical, reproducible errors of their kind."""
+    names = list_derivative_names(truth.symmetric, INPUTS)
     true = truth.derivatives.reshape(truth.fuel.size, -1)
-    scatter = np.random.default_rng(28).standard_normal((2, len(names)))
-    panel_factor = np.array([_PANEL_BIAS[_group(name)] for name in names]) + 0.08 * scatter[0]
+    noise = np.random.default_rng(28).standard_normal((2, len(names)))
+    panel_factor = np.array([_PANEL_BIAS[_group(name)] for name in names]) + 0.08 * noise[0]
     panel = DerivativePrediction(
         aircraft_id=aircraft_id,
         source="Panel code",
         kind="panel code",
         fuel=_numbers(truth.fuel),
         names=names,
-        values=keep(true * panel_factor),
+        values=save(true * panel_factor),
         note="inviscid, eight symmetric modes; no error bounds are known",
     )
     measured = [
@@ -93,22 +95,22 @@ def predictions(
     ]
     own = tuple(names[place] for place in measured)
     tunnel_factor = np.array([_TUNNEL_BIAS[_group(name)] for name in own])
-    values = true[:, measured] * (tunnel_factor + 0.03 * scatter[1, measured])
+    values = true[:, measured] * (tunnel_factor + 0.03 * noise[1, measured])
     tunnel = DerivativePrediction(
         aircraft_id=aircraft_id,
         source="Wind tunnel, half-span model",
         kind="wind tunnel",
         fuel=_numbers(truth.fuel),
         names=own,
-        values=keep(values),
-        std_errors=keep(0.03 * np.abs(values) + 0.002),
+        values=save(values),
+        std_errors=save(0.03 * np.abs(values) + 0.002),
         note="stiff model, moments transferred to the centre of gravity at each fuel weight",
     )
     return panel, tunnel
 
 
-def model_structures(aircraft_id: int) -> tuple[ModelStructure, ...]:
-    """Write down the structures that are tried first, on all surfaces and usable sensors."""
+def build_model_structures(aircraft_id: int) -> tuple[ModelStructure, ...]:
+    """Return the default model structures, with all surfaces and usable sensors."""
     steps = (
         ("SP + SW1B", (7,), "for FTA 503, whose band ends below SW1T"),
         ("SP + SW1B + SW1T", (7, 9), "for FTA 506; SFA and SWL remain as bias"),

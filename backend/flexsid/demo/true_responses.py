@@ -1,4 +1,4 @@
-"""What the frequency responses of FLEX-28 truly are: the answers to compare a measurement with."""
+"""True frequency responses of FLEX-28, as reference for measured ones."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyResponse
 from flexsid.sysid.simulation.airframe import assemble_airframe
-from flexsid.workflow.aircraft.aircraft_models import default_outputs, define_outputs
-from flexsid.workflow.measurements.maneuver_data import MeasuredLines
-from flexsid.workflow.measurements.maneuver_spectra import measure
+from flexsid.workflow.aircraft.aircraft_models import define_outputs, list_default_outputs
+from flexsid.workflow.measurements.maneuver_data import MeasuredSpectra
+from flexsid.workflow.measurements.maneuver_spectra import read_measured_spectra
 
-_FLIGHT = 99  # of maneuvers that are only flown to be compared with the truth
+_FLIGHT = 99  # of maneuvers that are simulated only for comparison with the truth
 
 
-def true_responses(
+def compute_true_responses(
     airspeed_ratio: float, fuel: float, omega: np.ndarray, outputs: tuple[str, ...]
 ) -> FrequencyResponse:
-    """Responses of outputs and symmetric combinations to all surfaces, without instruments."""
+    """Return responses of outputs and combinations to all surfaces, without instruments."""
     truth = load_truth()
     aircraft = describe_aircraft(truth)
     count = len(truth.symmetric)
@@ -35,7 +35,7 @@ def true_responses(
     felt = sensor_rows(truth, airframe, aircraft.sensors)
     rows = {sensor.name: row for sensor, row in zip(aircraft.sensors, felt, strict=True)}
     terms = {c.name: c.terms for c in aircraft.combinations}
-    wanted = np.stack(
+    output_rows = np.stack(
         [
             np.sum([w * rows[part] for part, w in terms.get(name, ((name, 1.0),))], axis=0)
             for name in outputs
@@ -44,24 +44,24 @@ def true_responses(
     n_x = airframe.n_x
     resolvent = 1j * omega[:, None, None] * np.eye(n_x) - airframe.state_matrix
     entry = np.broadcast_to(airframe.input_matrix, (omega.size, n_x, len(INPUTS)))
-    values = wanted[:, :n_x] @ np.linalg.solve(resolvent, entry) + wanted[:, n_x:]
+    values = output_rows[:, :n_x] @ np.linalg.solve(resolvent, entry) + output_rows[:, n_x:]
     return FrequencyResponse(omega, values, outputs, INPUTS)
 
 
-def relative_errors(
+def compute_relative_errors(
     measured: dict[str, FrequencyResponse], airspeed_ratio: float, fuel: float = 0.5
 ) -> np.ndarray:
-    """Complex errors over the true value, of all points of all inputs' responses."""
+    """Return complex relative errors of all data points of all responses."""
     parts = []
     for name, found in measured.items():
-        true = true_responses(airspeed_ratio, fuel, found.omega, found.outputs)
+        true = compute_true_responses(airspeed_ratio, fuel, found.omega, found.outputs)
         column = true.values[:, :, INPUTS.index(name)]
         parts.append((found.values[:, :, 0] / column - 1.0).ravel())
     return np.concatenate(parts)
 
 
-def keep_and_measure(store: Store, flown: FlownManeuver) -> MeasuredLines:
-    """Keep a flown maneuver and transform what was recorded, as any analysis starts."""
+def save_and_measure(store: Store, flown: FlownManeuver) -> MeasuredSpectra:
+    """Store a simulated maneuver and return its Fourier transforms."""
     aircraft = add_aircraft(store)
     assert aircraft.id is not None
     known = store.flights.find(aircraft_id=aircraft.id, number=_FLIGHT)
@@ -71,5 +71,5 @@ def keep_and_measure(store: Store, flown: FlownManeuver) -> MeasuredLines:
     assert flight.id is not None
     maneuver = add_maneuver(store, flown, flight.id)
     recorded = [c.name for c in store.channels.find(maneuver_id=maneuver.id, role=Role.OUTPUT)]
-    outputs = define_outputs(aircraft, default_outputs(aircraft, recorded))
-    return measure(store, maneuver, aircraft, INPUTS, outputs)
+    outputs = define_outputs(aircraft, list_default_outputs(aircraft, recorded))
+    return read_measured_spectra(store, maneuver, aircraft, INPUTS, outputs)

@@ -1,4 +1,4 @@
-"""Fly the true aircraft in closed loop; what comes out is what its sensors feel."""
+"""Closed-loop simulation of the true aircraft, with sensor outputs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.simulation import sensors as feel
 from flexsid.sysid.simulation.airframe import Airframe, assemble_airframe
-from flexsid.sysid.simulation.closed_loop import SimulatedMotion, fly_closed_loop
+from flexsid.sysid.simulation.closed_loop import SimulatedMotion, simulate_closed_loop
 
 RATE_HZ = 1000.0
 """Rate of the simulation and of the fastest recorder channels."""
@@ -21,7 +21,7 @@ RATE_HZ = 1000.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrueFlight:
-    """One flight without instruments: ``felt`` (n_samples, n_sensors) in SI."""
+    """One simulation without instruments: ``felt`` (n_samples, n_sensors) in SI."""
 
     condition: FlightCondition
     derivatives: DerivativeTable
@@ -37,14 +37,14 @@ def fly_truth(
     count: int,
     excitation: np.ndarray,
 ) -> TrueFlight:
-    """Fly through an excitation from trim.
+    """Simulate the response to an excitation from trim.
 
     Parameters
     ----------
     truth
         The aircraft with its actuators and its controller.
     sensors
-        Whose feelings are wanted.
+        Sensors whose outputs are returned.
     airspeed
         True airspeed. [m/s]
     fuel
@@ -57,7 +57,7 @@ def fly_truth(
     condition = truth.condition_at(airspeed, fuel)
     derivatives = truth.derivatives_at(fuel, count)
     airframe = assemble_airframe(condition, truth.modes_at(fuel, count), derivatives)
-    motion = fly_closed_loop(
+    motion = simulate_closed_loop(
         airframe,
         truth.actuator,
         excitation,
@@ -70,7 +70,7 @@ def fly_truth(
 
 
 def sensor_rows(truth: Truth, airframe: Airframe, sensors: Sequence[Sensor]) -> np.ndarray:
-    """What sensors feel of states and surfaces, (n_sensors, n_w)."""
+    """Return the output matrix of sensors from states and surfaces, (n_sensors, n_w)."""
     return np.stack([_row(truth, airframe, sensor) for sensor in sensors])
 
 

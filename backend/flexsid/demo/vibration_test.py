@@ -1,4 +1,4 @@
-"""A ground vibration test of FLEX-28 on soft springs: responses as a test would measure them."""
+"""A ground vibration test of FLEX-28 on soft springs: simulated measured responses."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ _BAND_HZ = (2.0, 30.0)
 _STEP_HZ = 0.05
 _NOISE = 0.01
 _SHAKERS = ((1, "z"), (2, "z"), (1, "x"))
-"""Which of the tips outboard, and in which direction."""
+"""Tip (1 and 2) and direction of each shaker."""
 
 
-def measured_responses(
-    truth: Truth, aircraft_id: int, keep: Callable[[np.ndarray], str]
+def build_measured_responses(
+    truth: Truth, aircraft_id: int, save: Callable[[np.ndarray], str]
 ) -> MeasuredResponses:
-    """Shake the wing tips at empty fuel and record accelerations at some sixty points."""
+    """Return responses to shakers at the wing tips, at empty fuel and about sixty points."""
     places, shapes = load_nodes()
     modes = truth.modes.at(0.0)
     phi = np.asarray(shapes[0, :, :, :3], dtype=float) * np.array([-1.0, 1.0, -1.0])
@@ -48,10 +48,10 @@ def measured_responses(
         outputs=tuple(f"{node + 1}+{'xyz'[axis]}" for node, axis in outputs),
         references=tuple(f"{node + 1}+{'xyz'[axis]}" for node, axis in shakers),
         arrays={
-            "frequency": keep(hertz),
-            "values": keep(values),
-            "nodes": keep(places[[node for node, _ in outputs]]),
-            "directions": keep(np.eye(3)[[axis for _, axis in outputs]]),
+            "frequency": save(hertz),
+            "values": save(values),
+            "nodes": save(places[[node for node, _ in outputs]]),
+            "directions": save(np.eye(3)[[axis for _, axis in outputs]]),
         },
         notes=("Responses are in m/s2/N.",),
         origin="synthetic, with one percent of noise",

@@ -1,4 +1,4 @@
-"""A whole flight as one recording: maneuvers with steady flight between, nothing cut yet."""
+"""A whole flight as one recording: maneuvers separated by steady flight, not cut yet."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ _SPIKED, _SPIKES_S = "az_cf", (35.0, 88.0, 88.4)
 
 
 def record_flight(flown: Sequence[FlownManeuver]) -> tuple[FlownChannel, ...]:
-    """Join maneuvers of the same channels to one recording."""
+    """Return one recording of maneuvers with the same channels."""
     joined = []
     for columns in zip(*(one.channels for one in flown), strict=True):
-        pieces = [_pause(columns[0])]
+        pieces = [_build_pause(columns[0])]
         for column, following in zip(columns, (*columns[1:], columns[-1]), strict=True):
-            pieces += [column.samples, _between(column, following)]
+            pieces += [column.samples, _build_transition(column, following)]
         samples = np.concatenate(pieces).astype(columns[0].samples.dtype)
         joined.append(replace(columns[0], samples=samples))
     return tuple(joined)
@@ -41,7 +41,7 @@ def record_flight(flown: Sequence[FlownManeuver]) -> tuple[FlownChannel, ...]:
 def add_recording(
     store: Store, channels: Sequence[FlownChannel], flight: Flight, start_s: float = 0.0
 ) -> None:
-    """Keep a recording as the channels of a flight."""
+    """Store a recording as the channels of a flight."""
     assert flight.id is not None
     with store.transaction():
         for channel in channels:
@@ -59,17 +59,17 @@ def add_recording(
             )
 
 
-def _pause(channel: FlownChannel) -> np.ndarray:
-    """Steady flight: the trim of a maneuver over and over, forwards and backwards."""
+def _build_pause(channel: FlownChannel) -> np.ndarray:
+    """Return steady flight: the trim of a maneuver, repeated forwards and backwards."""
     count = round(PAUSE_S * channel.rate_hz)
     trim = channel.samples[: max(2, round(0.9 * TRIM_S * channel.rate_hz))]
     there_and_back = np.concatenate([trim[::-1], trim])
     return np.tile(there_and_back, -(-count // there_and_back.size))[-count:]
 
 
-def _between(channel: FlownChannel, following: FlownChannel) -> np.ndarray:
-    """From one maneuver to the next: conditions and trim change slowly, commands rest."""
-    steady = _pause(following)
+def _build_transition(channel: FlownChannel, following: FlownChannel) -> np.ndarray:
+    """Return the transition to the next maneuver: slow change of trim, zero commands."""
+    steady = _build_pause(following)
     if channel.role is Role.COMMAND:
         return steady
     last = float(channel.samples[-max(1, round(0.2 * channel.rate_hz)) :].mean())
@@ -79,10 +79,10 @@ def _between(channel: FlownChannel, following: FlownChannel) -> np.ndarray:
 
 
 def add_uncut_flight(store: Store, aircraft: Aircraft, seed: int) -> None:
-    """Fly and keep a flight that nobody has cut yet, unless it is there.
+    """Simulate and store an uncut flight, if missing.
 
-    Two of its channels are at fault, as the quality page should find: an accelerometer is
-    recorded late, and another has spikes.
+    Two of its channels are faulty, as test of the quality page: one accelerometer is
+    delayed, another has spikes.
     """
     assert aircraft.id is not None
     if store.flights.find(aircraft_id=aircraft.id, number=_NUMBER):
@@ -91,7 +91,7 @@ def add_uncut_flight(store: Store, aircraft: Aircraft, seed: int) -> None:
         fly(airspeed_ratio=ratio, fuel=fuel, fta=fta, seed=(seed, _NUMBER, place))
         for place, (ratio, fuel, fta) in enumerate(_CARDS)
     ]
-    channels = tuple(_at_fault(channel) for channel in record_flight(flown))
+    channels = tuple(_add_fault(channel) for channel in record_flight(flown))
     with store.transaction():
         flight = store.flights.add(
             Flight(
@@ -104,7 +104,7 @@ def add_uncut_flight(store: Store, aircraft: Aircraft, seed: int) -> None:
         add_recording(store, channels, flight, _START_S)
 
 
-def _at_fault(channel: FlownChannel) -> FlownChannel:
+def _add_fault(channel: FlownChannel) -> FlownChannel:
     samples = channel.samples.astype(float)
     if channel.name == _LATE:
         rate_hz = channel.rate_hz

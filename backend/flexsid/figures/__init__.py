@@ -1,4 +1,4 @@
-"""Finished values to plotly figures as plain data: nothing is computed, nothing is loaded."""
+"""Plotly figures as plain data, from computed values."""
 
 from flexsid.figures.bode import View, bode
 from flexsid.figures.closed_loop import closed_loop_margins, closed_loop_roots

@@ -30,14 +30,14 @@ _MOST_LISTED = 400
 
 
 def bode(value: Bode, view: View = "bode") -> Spec:
-    """Draw measured responses as markers with ±2 standard errors, models as lines.
+    """Draw measured responses as markers with ±2 standard errors, models as curves.
 
     ``nichols`` draws magnitude over phase, ``nyquist`` the complex plane.
     """
     shown = value.measured + value.models
     outputs = tuple(dict.fromkeys(response.output for response in shown))
     if not outputs:
-        return empty("No frequency response: choose an output and an input that was excited")
+        return empty("No frequency response: select an output and an excited input")
     bode_plane = view == "bode"
     coherent = any(response.coherence is not None for response in value.measured)
     per_output = 1 if not bode_plane else 3 if coherent else 2
@@ -53,7 +53,7 @@ def bode(value: Bode, view: View = "bode") -> Spec:
     data: list[Spec] = []
     for response in shown:
         first = per_output * outputs.index(response.output) + 1
-        drawing = _drawing(response, value)
+        drawing = _select_style(response, value)
         if view == "bode":
             data += _pair(response, first, drawing)
             if response.coherence is not None:
@@ -123,7 +123,7 @@ def _magnitude_title(name: str, shown: list[Response]) -> str:
 
 
 def _plane_layout(outputs: tuple[str, ...], value: Bode, view: View) -> Spec:
-    """One plane per output; every plane has its own axes."""
+    """Lay out one plane per output, each with its own axes."""
     layout: Spec = {"showlegend": True, "hovermode": "closest"}
     for index, domain in enumerate(rows([1.0] * len(outputs))):
         name, number = outputs[index], index + 1
@@ -139,13 +139,13 @@ def _plane_layout(outputs: tuple[str, ...], value: Bode, view: View) -> Spec:
             "domain": domain,
             "anchor": axis(number, "x"),
         }
-        if view == "nyquist":  # circles shall look like circles
+        if view == "nyquist":  # equal scales
             layout[layout_key(number)] |= {"scaleanchor": axis(number, "x")}
     return layout
 
 
 def _phase_step(shown: list[Response]) -> float:
-    """Degrees between ticks: whole fractions of a turn, about five in view."""
+    """Return the tick distance in degrees for about five ticks."""
     phases = np.rad2deg(np.concatenate([response.phase_rad for response in shown]))
     span = float(np.ptp(phases[np.isfinite(phases)])) if np.isfinite(phases).any() else 0.0
     return next((step for step in (45.0, 90.0, 180.0) if span <= 5 * step), 360.0)
@@ -155,8 +155,8 @@ def _over(response: Response) -> str:
     return quantities.of_channel(response.input, response.input_unit).unit
 
 
-def _drawing(response: Response, value: Bode) -> Spec:
-    """Colour says the input; symbol the maneuver, dashes the run."""
+def _select_style(response: Response, value: Bode) -> Spec:
+    """Select style: colour by input, symbol by maneuver, dash by run."""
     colour, symbol = style.of_inputs(value.inputs).get(response.input, style.of_index(0))
     if response.run_id is None:
         flown = tuple(dict.fromkeys(r.maneuver_id for r in value.measured))
@@ -184,8 +184,8 @@ def _shared(response: Response, first: int, drawing: Spec) -> Spec:
     }
 
 
-def _seen(response: Response, values: np.ndarray) -> np.ndarray:
-    """Values with the blanked points left out."""
+def _blank(response: Response, values: np.ndarray) -> np.ndarray:
+    """Replace blanked points by NaN."""
     blanked = np.isin(response.frequency_hz, [point.frequency_hz for point in response.blanked])
     return np.where(blanked, np.nan, values)
 
@@ -193,8 +193,8 @@ def _seen(response: Response, values: np.ndarray) -> np.ndarray:
 def _pair(response: Response, first: int, drawing: Spec) -> list[Spec]:
     factor, unit = _scale(response)
     with np.errstate(divide="ignore"):
-        decibel = _seen(response, 20.0 * np.log10(response.magnitude * factor))
-    degrees = _seen(response, np.rad2deg(response.phase_rad))
+        decibel = _blank(response, 20.0 * np.log10(response.magnitude * factor))
+    degrees = _blank(response, np.rad2deg(response.phase_rad))
     shared = _shared(response, first, drawing) | {"x": column(response.frequency_hz, exact=True)}
     name = shared["name"]
     pair: list[Spec] = [
@@ -212,7 +212,7 @@ def _pair(response: Response, first: int, drawing: Spec) -> list[Spec]:
         },
     ]
     if response.relative_std is not None and response.run_id is None:
-        reach = np.nan_to_num(_seen(response, _N_SIGMA * response.relative_std), posinf=0.0)
+        reach = np.nan_to_num(_blank(response, _N_SIGMA * response.relative_std), posinf=0.0)
         colour = drawing["marker"]["color"]
         for trace, size in zip(pair, (_DB * reach, np.rad2deg(reach)), strict=True):
             trace["error_y"] = {
@@ -223,7 +223,7 @@ def _pair(response: Response, first: int, drawing: Spec) -> list[Spec]:
 
 
 def _coherence(response: Response, first: int, drawing: Spec) -> Spec:
-    """Share of the output that is explained, drawn also where the response is blanked."""
+    """Draw coherence, also where the response is blanked."""
     assert response.coherence is not None
     shared = _shared(response, first, drawing)
     return {
@@ -237,9 +237,9 @@ def _coherence(response: Response, first: int, drawing: Spec) -> Spec:
 
 
 def _locus(response: Response, number: int, drawing: Spec, view: View) -> Spec:
-    """Curve in a plane, lines in order of frequency; the frequency is in the hover text."""
+    """Draw a response in a plane in order of frequency, with frequency in the hover text."""
     factor, unit = _scale(response)
-    size = _seen(response, response.magnitude * factor)
+    size = _blank(response, response.magnitude * factor)
     if view == "nyquist":
         x, y = size * np.cos(response.phase_rad), size * np.sin(response.phase_rad)
         text = f"%{{x:.3g}}, %{{y:.3g}} {unit}"

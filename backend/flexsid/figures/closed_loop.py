@@ -1,4 +1,4 @@
-"""What a controller makes of an identified aircraft over airspeed: margins and roots."""
+"""Closed-loop stability margins and roots over airspeed."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def closed_loop_margins(value: ClosedLoop) -> Spec:
         ),
         ("Disk margin [1]", [(m.disk, m.disk_std) for m in value.margins]),
     )  # fmt: skip
-    layout = _over_airspeed(value, len(kinds))
+    layout = _layout(value, len(kinds))
     data: list[Spec] = []
     for number, ((words, curves), domain) in enumerate(
         zip(kinds, rows([1.0] * len(kinds)), strict=True), start=1
@@ -91,7 +91,7 @@ def closed_loop_roots(value: ClosedLoop) -> Spec:
     return {
         "data": data,
         "layout": {
-            "xaxis": {**title("Real part [rad/s]"), "range": _near_axis(value)},
+            "xaxis": {**title("Real part [rad/s]"), "range": _range(value)},
             "yaxis": title("Imaginary part [rad/s]"),
             "shapes": [mark],
             "showlegend": True,
@@ -101,17 +101,17 @@ def closed_loop_roots(value: ClosedLoop) -> Spec:
     }
 
 
-def _near_axis(value: ClosedLoop) -> list[float]:
-    """Real parts of the aircraft's own roots; actuators and filters lie farther left."""
+def _range(value: ClosedLoop) -> list[float]:
+    """Return the range of real parts of the open-loop roots; actuator roots lie farther left."""
     reals = np.concatenate([np.real(roots) for roots in (*value.open_roots, *value.closed_roots)])
     least = min(float(np.real(roots).min()) for roots in value.open_roots)
     return [1.3 * least - 1.0, 1.1 * max(float(reals.max()), 0.0) + 1.0]
 
 
-def _over_airspeed(value: ClosedLoop, count: int) -> Spec:
+def _layout(value: ClosedLoop, count: int) -> Spec:
     marks = [vertical_mark(value.tested_m_s, "fastest flown")]
     if value.lost_m_s is not None:
-        marks.append(vertical_mark(value.lost_m_s, "stability lost"))
+        marks.append(vertical_mark(value.lost_m_s, "stability limit"))
     return {
         "xaxis": {**title("Airspeed [m/s]"), "anchor": axis(count)},
         "shapes": [shape for shape, _ in marks],

@@ -1,4 +1,4 @@
-"""Derivatives by method and prediction, side by side with ±2 standard errors (Fig. 17)."""
+"""Derivatives by method and prediction with ±2 standard errors (Fig. 17)."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ from itertools import groupby
 import numpy as np
 
 from flexsid.figures import style
-from flexsid.figures.labels import family, parameter_label, parameter_unit
+from flexsid.figures.labels import get_family, parameter_label, parameter_unit
 from flexsid.figures.spec import Spec, axis, column, empty, layout_key, title
 from flexsid.records.comparison import ComparedSource, Comparison, Row, SourceValue
 
 _GAP = 0.06
 _SPREAD = 0.7  # of the distance between derivatives, shared by the sources
 _N_SIGMA = 2.0
-_RING = 2.5  # pixels, around a prediction that departs from the runs
+_RING = 2.5  # pixels, around a prediction that differs from the runs
 
 
 def derivatives(value: Comparison) -> Spec:
-    """Draw one panel per kind of variable: derivatives differ by powers of ten between kinds.
+    """Draw one panel per kind of variable, since magnitudes differ by powers of ten.
 
-    Marked names are derivatives on which the runs differ, ringed points predictions that
-    differ from a run.
+    Names of derivatives on which the runs differ are flagged; predictions that differ from a
+    run are ringed.
     """
     if not value.rows or not value.sources:
         return empty("No derivatives in common")
-    panels = [list(group) for _, group in groupby(value.rows, key=lambda row: family(row.name))]
-    looks = looks_of(value.sources)
+    panels = [list(group) for _, group in groupby(value.rows, key=lambda row: get_family(row.name))]
+    looks = select_styles(value.sources)
     layout: Spec = {"showlegend": True, "hovermode": "closest", "meta": {"rows": 1.5}}
     data: list[Spec] = []
     left = 0.0
@@ -47,7 +47,7 @@ def derivatives(value: Comparison) -> Spec:
             if trace["x"]:
                 data.append(trace)
         left = right + _GAP
-    _name_once(data)
+    _show_legend_once(data)
     return {"data": data, "layout": layout}
 
 
@@ -116,29 +116,29 @@ def _trace(
         "text": [
             parameter_label(row.name)
             + ("" if value.std_error is None else f" (2σ = {_N_SIGMA * value.std_error:.3g})")
-            + _departure(value)
+            + _describe_difference(value)
             for _, row, value in shown
         ],
         "hovertemplate": f"%{{text}}<br>%{{y:.5g}}<extra>{source.label}</extra>",
     }
 
 
-def _departure(value: SourceValue) -> str:
-    """How far a prediction is from the run that it differs from most."""
+def _describe_difference(value: SourceValue) -> str:
+    """Describe the largest difference of a prediction from a run."""
     if value.difference_sigma is None:
         return ""
     return f", up to {value.difference_sigma:.1f}σ from the runs"
 
 
-def _name_once(data: list[Spec]) -> None:
+def _show_legend_once(data: list[Spec]) -> None:
     named: set[str] = set()
     for trace in data:
         trace["showlegend"] = trace["legendgroup"] not in named
         named.add(trace["legendgroup"])
 
 
-def looks_of(sources: tuple[ComparedSource, ...]) -> dict[str, tuple[str, str]]:
-    """Colour by method or prediction; open symbols tell repeated methods and residualised."""
+def select_styles(sources: tuple[ComparedSource, ...]) -> dict[str, tuple[str, str]]:
+    """Select colour by method or prediction; open symbols for repeated or residualised ones."""
     looks: dict[str, tuple[str, str]] = {}
     seen: Counter[str] = Counter()
     predictions: dict[int | None, int] = {}

@@ -1,4 +1,4 @@
-"""Where a campaign flew: airspeed against fuel, one mark per maneuver."""
+"""Flight envelope: airspeed against fuel fraction, one marker per maneuver."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from flexsid.records.views import Envelope, EnvelopeMark
 
 
 def envelope(value: Envelope) -> Spec:
-    """Draw the flown conditions; a click on a mark leads to its maneuver.
+    """Draw the flown conditions over fuel fraction.
 
-    V/V_f stands on the axis where every maneuver has it, with the predicted
-    flutter boundary at 1; true airspeed otherwise.
+    The axis is V/V_f where every maneuver has it, with the predicted flutter boundary at 1;
+    else true airspeed.
     """
     if not value.marks:
-        return empty("No maneuver matches")
+        return empty("No matching maneuvers")
     as_ratio = all(mark.airspeed_ratio is not None for mark in value.marks)
     marks = sorted(
         value.marks, key=lambda mark: (-1 if mark.fta is None else mark.fta, mark.maneuver_id)

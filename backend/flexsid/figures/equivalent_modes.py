@@ -1,4 +1,4 @@
-"""Frequency and damping that a mode would have alone, over dynamic pressure."""
+"""Equivalent frequency and damping of modes over dynamic pressure."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flexsid.records.flutter import Flutter
 def equivalent_modes(value: Flutter) -> Spec:
     """Draw equivalent frequency and damping over dynamic pressure, ±2 standard errors (Eq. 25)."""
     if not value.equivalent_points:
-        return empty("No run estimated a structural mode")
+        return empty("No estimated structural modes")
     top, bottom = rows([1.0, 1.0])
     data: list[Spec] = []
     lines = {line.mode: line for line in value.equivalents}
@@ -54,7 +54,7 @@ def equivalent_modes(value: Flutter) -> Spec:
                         "x": [0.0], "y": [at_rest],
                         "error_y": {"type": "data", "array": [2.0 * error], "thickness": 1},
                         "marker": {"color": colour, "symbol": f"{symbol}-open", "size": 10},
-                        "hovertemplate": "without air<br>%{y:.4g}<extra></extra>",
+                        "hovertemplate": "in vacuo<br>%{y:.4g}<extra></extra>",
                     }
                 )  # fmt: skip
     return {
@@ -67,6 +67,6 @@ def equivalent_modes(value: Flutter) -> Spec:
             layout_key(2): {**title("Equivalent damping [%]"), "domain": bottom},
             "showlegend": True,
             "hovermode": "closest",
-            "meta": {"rows": 3, "note": "Open marks: without air, from straight lines."},
+            "meta": {"rows": 3, "note": "Open markers: in vacuo, extrapolated by linear fits."},
         },
     }  # fmt: skip

@@ -1,4 +1,4 @@
-"""A designed excitation: what is commanded in time, and which lines are whose."""
+"""Excitation designs: command time history, amplitude spectrum, information, SNR."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def design_history(value: DesignedExcitation) -> Spec:
 
 
 def design_worth(value: ExpectedResponse) -> Spec:
-    """Draw how many parameters each line tells, coloured by the input that owns it."""
+    """Draw the information of every harmonic, coloured by input."""
     total = sum(float(np.sum(worth)) for worth in value.worth.values())
     data: list[Spec] = []
     for number, name in enumerate(value.names):
@@ -55,7 +55,7 @@ def design_worth(value: ExpectedResponse) -> Spec:
             {
                 "type": "scatter",
                 "mode": "markers",
-                "name": f"{label}: {share:.0f} % of all",
+                "name": f"{label}: {share:.0f} % of total",
                 "x": column(value.frequency_hz[name], exact=True),
                 "y": column(value.worth[name]),
                 "marker": {"color": colour, "symbol": symbol, "size": 6},
@@ -64,9 +64,9 @@ def design_worth(value: ExpectedResponse) -> Spec:
         )
     return {
         "data": data,
-        "layout": _over_modes(value, inside=True)
+        "layout": _layout(value, inside=True)
         | {
-            "yaxis": {**title("Worth of a line [parameters]"), "rangemode": "tozero"},
+            "yaxis": {**title("Information per harmonic [parameters]"), "rangemode": "tozero"},
             "showlegend": True,
             "hovermode": "closest",
         },
@@ -74,7 +74,7 @@ def design_worth(value: ExpectedResponse) -> Spec:
 
 
 def design_signal(value: ExpectedResponse) -> Spec:
-    """Draw every output's signal over its noise at every line. [dB]"""
+    """Draw the signal-to-noise ratio of every output at every harmonic. [dB]"""
     frequency = np.concatenate([value.frequency_hz[name] for name in value.names])
     ratio = np.concatenate([value.signal_to_noise[name] for name in value.names])
     order = np.argsort(frequency, kind="stable")
@@ -88,10 +88,10 @@ def design_signal(value: ExpectedResponse) -> Spec:
         "zmin": -20.0,
         "zmax": 60.0,
         "colorscale": "Cividis",
-        "colorbar": title("signal / noise [dB]"),
+        "colorbar": title("SNR [dB]"),
         "hovertemplate": "%{y}<br>%{x:.3f} Hz<br>%{z:.1f} dB<extra></extra>",
     }
-    layout = _over_modes(value, inside=False)
+    layout = _layout(value, inside=False)
     for mark in layout["shapes"]:
         mark |= {"layer": "above", "line": {"color": style.MARK, "width": 1, "dash": "dot"}}
     return {
@@ -104,8 +104,8 @@ def design_signal(value: ExpectedResponse) -> Spec:
     }
 
 
-def _over_modes(value: ExpectedResponse, *, inside: bool) -> Spec:
-    """Frequency axis with the identified modes marked, names inside the figure or above it."""
+def _layout(value: ExpectedResponse, *, inside: bool) -> Spec:
+    """Lay out a frequency axis with markers of identified modes."""
     marks = [vertical_mark(mode.frequency_hz, mode.name) for mode in value.modes]
     for level, (_, annotation) in enumerate(marks):
         if inside:
@@ -121,7 +121,7 @@ def _over_modes(value: ExpectedResponse, *, inside: bool) -> Spec:
 
 
 def design_spectrum(value: DesignedExcitation) -> Spec:
-    """Draw the amplitude of every line, coloured by the input that owns it. [deg]"""
+    """Draw the amplitude of every harmonic, coloured by input. [deg]"""
     data: list[Spec] = []
     for number, name in enumerate(value.names):
         colour, symbol = style.of_index(number)
@@ -146,7 +146,7 @@ def design_spectrum(value: DesignedExcitation) -> Spec:
         "data": data,
         "layout": {
             "xaxis": title("Frequency [Hz]"),
-            "yaxis": {**title("Amplitude of a line [deg]"), "rangemode": "tozero"},
+            "yaxis": {**title("Amplitude per harmonic [deg]"), "rangemode": "tozero"},
             "showlegend": True,
             "hovermode": "closest",
             "meta": {"rows": 2},

@@ -1,4 +1,4 @@
-"""Fitted lines over measured ones: magnitude and phase per output (Figs 14 and 15)."""
+"""Measured and fitted data: magnitude and phase per output (Figs 14 and 15)."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from flexsid.figures.spec import Spec, axis, column, empty, layout_key, rows, ti
 from flexsid.records.run import Method
 from flexsid.records.views import FitPlot, FitTrace
 
-_INPUT_UNIT = "rad"  # responses are per radian of surface inside
+_INPUT_UNIT = "rad"  # responses are stored per radian of surface
 
 
 def fit(value: FitPlot) -> Spec:
-    """Draw measured lines as markers, the fitted ones as a line, or as rings around them."""
+    """Draw measured data as markers, fitted data as a curve, or for OE as rings."""
     if not value.traces:
-        return empty("Nothing was fitted")
+        return empty("No fitted data")
     colour, symbol = style.METHODS[value.method.value]
     count = 2 * len(value.traces)
     domains = rows([1.4, 1.0] * len(value.traces))
@@ -42,7 +42,7 @@ def fit(value: FitPlot) -> Spec:
             "marker": {"color": style.MEASURED, "symbol": symbol, "size": 5},
         }
         curve = {"mode": "lines", "line": {"color": colour, "width": 1.8}}
-        if value.method is Method.OE:  # neighbouring lines belong to different inputs
+        if value.method is Method.OE:  # adjacent harmonics belong to different inputs
             curve = {
                 "mode": "markers",
                 "marker": {"color": colour, "symbol": "circle-open", "size": 8},

@@ -1,4 +1,4 @@
-"""The flutter speed: what single runs foretell as the campaign goes on, and a map over loading."""
+"""Predicted flutter speed during a campaign, and its map over fuel and altitude."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ _FILL = 0.18
 
 
 def flutter_forecast(value: Flutter) -> Spec:
-    """Draw the flutter speed that each run predicts against the speed at which it was flown."""
+    """Draw predicted flutter speed against flown airspeed, by run and fused."""
     known = [run for run in value.runs if run.airspeed_m_s is not None]
     if not known:
-        return empty("No run sees an instability")
+        return empty("No run predicts an instability")
     errors = [np.nan if r.airspeed_std_m_s is None else 2.0 * r.airspeed_std_m_s for r in known]
     data: list[Spec] = [
         {
@@ -45,11 +45,11 @@ def flutter_forecast(value: Flutter) -> Spec:
             }
         )  # fmt: skip
     ends = [min(run.tested_m_s for run in known), max(run.tested_m_s for run in known)]
-    levels = [("all runs together", value.airspeed_m_s, style.BLUE, "solid")]
-    levels.append(("predicted before flight", value.known_m_s, style.GREY, "dash"))
+    levels = [("all runs fused", value.airspeed_m_s, style.BLUE, "solid")]
+    levels.append(("predicted before flight", value.predicted_flutter_m_s, style.GREY, "dash"))
     levels += [
-        (tracker.name, tracker.airspeed_m_s, style.PREDICTIONS[k % 4][0], "dot")
-        for k, tracker in enumerate(value.trackers)
+        (method.name, method.airspeed_m_s, style.PREDICTIONS[k % 4][0], "dot")
+        for k, method in enumerate(value.trackers)
     ]
     for name, speed, colour, dash in levels:
         if speed is not None:
@@ -61,8 +61,8 @@ def flutter_forecast(value: Flutter) -> Spec:
                 }
             )  # fmt: skip
     layout: Spec = {
-        "xaxis": title("Airspeed flown [m/s]"),
-        "yaxis": title("Flutter speed [m/s]") | _near(value.airspeed_m_s),
+        "xaxis": title("Flown airspeed [m/s]"),
+        "yaxis": title("Flutter speed [m/s]") | _range(value.airspeed_m_s),
         "shapes": shapes,
         "showlegend": True,
         "hovermode": "closest",
@@ -72,7 +72,7 @@ def flutter_forecast(value: Flutter) -> Spec:
 
 
 def _progress(value: Flutter) -> list[Spec]:
-    """What all runs up to an airspeed said together, with its interval."""
+    """Draw the fused prediction after each airspeed, with its interval."""
     known = [step for step in value.progress if step.airspeed_m_s is not None]
     if len(known) < 2:
         return []
@@ -81,7 +81,7 @@ def _progress(value: Flutter) -> list[Spec]:
         {
             "type": "scatter",
             "mode": "lines+markers",
-            "name": "all runs up to there, 95 %",
+            "name": "runs up to this airspeed, 95 %",
             "x": column([step.tested_m_s for step in known]),
             "y": column([float(step.airspeed_m_s or 0.0) for step in known]),
             "error_y": {
@@ -98,7 +98,7 @@ def _progress(value: Flutter) -> list[Spec]:
 def flutter_map(value: FlutterMap) -> Spec:
     """Draw the flutter speed over fuel and altitude."""
     if not np.isfinite(value.airspeed_m_s).any():
-        return empty("No instability at any loading or altitude looked at")
+        return empty("No instability at the searched loadings and altitudes")
     return {
         "data": [
             {
@@ -122,6 +122,6 @@ def flutter_map(value: FlutterMap) -> Spec:
     }
 
 
-def _near(speed: float | None) -> Spec:
-    """Zoomed in on the answer; a tracker that is far off is found by zooming out."""
+def _range(speed: float | None) -> Spec:
+    """Return a range about the predicted flutter speed."""
     return {} if speed is None else {"range": [0.8 * speed, 1.25 * speed]}

@@ -1,11 +1,11 @@
-"""Forest plot: what each source says about one derivative, over the weighted mean of the runs."""
+"""Forest plot: estimates of one derivative by source, with the weighted mean of the runs."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from flexsid.figures import style
-from flexsid.figures.derivatives import looks_of
+from flexsid.figures.derivatives import select_styles
 from flexsid.figures.labels import parameter_label, parameter_unit
 from flexsid.figures.quantities import text
 from flexsid.figures.spec import Spec, column, empty, title
@@ -15,22 +15,24 @@ _N_SIGMA = 2.0
 
 
 def forest(value: Comparison, name: str) -> Spec:
-    """Draw one line per source with ±2 standard errors; the band is that of the runs' mean."""
+    """Draw one source per row with ±2 standard errors; the band is ±2σ of the runs' mean."""
     row = next((row for row in value.rows if row.name == name), None)
     if row is None:
         return empty(f"{text(name)} was not estimated")
-    looks = looks_of(value.sources)
-    said = [(s, v) for s, v in zip(value.sources, row.values, strict=True) if v is not None]
+    looks = select_styles(value.sources)
+    shown = [(s, v) for s, v in zip(value.sources, row.values, strict=True) if v is not None]
     data: list[Spec] = []
-    for source, told in said:
+    for source, value_of_source in shown:
         colour, symbol = looks[source.key]
-        error = np.nan if told.std_error is None else _N_SIGMA * told.std_error
+        error = (
+            np.nan if value_of_source.std_error is None else _N_SIGMA * value_of_source.std_error
+        )
         data.append(
             {
                 "type": "scatter",
                 "mode": "markers",
                 "name": text(source.label),
-                "x": column([told.value], exact=True),
+                "x": column([value_of_source.value], exact=True),
                 "y": [text(source.label)],
                 "marker": {"color": colour, "symbol": symbol, "size": 9},
                 "error_x": {
@@ -67,6 +69,6 @@ def forest(value: Comparison, name: str) -> Spec:
             "shapes": shapes,
             "showlegend": False,
             "hovermode": "closest",
-            "meta": {"rows": max(1.0, 0.12 * len(said) + 0.4)},
+            "meta": {"rows": max(1.0, 0.12 * len(shown) + 0.4)},
         },
     }

@@ -1,4 +1,4 @@
-"""Spectra on the runway before and after a flight, peaks and where they should be (Fig. 10)."""
+"""Spectra on the runway before and after a flight, with expected modes (Fig. 10)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from flexsid.records.views import GroundSpectra
 
 
 def ground_test(value: GroundSpectra) -> Spec:
-    """Draw the power of all gauges and accelerometers over the excitation."""
+    """Draw response power of all gauges and accelerometers over excitation power."""
     marks = [
         vertical_mark(mode.frequency_hz, quantities.text(mode.name)) for mode in value.expected
     ]
@@ -21,7 +21,7 @@ def ground_test(value: GroundSpectra) -> Spec:
         ],
         "layout": {
             "xaxis": title("Frequency [Hz]"),
-            "yaxis": {**title("Response over excitation,<br>all channels [dB]")},
+            "yaxis": {**title("Response/excitation power,<br>all channels [dB]")},
             "showlegend": True,
             "hovermode": "closest",
             "shapes": [shape for shape, _ in marks],

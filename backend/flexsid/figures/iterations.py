@@ -1,4 +1,4 @@
-"""How the cost fell."""
+"""Convergence: cost by iteration."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from flexsid.records.views import Convergence
 
 
 def iterations(value: Convergence) -> Spec:
-    """Draw cost against iteration, each fit to lines corrected anew as a curve of its own."""
+    """Draw cost against iteration, one curve per leakage correction."""
     steps = value.iterations
     if not steps:
-        return empty("This estimate needed no iterations")
+        return empty("No iterations: the estimate is direct")
     stages = [list(stage) for _, stage in groupby(steps, key=lambda step: step.stage)]
     traces = [
         _trace(value.run_id, stage, style.of_index(number)[0])
         for number, stage in enumerate(stages)
     ]
     several = len(stages) > 1
-    above = "the least of its fit" if several else f"{_least(steps):.8g}"
+    above = "minimum of each fit" if several else f"{_find_minimum(steps):.8g}"
     layout: Spec = {
         "xaxis": {**title("Iteration [1]"), "rangemode": "tozero", "dtick": 1 + len(steps) // 10},
         "yaxis": {**title(f"Cost J above {above} [1]"), "rangemode": "tozero"},
@@ -35,18 +35,18 @@ def iterations(value: Convergence) -> Spec:
 
 
 def _trace(run_id: int, steps: Sequence[Iteration], colour: str) -> Spec:
-    """One fit; costs of fits to lines corrected anew are of other data."""
-    # Costs of thousands fall by fractions: what is left above the least is what is seen.
-    least = _least(steps)
+    """Draw one fit; costs after a leakage correction are of other data."""
+    # Costs of thousands change by fractions, so the difference to the minimum is drawn.
+    minimum = _find_minimum(steps)
     stage = steps[0].stage
-    name = f"after correction {stage} for the ends of the record" if stage else "first fit"
+    name = f"after leakage correction {stage}" if stage else "first fit"
     return {
         "type": "scatter",
         "mode": "lines+markers",
         "name": name,
         "x": [step.iteration for step in steps],
-        "y": column([step.cost - least for step in steps], exact=True),
-        "customdata": [[run_id, _finite(step.step), step.cost] for step in steps],
+        "y": column([step.cost - minimum for step in steps], exact=True),
+        "customdata": [[run_id, _get_finite(step.step), step.cost] for step in steps],
         "line": {"color": colour, "width": 1.8},
         "marker": {"color": colour, "size": 6},
         "hovertemplate": (
@@ -56,9 +56,9 @@ def _trace(run_id: int, steps: Sequence[Iteration], colour: str) -> Spec:
     }
 
 
-def _least(steps: Sequence[Iteration]) -> float:
+def _find_minimum(steps: Sequence[Iteration]) -> float:
     return min((step.cost for step in steps if np.isfinite(step.cost)), default=0.0)
 
 
-def _finite(number: float) -> float | None:
+def _get_finite(number: float) -> float | None:
     return number if np.isfinite(number) else None

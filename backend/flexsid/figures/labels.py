@@ -1,4 +1,4 @@
-"""How parameters are written in figures, and which of them belong side by side."""
+"""Labels, units and grouping of parameters in figures."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from flexsid.nomenclature import describe
 
 
 def parameter_label(name: str) -> str:
-    """Derivative or delay with its subscripts."""
+    """Return the label of a derivative or delay with subscripts."""
     return describe(name).html
 
 
 def parameter_unit(name: str) -> str:
-    """Unit of a derivative or delay."""
+    """Return the unit of a derivative or delay."""
     return describe(name).unit or "1"
 
 
-def family(name: str) -> str:
-    """Kind of variable a derivative is taken by: alpha, q, eta, etadot, or an input."""
+def get_family(name: str) -> str:
+    """Return the kind of variable of a derivative: alpha, q, eta, etadot, or input."""
     variable = name.partition("_")[2]
     if variable in ("alpha", "q"):
         return variable

@@ -1,4 +1,4 @@
-"""Loops as flown in the complex plane, with the point that they must stay clear of."""
+"""Measured open-loop responses in the complex plane (Nyquist plot)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from flexsid.records.views import LoopCurve, LoopPlot
 
 
 def loops(value: LoopPlot) -> Spec:
-    """Draw every loop's gain over frequency as a locus; margins stand in the legend."""
+    """Draw the Nyquist plot of every loop, with margins in the legend."""
     names = tuple(curve.surface for curve in value.curves)
     data: list[Spec] = [
         _curve(curve, *style.of_inputs(names)[curve.surface]) for curve in value.curves
@@ -19,7 +19,7 @@ def loops(value: LoopPlot) -> Spec:
         {
             "type": "scatter", "mode": "markers", "name": "−1", "x": [-1.0], "y": [0.0],
             "marker": {"color": style.FLAG, "symbol": "x", "size": 10},
-            "hovertemplate": "instability lies here<extra></extra>",
+            "hovertemplate": "critical point<extra></extra>",
         }
     )  # fmt: skip
     return {

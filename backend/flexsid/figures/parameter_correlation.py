@@ -1,4 +1,4 @@
-"""How the estimates depend on each other."""
+"""Correlation matrix of the parameter estimates."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from flexsid.figures.labels import parameter_label
 from flexsid.figures.spec import Spec, column, empty, title
 from flexsid.records.views import ParameterCorrelation
 
-LIMIT = 0.9  # |rho| beyond which two parameters cannot be told apart
-_NAMED = 120  # beyond this many the names of all pairs would outweigh the numbers
+LIMIT = 0.9  # |rho| above which two parameters are nearly collinear
+_NAMED = 120  # largest number of parameters with hover names
 
 
 def parameter_correlation(value: ParameterCorrelation) -> Spec:
-    """Draw the correlation matrix of the estimates; pairs beyond 0.9 are marked."""
+    """Draw the correlation matrix of the estimates, with pairs above 0.9 marked."""
     if not value.names:
         return empty("No free parameters")
     labels = [parameter_label(name) for name in value.names]
@@ -58,5 +58,5 @@ def _marked(correlation: np.ndarray, labels: list[str]) -> Spec:
             f"{labels[row]}, {labels[column]}<br>ρ = {correlation[row, column]:.3f}"
             for row, column in zip(rows, columns, strict=True)
         ],
-        "hovertemplate": "%{text}<extra>cannot be told apart</extra>",
+        "hovertemplate": "%{text}<extra>|ρ| > 0.9</extra>",
     }

@@ -1,4 +1,4 @@
-"""Channels against each other, with their correlation coefficients (Figs 9a and 18)."""
+"""Plot matrix of channels with correlation coefficients (Figs 9a and 18)."""
 
 from __future__ import annotations
 
@@ -8,24 +8,25 @@ from flexsid.figures import quantities, style
 from flexsid.figures.spec import Spec, axis, column, empty, layout_key
 from flexsid.records.views import PlotMatrix
 
-LIMIT = 0.9  # of |Re r|: beyond it equation and output error suffer (ref. 14 of the paper)
+LIMIT = (
+    0.9  # of |Re r|: above it equation and output error are ill-conditioned (ref. 14 of the paper)
+)
 _POINTS = 400  # in one cross plot
 _ALL_POINTS = 8_000  # a browser draws so many within half a second
 _GAP = 0.01
-_FEW = 8  # channels whose cells have room for large letters
+_FEW = 8  # largest number of channels with large font
 
 
 def plot_matrix(value: PlotMatrix) -> Spec:
     """Draw names on the diagonal, cross plots above it, coefficients below.
 
-    Spectra show real and imaginary parts in one cloud, and below the real part of their
-    coefficient its magnitude and phase. Derivatives are real, so that the real part is what
-    two regressors have in common for them, and it alone is flagged: a motion and its rate are
-    at a right angle, and apart however large the magnitude.
+    Spectra show real and imaginary parts together, and below the real part of their coefficient
+    its magnitude and phase. Derivatives are real, so collinearity of regressors is in the real
+    part, and only it is flagged: a motion and its rate are in quadrature, whatever the magnitude.
     """
     count = len(value.names)
     if count < 2:
-        return empty("A plot matrix takes at least two channels")
+        return empty("Select at least two channels")
     known = [
         quantities.of_channel(name, unit)
         for name, unit in zip(value.names, value.units, strict=True)
@@ -34,8 +35,8 @@ def plot_matrix(value: PlotMatrix) -> Spec:
     if not np.iscomplexobj(value.samples):
         rows = value.samples
     points = min(_POINTS, _ALL_POINTS // (count * (count - 1) // 2), len(rows))
-    keep = np.linspace(0, len(rows) - 1, points).astype(int)
-    shown = rows[keep] * np.array([quantity.factor for quantity in known])
+    indices = np.linspace(0, len(rows) - 1, points).astype(int)
+    shown = rows[indices] * np.array([quantity.factor for quantity in known])
     layout: Spec = {
         "showlegend": False,
         "hovermode": "closest",
@@ -73,7 +74,7 @@ def _centre(row: int, col: int, count: int) -> tuple[float, float]:
 
 
 def _axes_of_channel(index: int, count: int) -> Spec:
-    """The channel's axes, shared by its column and its row of cross plots."""
+    """Lay out the axes of a channel, shared by its column and row of cross plots."""
     left, right = _span(index, count)
     bare = {
         "showticklabels": False, "zeroline": False, "showgrid": False, "showline": False,
@@ -86,7 +87,7 @@ def _axes_of_channel(index: int, count: int) -> Spec:
 
 
 def _frames(cells: list[tuple[int, int]], count: int) -> Spec:
-    """A box around every cross plot, all in one path."""
+    """Draw a box around every cross plot, all in one path."""
     boxes = []
     for row, col in cells:
         (left, right), (top, bottom) = _span(col, count), _span(row, count)
@@ -127,7 +128,7 @@ def _name(quantity: quantities.DisplayQuantity, centre: tuple[float, float], siz
 
 
 def _coefficient(value: complex, centre: tuple[float, float], size: int) -> Spec:
-    if not np.isfinite(value):  # a channel that never moves has no correlation
+    if not np.isfinite(value):  # a constant channel has no correlation
         return _text("–", centre, {"size": size})
     text, phasor = f"{np.real(value):z.2f}", ""
     if np.iscomplexobj(value):

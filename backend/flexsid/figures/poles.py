@@ -19,11 +19,11 @@ _REFERENCE = (
 )
 
 
-_NAME_WIDTH, _NAME_HEIGHT = 0.12, 0.06  # of a name, as shares of the figure
+_NAME_WIDTH, _NAME_HEIGHT = 0.12, 0.06  # of a name, as fractions of the figure
 
 
 def poles(value: PoleMap) -> Spec:
-    """Draw the upper half plane; right of the dashed line a mode is unstable."""
+    """Draw poles in the upper half plane; poles right of the dashed line are unstable."""
     if not any(group.poles for group in value.groups):
         return empty("No poles")
     references = iter(_REFERENCE)
@@ -32,11 +32,11 @@ def poles(value: PoleMap) -> Spec:
     names = iter(_names(value))
     for group in value.groups:
         if group.method is None:
-            look = next(references)
+            colour_symbol = next(references)
         else:
-            look = style.of_method(group.method.value, repeats[group.method.value])
+            colour_symbol = style.of_method(group.method.value, repeats[group.method.value])
             repeats[group.method.value] += 1
-        data.append(_trace(group, look, next(names)))
+        data.append(_trace(group, colour_symbol, next(names)))
     layout: Spec = {
         "xaxis": {**title("Real part [rad/s]"), "zeroline": False},
         "yaxis": {**title("Imaginary part [rad/s]"), "rangemode": "tozero"},
@@ -54,7 +54,7 @@ def poles(value: PoleMap) -> Spec:
 
 
 def _names(value: PoleMap) -> list[list[str]]:
-    """Names beside the poles; of those of one mode that lie close together, one bears it."""
+    """List pole names, once for close poles of one mode."""
     every = [pole for group in value.groups for pole in group.poles]
     wide = np.ptp([pole.real for pole in every]) * _NAME_WIDTH
     high = np.ptp([pole.imag for pole in every]) * _NAME_HEIGHT
@@ -74,8 +74,8 @@ def _names(value: PoleMap) -> list[list[str]]:
     return names
 
 
-def _trace(group: PoleGroup, look: tuple[str, str], names: list[str]) -> Spec:
-    colour, symbol = look
+def _trace(group: PoleGroup, colour_symbol: tuple[str, str], names: list[str]) -> Spec:
+    colour, symbol = colour_symbol
     trace: Spec = {
         "type": "scatter",
         "mode": "markers+text",

@@ -1,4 +1,4 @@
-"""From SI to what an engineer reads: label, display unit and factor of a channel."""
+"""Display quantities: label, unit and factor of a channel."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from flexsid.nomenclature import describe
 
 @dataclass(frozen=True, slots=True)
 class DisplayQuantity:
-    """How a number is written: ``shown = factor * SI``."""
+    """Label, unit and factor for display: ``shown = factor * SI``."""
 
     label: str
     unit: str
@@ -18,24 +18,24 @@ class DisplayQuantity:
 
     @property
     def title(self) -> str:
-        """Label over its unit, as it stands beside an axis."""
+        """Axis title: label and unit."""
         return f"{self.label}<br>[{self.unit}]"
 
 
 def of_channel(name: str, unit: str = "") -> DisplayQuantity:
-    """Quantity of a channel whose values have this SI unit."""
+    """Return the display quantity of a channel in an SI unit."""
     symbol = describe(name, unit)
     return DisplayQuantity(symbol.html, symbol.display_unit or "1", symbol.display_factor)
 
 
 def transform(quantity: DisplayQuantity) -> DisplayQuantity:
-    """Magnitude of the finite Fourier transform of a quantity."""
+    """Return the magnitude of the finite Fourier transform of a quantity."""
     unit = "s" if quantity.unit == "1" else f"{quantity.unit} s"
     return DisplayQuantity(f"|{quantity.label}|", unit, quantity.factor)
 
 
 def ratio(output: DisplayQuantity, over: DisplayQuantity) -> DisplayQuantity:
-    """Magnitude of output over input."""
+    """Return the magnitude of output over input."""
     return DisplayQuantity(
         f"|{output.label}/{over.label}|",
         per(output.unit, over.unit),
@@ -44,10 +44,10 @@ def ratio(output: DisplayQuantity, over: DisplayQuantity) -> DisplayQuantity:
 
 
 def per(unit: str, over: str) -> str:
-    """Write a quotient of units; what is a quotient itself goes into brackets."""
+    """Format a quotient of units; quotients are put in brackets."""
     return "/".join(f"({part})" if "/" in part else part for part in (unit, over))
 
 
 def text(name: str) -> str:
-    """User text as plotly text: its pseudo-HTML is not for users to write."""
+    """Escape the HTML of user text for plotly."""
     return escape(name, quote=False)

@@ -1,4 +1,4 @@
-"""Reconstructed motion and coefficients in time (Fig. 16a), and line by line with its rank."""
+"""Reconstructed motion and coefficients in time (Fig. 16a) and over frequency, with rank."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from flexsid.figures import quantities, style
 from flexsid.figures.spec import Spec, axis, column, empty, layout_key, rows, title
-from flexsid.figures.time_history import thinned
+from flexsid.figures.time_history import select_samples
 from flexsid.records.reconstruction import ReconstructedTrace, Reconstruction
 
 _POINTS = 2000
@@ -15,7 +15,7 @@ _POINTS = 2000
 def reconstruction(value: Reconstruction) -> Spec:
     """Draw each quantity in time with ±2 standard errors."""
     if not value.traces:
-        return empty("Nothing chosen")
+        return empty("No quantity selected")
     count = len(value.traces)
     layout: Spec = {
         "xaxis": {**title("Time [s]"), "anchor": axis(count)},
@@ -28,13 +28,13 @@ def reconstruction(value: Reconstruction) -> Spec:
         zip(value.traces, rows([1.0] * count), strict=True), start=1
     ):
         quantity = quantities.of_channel(trace.name, trace.unit)
-        layout[layout_key(number)] = {**title(_heading(quantity)), "domain": domain}
-        data += _in_time(value.time_s, trace, quantity, number)
+        layout[layout_key(number)] = {**title(_format_title(quantity)), "domain": domain}
+        data += _draw_history(value.time_s, trace, quantity, number)
     return {"data": data, "layout": layout}
 
 
 def reconstruction_lines(value: Reconstruction) -> Spec:
-    """Draw each quantity at the lines with ±2 standard errors, and the condition number below."""
+    """Draw each quantity over frequency with ±2 standard errors, and the condition number."""
     count = len(value.traces) + 1
     layout: Spec = {
         "xaxis": {**title("Frequency [Hz]"), "anchor": axis(count)},
@@ -47,37 +47,37 @@ def reconstruction_lines(value: Reconstruction) -> Spec:
     for number, (trace, domain) in enumerate(zip(value.traces, domains, strict=False), start=1):
         quantity = quantities.transform(quantities.of_channel(trace.name, trace.unit))
         layout[layout_key(number)] = {**title(quantity.title), "domain": domain, "type": "log"}
-        data.append(_at_lines(value.frequency_hz, trace, quantity, number))
+        data.append(_draw_spectrum(value.frequency_hz, trace, quantity, number))
     layout[layout_key(count)] = {
-        **title("Condition [1]"),
+        **title("Condition number [1]"),
         "domain": domains[-1],
         "type": "log",
     }
     full = value.rank == value.n_motions
-    for name, chosen, colour in (
+    for name, selected, colour in (
         (f"rank {value.n_motions}", full, style.BLUE),
-        ("rank less", ~full, style.FLAG),
+        ("rank-deficient", ~full, style.FLAG),
     ):
-        if chosen.any():
+        if selected.any():
             finite = np.where(np.isfinite(value.condition), value.condition, np.nan)
             data.append(
                 {
                     "type": "scatter",
                     "mode": "markers",
                     "name": name,
-                    "x": column(value.frequency_hz[chosen]),
-                    "y": column(finite[chosen]),
+                    "x": column(value.frequency_hz[selected]),
+                    "y": column(finite[selected]),
                     "yaxis": axis(count),
                     "marker": {"color": colour, "size": 4},
-                    "text": [f"rank {rank}" for rank in value.rank[chosen].tolist()],
-                    "hovertemplate": "%{x:.3f} Hz<br>condition %{y:.3g}<br>%{text}<extra></extra>",
+                    "text": [f"rank {rank}" for rank in value.rank[selected].tolist()],
+                    "hovertemplate": "%{x:.3f} Hz<br>cond. %{y:.3g}<br>%{text}<extra></extra>",
                 }
             )
     return {"data": data, "layout": layout}
 
 
 def _meta(value: Reconstruction, count: int) -> Spec:
-    """What the page offers and tells beside the figure."""
+    """Collect values for the page beside the figure."""
     finite = value.condition[np.isfinite(value.condition)]
     return {
         "rows": count,
@@ -88,20 +88,20 @@ def _meta(value: Reconstruction, count: int) -> Spec:
         "least_rank": int(value.rank.min()),
         "worst_condition": float(finite.max()) if finite.size else None,
         "n_sensors": len(value.sensors),
-        "left_out": [f"{name}: {reason}" for name, reason in value.left_out.items()],
+        "excluded": [f"{name}: {reason}" for name, reason in value.excluded.items()],
     }
 
 
-def _heading(quantity: quantities.DisplayQuantity) -> str:
+def _format_title(quantity: quantities.DisplayQuantity) -> str:
     return quantity.label if quantity.unit == "1" else quantity.title
 
 
-def _in_time(
+def _draw_history(
     time_s: np.ndarray, trace: ReconstructedTrace, quantity: quantities.DisplayQuantity, number: int
 ) -> list[Spec]:
-    kept = thinned(time_s, trace.values, _POINTS)
-    at, values = time_s[kept], trace.values[kept] * quantity.factor
-    band = 2.0 * trace.std[kept] * quantity.factor
+    indices = select_samples(time_s, trace.values, _POINTS)
+    at, values = time_s[indices], trace.values[indices] * quantity.factor
+    band = 2.0 * trace.std[indices] * quantity.factor
     common: Spec = {"type": "scatter", "mode": "lines", "yaxis": axis(number)}
     return [
         {
@@ -131,7 +131,7 @@ def _in_time(
     ]
 
 
-def _at_lines(
+def _draw_spectrum(
     frequency_hz: np.ndarray,
     trace: ReconstructedTrace,
     quantity: quantities.DisplayQuantity,

@@ -1,4 +1,4 @@
-"""What the model left over, per output and frequency, against its own noise level."""
+"""Residuals by output and frequency, normalised by their rms."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from flexsid.figures import quantities
 from flexsid.figures.spec import Spec, column, empty, title
 from flexsid.records.views import Residuals
 
-_CEILING = 3.0  # 1e-4 of circular Gaussian noise lies above: what is there is not noise
+_CEILING = 3.0  # exceeded with probability 1e-4 by circular Gaussian noise
 
 
 def residual(value: Residuals) -> Spec:
-    """Draw |residual| over rms: noise is an even speckle, a missing mode a bright band."""
+    """Draw |residual|/rms: noise is uniform, an unmodelled mode is a bright band."""
     if value.relative.size == 0:
-        return empty("Nothing was fitted")
+        return empty("No fitted data")
     labels = [quantities.of_channel(name).label for name in value.outputs]
     trace = {
         "type": "heatmap",
@@ -23,7 +23,7 @@ def residual(value: Residuals) -> Spec:
         "zmax": _CEILING,
         "colorscale": "Cividis",
         "colorbar": title("|residual| / rms [1]"),
-        "hovertemplate": "%{y}<br>%{x:.3f} Hz<br>%{z:.2f} of rms<extra></extra>",
+        "hovertemplate": "%{y}<br>%{x:.3f} Hz<br>%{z:.2f} rms<extra></extra>",
     }
     layout: Spec = {
         "xaxis": title("Frequency [Hz]"),

@@ -1,4 +1,4 @@
-"""Identified roots: frequency and damping over airspeed, pressure or fuel, and the s-plane."""
+"""Identified roots: frequency and damping over airspeed, pressure or fuel, and root locus."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ _AXES = {  # factor for display, label, unit
 }
 
 
-_STILL = 0.05  # rad/s: a root below stands still and has no frequency
+_REAL = 0.05  # rad/s: a root below is real
 
 
 def v_omega_zeta(value: FlutterRoots) -> Spec:
     """Draw frequency and damping ratio with bands of ±2 standard errors.
 
-    Modes that were not identified are drawn thin and grey, and do not widen the view.
+    Modes with fixed derivatives are drawn thin and grey, and do not affect the range.
     """
     factor, label, unit = _AXES[value.along]
     top, bottom = rows([1.0, 1.0])
     layout: Spec = {
         "xaxis": {**title(label), "anchor": axis(2)},
-        layout_key(1): {**title("Frequency [Hz]"), "domain": top, **_view(value)},
+        layout_key(1): {**title("Frequency [Hz]"), "domain": top, **_range(value)},
         layout_key(2): {**title("Damping ratio [%]"), "domain": bottom},
         "showlegend": True,
         "hovermode": "closest",
@@ -38,16 +38,16 @@ def v_omega_zeta(value: FlutterRoots) -> Spec:
         "annotations": [],
         "meta": {"rows": 4, "note": value.note},
     }
-    _mark_places(layout, value, factor)
+    _add_marks(layout, value, factor)
     x = factor * value.at
     data: list[Spec] = []
     for branch, (colour, symbol, width) in zip(value.branches, _colours(value), strict=True):
         size = np.hypot(branch.real, branch.imag)
-        moves = branch.imag > _STILL
-        frequency = np.where(moves, size * _HZ, np.nan)
-        spread = np.where(moves, branch.imag_std * _HZ, np.nan)
-        damping = np.where(moves, 100.0 * branch.damping, np.nan)
-        band = np.where(moves, 100.0 * branch.damping_std, np.nan)
+        oscillates = branch.imag > _REAL
+        frequency = np.where(oscillates, size * _HZ, np.nan)
+        spread = np.where(oscillates, branch.imag_std * _HZ, np.nan)
+        damping = np.where(oscillates, 100.0 * branch.damping, np.nan)
+        band = np.where(oscillates, 100.0 * branch.damping_std, np.nan)
         for row, (y, std) in enumerate(((frequency, spread), (damping, band)), start=1):
             if not branch.held:
                 data += _band(x, y, std, colour, row, branch.name)
@@ -57,7 +57,7 @@ def v_omega_zeta(value: FlutterRoots) -> Spec:
 
 
 def root_locus(value: FlutterRoots) -> Spec:
-    """Draw the roots in the s-plane; the hover text tells where on the axis."""
+    """Draw the roots in the s-plane, with the parameter in the hover text."""
     factor, label, unit = _AXES[value.along]
     data = [
         _locus(branch, factor * value.at, unit, colour, width)
@@ -65,7 +65,7 @@ def root_locus(value: FlutterRoots) -> Spec:
     ]
     layout: Spec = {
         "xaxis": {**title("Real part [rad/s]"), "zeroline": False},
-        "yaxis": {**title("Imaginary part [rad/s]"), **_view(value, 1.0)},
+        "yaxis": {**title("Imaginary part [rad/s]"), **_range(value, 1.0)},
         "shapes": [
             {
                 "type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1,
@@ -74,13 +74,13 @@ def root_locus(value: FlutterRoots) -> Spec:
         ],
         "showlegend": True,
         "hovermode": "closest",
-        "meta": {"rows": 3, "note": f"Along {label.lower()} from the circle to the last dot."},
+        "meta": {"rows": 3, "note": f"Roots with increasing {label.lower()}, from the circle."},
     }  # fmt: skip
     return {"data": data, "layout": layout}
 
 
 def _colours(value: FlutterRoots) -> list[tuple[str, str, float]]:
-    """Colour, symbol and width of every branch; held modes share the grey."""
+    """Select colour, symbol and width of every branch; grey for fixed modes."""
     shown, result = 0, []
     for branch in value.branches:
         if branch.held:
@@ -92,23 +92,23 @@ def _colours(value: FlutterRoots) -> list[tuple[str, str, float]]:
     return result
 
 
-def _view(value: FlutterRoots, factor: float = _HZ) -> Spec:
-    """As high as what was identified; the rest is found by zooming out."""
+def _range(value: FlutterRoots, factor: float = _HZ) -> Spec:
+    """Return the axis range of the identified modes."""
     known = [np.hypot(b.real, b.imag).max() for b in value.branches if not b.held]
     if not known or not any(b.held for b in value.branches):
         return {"rangemode": "tozero"}
     return {"range": [0.0, 1.1 * factor * float(max(known))]}
 
 
-def _mark_places(layout: Spec, value: FlutterRoots, factor: float) -> None:
+def _add_marks(layout: Spec, value: FlutterRoots, factor: float) -> None:
     marks = [
-        (place, name)
-        for place, name in ((value.tested_to, "fastest flown"), (value.flutter, "flutter"))
-        if place is not None
+        (position, name)
+        for position, name in ((value.tested_to, "fastest flown"), (value.flutter, "flutter"))
+        if position is not None
     ]
-    for place, name in marks:
-        shape, note = vertical_mark(factor * place, name)
-        if place == value.tested_to:  # flutter stands to its right as a rule
+    for position, name in marks:
+        shape, note = vertical_mark(factor * position, name)
+        if position == value.tested_to:  # flutter stands to its right as a rule
             note["xanchor"] = "right"
         layout["shapes"].append(shape)
         layout["annotations"].append(note)
@@ -151,10 +151,10 @@ def _curve(
 def _band(
     x: np.ndarray, y: np.ndarray, std: np.ndarray, colour: str, row: int, name: str
 ) -> list[Spec]:
-    keep = np.isfinite(y) & np.isfinite(std)
-    if not keep.any():
+    finite = np.isfinite(y) & np.isfinite(std)
+    if not finite.any():
         return []
-    around = np.concatenate([y[keep] + 2.0 * std[keep], (y[keep] - 2.0 * std[keep])[::-1]])
+    around = np.concatenate([y[finite] + 2.0 * std[finite], (y[finite] - 2.0 * std[finite])[::-1]])
     return [
         {
             "type": "scatter",
@@ -162,7 +162,7 @@ def _band(
             "name": f"{text(name)} ±2σ",
             "legendgroup": name,
             "showlegend": False,
-            "x": column(np.concatenate([x[keep], x[keep][::-1]])),
+            "x": column(np.concatenate([x[finite], x[finite][::-1]])),
             "y": column(around),
             "yaxis": axis(row),
             "fill": "toself",
@@ -183,7 +183,7 @@ def _tested(
     shared = {
         "type": "scatter",
         "mode": "markers",
-        "name": f"{text(name)} in single runs",
+        "name": f"{text(name)}, single runs",
         "legendgroup": name,
         "showlegend": False,
         "x": column([factor * root.at for root in found]),
@@ -208,7 +208,7 @@ def _locus(branch: RootBranch, at: np.ndarray, unit: str, colour: str, width: fl
         "y": column(branch.imag),
         "marker": {"color": colour, "size": sizes},
         "line": {"color": colour, "width": 0.6 * width},
-        "customdata": [[float(f"{place:.5g}")] for place in at],
+        "customdata": [[float(f"{position:.5g}")] for position in at],
         "hovertemplate": (
             f"%{{customdata[0]}} {unit}<br>%{{x:.2f}} + j %{{y:.2f}} rad/s"
             f"<extra>{text(branch.name)}</extra>"

@@ -1,4 +1,4 @@
-"""How a search for structure went: its path, and how stable the choice of each term is."""
+"""Model structure determination: stepwise path, and selection frequency of each term."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from flexsid.records.search import SearchTerm, TermGroup
 
 
 def search_path(group: TermGroup) -> Spec:
-    """Draw R2, predicted squared error and BIC after every step, what entered or left named."""
+    """Draw R2, predicted squared error and BIC by step, with entered and removed terms."""
     steps = group.path
     if not steps:
-        return empty("No step was needed: every term stays as it was at the start")
+        return empty("No steps: the initial terms were retained")
     labels = [
         f"{'+' if step.action == 'enter' else '−'} {parameter_label(step.term)}" for step in steps
     ]
@@ -31,7 +31,7 @@ def search_path(group: TermGroup) -> Spec:
                 "type": "scatter",
                 "mode": "lines+markers",
                 "x": list(range(1, len(steps) + 1)),
-                "y": column([_number(value) for value in values], exact=True),
+                "y": column([_get_number(value) for value in values], exact=True),
                 "yaxis": "y" if number == 1 else f"y{number}",
                 "line": {"color": color, "width": 1.6},
                 "marker": {"color": color, "size": 8, "symbol": symbols},
@@ -54,17 +54,17 @@ def search_path(group: TermGroup) -> Spec:
 
 
 def search_stability(group: TermGroup) -> Spec:
-    """Draw the share of draws of the lines that choose each term, and of maneuvers."""
+    """Draw the selection frequency of each term in bootstrap draws and in maneuvers."""
     terms = group.terms
     if all(term.stability is None for term in terms):
-        return empty("Lines were not drawn anew in this search")
+        return empty("No bootstrap of harmonics in this search")
     traces = [
-        _bars("Chosen", [term for term in terms if term.chosen], style.BLUE),
-        _bars("Not chosen", [term for term in terms if not term.chosen], style.GREY),
+        _bars("Selected", [term for term in terms if term.selected], style.BLUE),
+        _bars("Not selected", [term for term in terms if not term.selected], style.GREY),
         {
             "type": "scatter",
             "mode": "markers",
-            "name": "Share of maneuvers that ask for it alone",
+            "name": "Selected in single maneuvers",
             "x": [term.name for term in terms],
             "y": [100.0 * term.support for term in terms],
             "marker": {"color": style.VERMILION, "symbol": "diamond", "size": 7},
@@ -82,7 +82,7 @@ def search_stability(group: TermGroup) -> Spec:
             "tickangle": -60,
             "automargin": True,
         },
-        "yaxis": {**title("Chosen in draws of the lines [%]"), "range": [0, 105]},
+        "yaxis": {**title("Selected in bootstrap draws [%]"), "range": [0, 105]},
         "legend": {"orientation": "h"},
         "meta": {"rows": 1},
     }
@@ -101,5 +101,5 @@ def _bars(name: str, terms: list[SearchTerm], color: str) -> Spec:
     }
 
 
-def _number(value: float | None) -> float:
+def _get_number(value: float | None) -> float:
     return float("nan") if value is None else value

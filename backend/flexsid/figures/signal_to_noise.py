@@ -1,4 +1,4 @@
-"""Signal over noise, one row per channel and one column per line."""
+"""Signal-to-noise ratio by channel and harmonic."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ _SHOWN_DB = (0.0, 40.0)
 
 
 def signal_to_noise(value: SignalToNoise) -> Spec:
-    """Draw a map: dark where a channel says nothing at a line."""
+    """Draw signal-to-noise ratios as a heat map."""
     if not value.names:
-        return empty("No channel chosen")
+        return empty("No channel selected")
     labels = [quantities.of_channel(name).label for name in value.names]
     return {
         "data": [
             {
                 "type": "heatmap",
-                "name": "signal over noise",
+                "name": "SNR",
                 "x": column(value.frequency_hz),
                 "y": labels,
                 "z": column(value.decibel.T),
                 "zmin": _SHOWN_DB[0],
                 "zmax": _SHOWN_DB[1],
                 "colorscale": "Viridis",
-                "colorbar": {"title": {"text": "dB"}, "thickness": 12},
+                "colorbar": {"title": {"text": "SNR [dB]"}, "thickness": 12},
                 "hovertemplate": "%{y} at %{x:.3f} Hz: %{z:.1f} dB<extra></extra>",
             }
         ],

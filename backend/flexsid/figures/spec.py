@@ -1,4 +1,4 @@
-"""Pieces of a plotly figure as plain data: columns, stacked rows, vertical marks."""
+"""Elements of plotly figures as plain data: columns, rows, vertical marks."""
 
 from __future__ import annotations
 
@@ -18,17 +18,26 @@ _LETTER = 0.011  # width of a letter in a figure, as a share of it
 _LINE_PX = 14
 
 
+class PackedColumn(dict[str, Any]):
+    """Numbers packed as base64 for plotly; ``numbers`` are the same in double precision."""
+
+    def __init__(self, packed: Spec, numbers: np.ndarray) -> None:
+        super().__init__(packed)
+        self.numbers = numbers
+
+
 def column(
     values: Sequence[float] | np.ndarray, *, exact: bool = False
 ) -> list[float | None] | Spec:
-    """Numbers of one trace: base64 where long, a list with None for NaN otherwise.
+    """Convert numbers of a trace: to base64 where long, else to a list with None for NaN.
 
     Parameters
     ----------
     values
         One number per point, or a matrix (one row per y of a heatmap).
     exact
-        Keep 64 bit, for axes that are zoomed into.
+        Draw in 64 instead of 32 bit, for axes that are zoomed into. Exports are always in
+        64 bit.
     """
     array = np.asarray(values, dtype=float)
     if array.size < _LONG or not np.isfinite(array).all():
@@ -40,7 +49,7 @@ def column(
     }
     if array.ndim > 1:
         spec["shape"] = ", ".join(str(size) for size in array.shape)
-    return spec
+    return PackedColumn(spec, array)
 
 
 def _nullable(array: np.ndarray) -> list[Any]:
@@ -50,17 +59,17 @@ def _nullable(array: np.ndarray) -> list[Any]:
 
 
 def axis(number: int, letter: str = "y") -> str:
-    """Name of an axis in a trace: y, y2, y3 ..."""
+    """Return the name of an axis in a trace: y, y2, y3 ..."""
     return letter if number == 1 else f"{letter}{number}"
 
 
 def layout_key(number: int, letter: str = "y") -> str:
-    """Name of an axis in the layout: yaxis, yaxis2 ..."""
+    """Return the name of an axis in the layout: yaxis, yaxis2 ..."""
     return f"{letter}axis" if number == 1 else f"{letter}axis{number}"
 
 
 def rows(heights: Sequence[float]) -> list[list[float]]:
-    """Domains of rows stacked from the top, in proportion to ``heights``."""
+    """Compute domains of stacked rows from the top, in proportion to ``heights``."""
     gaps = _GAP * min(1.0, 8.0 / len(heights))
     free = 1.0 - gaps * (len(heights) - 1)
     total = float(sum(heights))
@@ -73,12 +82,12 @@ def rows(heights: Sequence[float]) -> list[list[float]]:
 
 
 def title(text: str) -> Spec:
-    """Axis title."""
+    """Return an axis title."""
     return {"title": {"text": text}}
 
 
 def vertical_mark(x: float, text: str, *, log: bool = False) -> tuple[Spec, Spec]:
-    """Line over all rows and its name beside its top: a shape and an annotation."""
+    """Return a vertical line over all rows and its label: a shape and an annotation."""
     shape = {
         "type": "line", "xref": "x", "yref": "paper", "x0": x, "x1": x, "y0": 0, "y1": 1,
         "line": {"color": style.MARKER_LINE, "width": 1, "dash": "dot"}, "layer": "below",
@@ -93,10 +102,10 @@ def vertical_mark(x: float, text: str, *, log: bool = False) -> tuple[Spec, Spec
 
 
 def stagger(names: list[Spec]) -> None:
-    """Write the names of vertical marks below each other where side by side they would overlap."""
+    """Shift overlapping labels of vertical marks below each other."""
     names.sort(key=lambda name: name["x"])
     reach = names[-1]["x"] - names[0]["x"] if names else 0.0
-    ends: list[float] = []  # of what is written so far, by line
+    ends: list[float] = []  # of the labels, by text line
     for name in names:
         line = next((k for k, end in enumerate(ends) if end <= name["x"]), len(ends))
         end = name["x"] + _LETTER * len(name["text"]) * reach
@@ -105,7 +114,7 @@ def stagger(names: list[Spec]) -> None:
 
 
 def empty(text: str) -> Spec:
-    """A figure that says why it has nothing to show."""
+    """Return an empty figure with a message."""
     return {
         "data": [],
         "layout": {

@@ -1,4 +1,4 @@
-"""Fourier transform magnitudes at the excited lines, coloured by their owner (Fig. 9b)."""
+"""Fourier transform magnitudes at excited harmonics, coloured by assigned input (Fig. 9b)."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from flexsid.figures import quantities, style
 from flexsid.figures.spec import Spec, axis, column, empty, layout_key, rows, title
 from flexsid.records.views import Spectra
 
-_NOBODY = "no owner"
+_UNASSIGNED = "not assigned"
 
 
 def spectrum(value: Spectra) -> Spec:
-    """Draw one row per channel; each line wears the colour of the input that was given it."""
+    """Draw one row per channel, with harmonics coloured by assigned input."""
     if not value.names:
-        return empty("No channel chosen")
+        return empty("No channel selected")
     count = len(value.names)
     layout: Spec = {
         "xaxis": {**title("Frequency [Hz]"), "anchor": axis(count)},
@@ -37,7 +37,7 @@ def spectrum(value: Spectra) -> Spec:
 
 
 def _background(value: Spectra, index: int, quantity: quantities.DisplayQuantity) -> list[Spec]:
-    """The whole spectrum up to the Nyquist frequency, behind the lines."""
+    """Draw the spectrum up to the Nyquist frequency behind the harmonics."""
     if value.background is None or value.background_hz is None:
         return []
     seen = np.isfinite(value.background[:, index])
@@ -52,7 +52,7 @@ def _background(value: Spectra, index: int, quantity: quantities.DisplayQuantity
             "y": column(value.background[seen, index] * quantity.factor),
             "yaxis": axis(index + 1),
             "line": {"color": style.GREY, "width": 1},
-            "meta": {"channel": value.names[index], "owner": None},
+            "meta": {"channel": value.names[index], "assigned_input": None},
             "hovertemplate": f"%{{x:.2f}} Hz<br>%{{y:.3g}} {quantity.unit}<extra></extra>",
         }
     ]
@@ -72,14 +72,14 @@ def _noise(value: Spectra, index: int, quantity: quantities.DisplayQuantity) -> 
             "y": column(value.noise[:, index] * quantity.factor),
             "yaxis": axis(index + 1),
             "line": {"color": style.GREY, "width": 1.2, "dash": "dash"},
-            "meta": {"channel": value.names[index], "owner": None},
+            "meta": {"channel": value.names[index], "assigned_input": None},
             "hovertemplate": f"%{{x:.3f}} Hz<br>%{{y:.3g}} {quantity.unit}<extra>noise</extra>",
         }
     ]
 
 
 def _band(low_hz: float, high_hz: float) -> Spec:
-    """Shade the band that is modelled (Fig. 12)."""
+    """Shade the modelled band (Fig. 12)."""
     return {
         "type": "rect", "xref": "x", "yref": "paper",
         "x0": low_hz, "x1": high_hz, "y0": 0, "y1": 1,
@@ -88,7 +88,7 @@ def _band(low_hz: float, high_hz: float) -> Spec:
 
 
 def _signal_to_noise(value: Spectra, own: np.ndarray, index: int) -> list[str]:
-    """Words for every line's signal-to-noise ratio."""
+    """Format the signal-to-noise ratio of every harmonic."""
     if value.noise is None:
         return []
     noise = value.noise[own, index]
@@ -102,43 +102,45 @@ def _signal_to_noise(value: Spectra, own: np.ndarray, index: int) -> list[str]:
 
 def _row(value: Spectra, index: int, quantity: quantities.DisplayQuantity) -> list[Spec]:
     styles = {**style.of_inputs(value.inputs), "": (style.GREY, "circle-open")}
-    owners = np.array(value.owners)
+    assigned_inputs = np.array(value.assigned_inputs)
     return [
-        _lines(value, index, quantity, owner, owners == owner, styles[owner])
-        for owner in styles
-        if (owners == owner).any()
+        _draw_harmonics(
+            value, index, quantity, assigned, assigned_inputs == assigned, styles[assigned]
+        )
+        for assigned in styles
+        if (assigned_inputs == assigned).any()
     ]
 
 
-def _lines(
+def _draw_harmonics(
     value: Spectra,
     index: int,
     quantity: quantities.DisplayQuantity,
-    owner: str,
+    assigned: str,
     own: np.ndarray,
-    look: tuple[str, str],
+    colour_symbol: tuple[str, str],
 ) -> Spec:
-    colour, symbol = look
+    colour, symbol = colour_symbol
     height = value.magnitude[own, index] * quantity.factor
-    name = quantities.of_channel(owner).label if owner else _NOBODY
+    name = quantities.of_channel(assigned).label if assigned else _UNASSIGNED
     spec: Spec = {
         "type": "scatter",
         "mode": "markers",
         "name": name,
-        "legendgroup": owner or _NOBODY,
+        "legendgroup": assigned or _UNASSIGNED,
         "showlegend": index == 0,
         "x": column(value.frequency_hz[own]),
         "y": column(height),
         "yaxis": axis(index + 1),
         "marker": {"color": colour, "symbol": symbol, "size": 4},
         "text": _signal_to_noise(value, own, index),
-        "meta": {"channel": value.names[index], "owner": owner},
+        "meta": {"channel": value.names[index], "assigned_input": assigned},
         "hovertemplate": (
             f"%{{x:.3f}} Hz<br>%{{y:.4g}} {quantity.unit}<br>%{{text}}<extra>{name}</extra>"
         ),
     }
     if value.background is None:
-        # stems: a spectrum of lines, not a curve
+        # stems for a line spectrum
         spec["error_y"] = {
             "type": "data", "symmetric": False, "array": [0.0] * len(height),
             "arrayminus": column(height), "color": colour, "thickness": 1, "width": 0,

@@ -1,4 +1,4 @@
-"""Structures: modes against fuel, MAC, models of every order, reduced responses, V-g."""
+"""Modal data: modes over fuel, MAC, model order, reduced responses, stabilisation diagram."""
 
 from __future__ import annotations
 
@@ -14,34 +14,34 @@ from flexsid.records.modal_views import (
     Stabilisation,
 )
 
-_LEFT_OUT = 0.05
+_LEAST_SHOWN = 0.05
 
 
 def modes_against_fuel(value: ModesAgainstFuel) -> Spec:
-    """Frequencies and damping of the modes over fuel; crossings are circled."""
+    """Draw frequencies and damping of the modes over fuel, with crossings circled."""
     top, bottom = rows([3, 1])
     data: list[Spec] = []
-    for place, name in enumerate(value.names):
-        colour, _ = style.of_index(place)
-        dash = "solid" if value.symmetric[place] else "dash"
+    for index, name in enumerate(value.names):
+        colour, _ = style.of_index(index)
+        dash = "solid" if value.symmetric[index] else "dash"
         line = {"color": colour, "width": 1.5, "dash": dash}
         shared = {"mode": "lines", "line": line, "name": name, "legendgroup": name}
         hover = f"{name}<br>fuel %{{x:.3f}}<br>%{{y:.3f}} Hz<extra></extra>"
         data.append(
             {"type": "scatter", "x": column(value.fuel), "showlegend": True,
-             "y": column(value.frequency_hz[:, place], exact=True), "hovertemplate": hover,
+             "y": column(value.frequency_hz[:, index], exact=True), "hovertemplate": hover,
              **shared}
         )  # fmt: skip
         data.append(
             {"type": "scatter", "mode": "markers", "x": column(value.table_fuel),
-             "y": column(value.table_hz[:, place], exact=True), "name": name,
+             "y": column(value.table_hz[:, index], exact=True), "name": name,
              "legendgroup": name, "showlegend": False, "hovertemplate": hover,
              "marker": {"color": colour, "size": 4}}
         )  # fmt: skip
-        if np.isfinite(value.damping[:, place]).any():
+        if np.isfinite(value.damping[:, index]).any():
             data.append(
                 {"type": "scatter", "x": column(value.fuel), "yaxis": "y2",
-                 "y": column(100.0 * value.damping[:, place]), "showlegend": False,
+                 "y": column(100.0 * value.damping[:, index]), "showlegend": False,
                  "hovertemplate": f"{name}<br>fuel %{{x:.3f}}<br>%{{y:.2f}} %<extra></extra>",
                  **shared | {"showlegend": False}}
             )  # fmt: skip
@@ -55,12 +55,12 @@ def modes_against_fuel(value: ModesAgainstFuel) -> Spec:
              "marker": {"symbol": "circle-open", "size": 14, "color": style.FLAG,
                         "line": {"width": 2}}}
         )  # fmt: skip
-    if value.doubtful:
+    if value.uncertain:
         data.append(
-            {"type": "scatter", "mode": "markers", "name": "followed in doubt",
-             "x": [fuel for fuel, _ in value.doubtful],
-             "y": [hertz for _, hertz in value.doubtful],
-             "hovertemplate": "fuel %{x:.3f}: may be another mode<extra></extra>",
+            {"type": "scatter", "mode": "markers", "name": "low MAC",
+             "x": [fuel for fuel, _ in value.uncertain],
+             "y": [hertz for _, hertz in value.uncertain],
+             "hovertemplate": "fuel %{x:.3f}: low MAC, tracking uncertain<extra></extra>",
              "marker": {"symbol": "x-open", "size": 11, "color": style.FLAG}}
         )  # fmt: skip
     layout: Spec = {
@@ -73,8 +73,8 @@ def modes_against_fuel(value: ModesAgainstFuel) -> Spec:
 
 
 def assurance(value: AssuranceMatrix) -> Spec:
-    """MAC as a heat map, one where shapes are alike."""
-    text = [[f"{x:.2f}" if x >= _LEFT_OUT else "" for x in row] for row in value.values]
+    """Draw the MAC as a heat map."""
+    text = [[f"{x:.2f}" if x >= _LEAST_SHOWN else "" for x in row] for row in value.values]
     small = max(value.values.shape) <= 16
     trace: Spec = {
         "type": "heatmap",
@@ -102,40 +102,41 @@ def assurance(value: AssuranceMatrix) -> Spec:
 
 
 def model_order(value: ModelOrder, names: tuple[str, ...]) -> Spec:
-    """Derivatives against modes kept, with the band of ±10 % about the full model's (Fig. 13)."""
-    chosen = [name for name in names if name in value.full]
-    if not chosen:
-        return empty("no such derivative")
+    """Draw derivatives over retained modes, with ±10 % of the full model (Fig. 13)."""
+    selected = [name for name in names if name in value.full]
+    if not selected:
+        return empty("No such derivative")
     counts = [len(step.modes) for step in value.steps]
-    domains = rows([1.0] * len(chosen))
+    domains = rows([1.0] * len(selected))
     data: list[Spec] = []
-    layout: Spec = {"shapes": [], "meta": {"rows": max(2, len(chosen))}}
-    for place, name in enumerate(chosen):
-        y = "y" if place == 0 else f"y{place + 1}"
+    layout: Spec = {"shapes": [], "meta": {"rows": max(2, len(selected))}}
+    for index, name in enumerate(selected):
+        y = "y" if index == 0 else f"y{index + 1}"
         full = value.full[name]
         for kind, colour, symbol, dash in (
             ("residualized", style.BLUE, "circle", "solid"),
             ("truncated", style.VERMILION, "square", "dot"),
         ):
             values = [getattr(step, kind)[name] for step in value.steps]
+            hover = "%{x} modes retained"
             data.append(
                 {"type": "scatter", "mode": "lines+markers", "x": counts, "y": values,
                  "yaxis": y, "name": kind.replace("ized", "ised"), "legendgroup": kind,
-                 "showlegend": place == 0,
+                 "showlegend": index == 0,
                  "line": {"color": colour, "dash": dash},
                  "marker": {"symbol": symbol, "size": 7},
-                 "hovertemplate": f"{name} %{{y:.4g}}<br>%{{x}} modes kept<extra>{kind}</extra>"}
+                 "hovertemplate": f"{name} %{{y:.4g}}<br>{hover}<extra>{kind}</extra>"}
             )  # fmt: skip
         layout["shapes"].append(
             {"type": "rect", "xref": "paper", "x0": 0, "x1": 1, "yref": y,
              "y0": 0.9 * full, "y1": 1.1 * full, "line": {"width": 0},
              "fillcolor": "rgba(0,158,115,0.18)", "layer": "below"}
         )  # fmt: skip
-        key = "yaxis" if place == 0 else f"yaxis{place + 1}"
-        layout[key] = {**title(name), "domain": domains[place], "automargin": True}
+        key = "yaxis" if index == 0 else f"yaxis{index + 1}"
+        layout[key] = {**title(name), "domain": domains[index], "automargin": True}
     layout["xaxis"] = {
-        **title("Structural modes kept"),
-        "anchor": f"y{len(chosen)}" if len(chosen) > 1 else "y",
+        **title("Retained structural modes"),
+        "anchor": f"y{len(selected)}" if len(selected) > 1 else "y",
         "tickmode": "array",
         "tickvals": counts,
         "ticktext": [
@@ -151,13 +152,13 @@ def model_order(value: ModelOrder, names: tuple[str, ...]) -> Spec:
 
 
 def reduced_responses(value: ReducedResponses) -> Spec:
-    """Magnitude and phase of one response, full, reduced and blind to the structure (Fig. 11)."""
+    """Draw a response of the full, reduced and rigid-sensor models (Fig. 11)."""
     top, bottom = rows([2, 1])
     data: list[Spec] = []
-    for place, (name, values) in enumerate(value.curves):
-        colour, _ = style.of_index(place - 1) if place else (style.GREY, "circle")
-        width = 4 if place == 0 else 1.5
-        dash = "dot" if place == len(value.curves) - 1 else "solid"
+    for index, (name, values) in enumerate(value.curves):
+        colour, _ = style.of_index(index - 1) if index else (style.GREY, "circle")
+        width = 4 if index == 0 else 1.5
+        dash = "dot" if index == len(value.curves) - 1 else "solid"
         line = {"color": colour, "width": width, "dash": dash}
         shared = {"type": "scatter", "mode": "lines", "line": line, "name": name,
                   "legendgroup": name, "x": column(value.frequency_hz)}  # fmt: skip
@@ -179,7 +180,7 @@ def reduced_responses(value: ReducedResponses) -> Spec:
 
 
 def stabilisation(value: Stabilisation) -> Spec:
-    """Stabilisation diagram: poles by order and how far they hold, over the mean response."""
+    """Draw the stabilisation diagram: poles by model order, over the mean response."""
     size = np.maximum(value.magnitude, 1e-30)
     data: list[Spec] = [
         {"type": "scatter", "mode": "lines", "name": "measured", "yaxis": "y2",
@@ -188,23 +189,23 @@ def stabilisation(value: Stabilisation) -> Spec:
     ]  # fmt: skip
     if np.isfinite(value.fitted).all():
         data.append(
-            {"type": "scatter", "mode": "lines", "name": "modes found", "yaxis": "y2",
+            {"type": "scatter", "mode": "lines", "name": "fitted", "yaxis": "y2",
              "x": column(value.frequency_hz, exact=True),
              "y": column(20.0 * np.log10(np.maximum(value.fitted, 1e-30))),
              "line": {"color": style.BLUE, "width": 1.2}, "hoverinfo": "skip"}
         )  # fmt: skip
     half = value.stable_frequency & ~value.stable
-    for name, chosen, colour, symbol, points in (
+    for name, selected, colour, symbol, points in (
         ("new pole", ~value.stable & ~half, style.GREY, "x-thin-open", 5),
-        ("frequency holds", half, style.OCHRE, "triangle-up-open", 6),
-        ("all holds", value.stable, style.GREEN, "circle", 6),
+        ("stable frequency", half, style.OCHRE, "triangle-up-open", 6),
+        ("stable", value.stable, style.GREEN, "circle", 6),
     ):
         hover = "%{x:.3f} Hz<br>damping %{customdata:.2f} %<br>order %{y}<extra></extra>"
         data.append(
             {"type": "scatter", "mode": "markers", "name": name,
-             "x": column(value.pole_hz[chosen], exact=True),
-             "y": column(value.pole_order[chosen]),
-             "customdata": [100.0 * float(d) for d in value.pole_damping[chosen]],
+             "x": column(value.pole_hz[selected], exact=True),
+             "y": column(value.pole_order[selected]),
+             "customdata": [100.0 * float(d) for d in value.pole_damping[selected]],
              "marker": {"color": colour, "symbol": symbol, "size": points},
              "hovertemplate": hover}
         )  # fmt: skip
@@ -213,7 +214,7 @@ def stabilisation(value: Stabilisation) -> Spec:
     layout: Spec = {
         "meta": {"rows": 3},
         "xaxis": title("Frequency [Hz]"),
-        "yaxis": title("Order of the model"),
+        "yaxis": title("Model order"),
         "yaxis2": {**title(f"Mean {value.quantity}/force [dB]"), "overlaying": "y",
                    "side": "right", "showgrid": False, "tickmode": "auto"},
         "shapes": [shape for shape, _ in marks],

@@ -1,8 +1,7 @@
-"""One colour and one symbol per meaning, the same in every figure.
+"""Colours and symbols, the same in every figure.
 
-Every colour has a contrast of at least 3 against white and against the dark
-page, so paper, text and grid are left to the browser. Where colour carries a
-meaning a symbol carries it too.
+Every colour has a contrast of at least 3 against white and against the dark page, so paper,
+text and grid are set by the browser. Every meaning of a colour is also shown by a symbol.
 """
 
 from __future__ import annotations
@@ -33,21 +32,21 @@ _REPEATS = ("", "-open", "-cross-open", "-x-open", "-open-dot")
 
 
 def of_method(method: str, repeat: int = 0) -> tuple[str, str]:
-    """Colour and symbol of a method; other fillings tell further runs of it apart."""
+    """Return colour and symbol of a method, with other fillings for further runs."""
     colour, symbol = METHODS[method]
     return colour, symbol + _REPEATS[repeat % len(_REPEATS)]
 
 
 def of_index(index: int) -> tuple[str, str]:
-    """Colour and symbol of the ``index``-th thing in an ordered set."""
+    """Return colour and symbol of the ``index``-th item of an ordered set."""
     return PALETTE[index % len(PALETTE)], SYMBOLS[index % len(SYMBOLS)]
 
 
 def of_fta(fta: int | None) -> tuple[str, str]:
-    """Colour and symbol of an FTA, whichever others are on the page."""
+    """Return colour and symbol of an FTA, independent of others."""
     return (GREY, "circle-open") if fta is None else of_index(fta)
 
 
 def of_inputs(order: tuple[str, ...]) -> dict[str, tuple[str, str]]:
-    """Colour and symbol per input, by its place among all inputs of the maneuver."""
+    """Return colour and symbol by input, in the order of all inputs of the maneuver."""
     return {name: of_index(index) for index, name in enumerate(order)}

@@ -6,14 +6,14 @@ import numpy as np
 
 from flexsid.figures import quantities, style
 from flexsid.figures.spec import Spec, axis, column, empty, layout_key, rows, title
-from flexsid.figures.time_history import thinned
+from flexsid.figures.time_history import select_samples
 from flexsid.records.views import CheckedTrace, TimeCheck
 
 
 def time_check(value: TimeCheck) -> Spec:
-    """Draw what the model says over what was recorded, R2 with each row."""
+    """Draw measured and simulated outputs with R2 by row."""
     if not value.traces:
-        return empty("No output to check")
+        return empty("No outputs selected")
     count = len(value.traces)
     layout: Spec = {
         "xaxis": {**title("Time [s]"), "anchor": axis(count)},
@@ -46,15 +46,15 @@ def _line(
     number: int,
     points: int,
 ) -> Spec:
-    kept = thinned(trace.time_s, samples, points)
+    indices = select_samples(trace.time_s, samples, points)
     return {
         "type": "scatter",
         "mode": "lines",
         "name": name,
         "legendgroup": name,
         "showlegend": number == 1,
-        "x": column(trace.time_s[kept], exact=True),
-        "y": column(samples[kept] * quantity.factor),
+        "x": column(trace.time_s[indices], exact=True),
+        "y": column(samples[indices] * quantity.factor),
         "yaxis": axis(number),
         "line": {"color": colour, "width": 1},
         "hovertemplate": f"%{{y:.4g}} {quantity.unit}<extra>{name}</extra>",

@@ -19,7 +19,7 @@ _COLOURS = {
 
 
 def time_history(value: ChannelHistories) -> Spec:
-    """Draw each channel in its own row and unit; what a screen cannot show is thinned out."""
+    """Draw each channel in its own row and unit, downsampled to screen resolution."""
     ends = [trace.time_s[[0, -1]] for trace in value.traces if trace.time_s.size]
     if not ends:
         return empty("No samples in this window")
@@ -46,13 +46,13 @@ def time_history(value: ChannelHistories) -> Spec:
 def _trace(
     trace: ChannelTrace, quantity: quantities.DisplayQuantity, row: str, points: int
 ) -> Spec:
-    kept = thinned(trace.time_s, trace.values, points)
+    indices = select_samples(trace.time_s, trace.values, points)
     return {
         "type": "scatter",
         "mode": "lines",
         "name": quantity.label,
-        "x": column(trace.time_s[kept], exact=True),
-        "y": column(trace.values[kept] * quantity.factor),
+        "x": column(trace.time_s[indices], exact=True),
+        "y": column(trace.values[indices] * quantity.factor),
         "yaxis": row,
         "line": {"color": _COLOURS[trace.role], "width": 1},
         "meta": trace.name,
@@ -60,14 +60,14 @@ def _trace(
     }
 
 
-def thinned(time_s: np.ndarray, values: np.ndarray, points: int) -> np.ndarray:
-    """Indices of at most ``points`` samples that keep every peak on the screen."""
+def select_samples(time_s: np.ndarray, values: np.ndarray, points: int) -> np.ndarray:
+    """Select at most ``points`` samples that retain every visible peak."""
     if len(values) <= points:
         return np.arange(len(values))
-    kept = MinMaxLTTBDownsampler().downsample(
+    indices = MinMaxLTTBDownsampler().downsample(
         np.ascontiguousarray(time_s), np.ascontiguousarray(values), n_out=points
     )
-    return kept.astype(np.intp)
+    return indices.astype(np.intp)
 
 
 def _excitation(start_s: float, stop_s: float) -> Spec:

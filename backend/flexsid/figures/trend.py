@@ -1,4 +1,4 @@
-"""One derivative over the conditions that were flown, with weighted fits and ±2 standard errors."""
+"""Trend of one derivative over flight condition, with weighted fits and ±2 standard errors."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def _axis(against: Against) -> Spec:
     return {**title(describe(_SYMBOLS[against]).axis_title), "zeroline": False}
 
 
-def _places(x: tuple[float, ...], against: Against) -> list[float | None] | list[str] | Spec:
+def _scale_x(x: tuple[float, ...], against: Against) -> list[float | None] | list[str] | Spec:
     if against is Against.FTA:
         return [f"{number:.0f}" for number in x]
     return column(np.array(x) * describe(_SYMBOLS[against]).display_factor, exact=True)
@@ -64,7 +64,7 @@ def _points(value: DerivativeTrend, kind: str) -> Spec:
         "mode": "markers",
         "name": kind,
         "legendgroup": kind,
-        "x": _places(tuple(point.x for point in own), value.against),
+        "x": _scale_x(tuple(point.x for point in own), value.against),
         "y": column([point.value for point in own], exact=True),
         "marker": {"color": colour, "symbol": symbol, "size": 8},
         "error_y": {
@@ -84,7 +84,7 @@ def _fit(line: TrendLine, against: Against) -> list[Spec]:
     colour, _ = style.METHODS[line.kind]
     assert line.std_errors is not None
     values, errors = np.array(line.values), _N_SIGMA * np.array(line.std_errors)
-    x = _places(line.x, against)
+    x = _scale_x(line.x, against)
     shared: Spec = {
         "type": "scatter",
         "mode": "lines",
@@ -100,13 +100,13 @@ def _fit(line: TrendLine, against: Against) -> list[Spec]:
     ]
 
 
-def _prediction(line: TrendLine, look: tuple[str, str], against: Against) -> Spec:
-    colour, symbol = look
+def _prediction(line: TrendLine, colour_symbol: tuple[str, str], against: Against) -> Spec:
+    colour, symbol = colour_symbol
     return {
         "type": "scatter",
         "mode": "lines+markers",
         "name": line.label,
-        "x": _places(line.x, against),
+        "x": _scale_x(line.x, against),
         "y": column(line.values),
         "line": {"color": colour, "dash": "dot", "width": 1},
         "marker": {"color": colour, "symbol": f"{symbol}-open", "size": 6},

@@ -1,1 +1,1 @@
-"""Importers: one reader per file format, one mapping that names and places what was read."""
+"""Importers: one reader per file format, and the mapping of recorded columns to channels."""

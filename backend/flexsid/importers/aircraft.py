@@ -21,7 +21,7 @@ from flexsid.records.aircraft import (
     SurfaceSymmetry,
     ThrustTable,
 )
-from flexsid.records.axes import PITCH_AXIS, axis_in_name, contradicts_name
+from flexsid.records.axes import PITCH_AXIS, find_axis_in_name, find_contradicting_axis
 from flexsid.sysid.model.instruments import (
     Butterworth,
     Element,
@@ -34,9 +34,9 @@ from flexsid.sysid.preparation.symmetry import combine_pair, find_pairs, mirror_
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AircraftPart:
-    """Whose maneuver it is; ``definition`` is there when the mapping describes the aircraft.
+    """Aircraft of the maneuver; ``definition`` is set if the mapping defines it.
 
-    ``builtin`` marks an aircraft that the workbench brings along.
+    ``builtin`` marks an aircraft that is part of the workbench.
     """
 
     name: str
@@ -74,7 +74,7 @@ def _definition(table: MappingTable) -> Aircraft:
         thrust=_thrust(table.table("thrust")) if "thrust" in table else None,
     )
     if not aircraft.surfaces:
-        raise refuse(table.path("surfaces"), "is missing; an aircraft has at least one surface.")
+        raise refuse(table.path("surfaces"), "is missing; expected at least one surface.")
     names = [item.name for item in (*aircraft.surfaces, *aircraft.sensors, *aircraft.combinations)]
     for name in names:
         if names.count(name) > 1:
@@ -142,19 +142,19 @@ def _sensor(table: MappingTable, instruments: dict[str, Instrument]) -> Sensor:
     kind = SensorKind(table.choice("kind", tuple(kind.value for kind in SensorKind)))
     location = table.si("location", "length") if "location" in table else (0.0, 0.0, 0.0)
     if len(location) != 3:
-        raise refuse(table.path("location"), "must be x aft, y right, z up.")
+        raise refuse(table.path("location"), "must be the three coordinates x aft, y right, z up.")
     usual = "z" if kind is SensorKind.ACCELEROMETER else PITCH_AXIS
     sensor = Sensor(
         name=name,
         kind=kind,
         point=table.text("point", name),
-        axis=table.choice("axis", ("x", "y", "z"), axis_in_name(kind, name) or usual),
+        axis=table.choice("axis", ("x", "y", "z"), find_axis_in_name(kind, name) or usual),
         location_m=(location[0], location[1], location[2]),
         instrument=_instrument_name(table, "instrument", instruments),
         noise_std=table.optional_number("noise_std"),
     )
     table.close()
-    if (named := contradicts_name(sensor)) is not None:
+    if (named := find_contradicting_axis(sensor)) is not None:
         raise refuse(
             table.path("axis"),
             f"is '{sensor.axis}', but a {kind.value} called '{name}' measures along or about "
@@ -169,16 +169,18 @@ def _instrument_name(
     name = table.optional_text(key)
     if name is not None and name not in instruments:
         known = ", ".join(instruments) or "none"
-        raise refuse(table.path(key), f"names '{name}', which is no instrument; defined: {known}.")
+        raise refuse(
+            table.path(key), f"names '{name}', which is not an instrument; defined: {known}."
+        )
     return name
 
 
 def _pairs(table: MappingTable, sensors: tuple[Sensor, ...]) -> tuple[Combination, ...]:
-    """Make the parts of every left and right pair that ``pairs`` asks for, by its sign rule."""
-    wanted = table.texts("pairs") if "pairs" in table else ()
+    """Return the symmetric or antisymmetric parts, as ``pairs`` requests, of left-right pairs."""
+    requested = table.texts("pairs") if "pairs" in table else ()
     known = {sensor.name: sensor for sensor in sensors}
     found: list[Combination] = []
-    for part in wanted:
+    for part in requested:
         if part not in ("symmetric", "antisymmetric"):
             raise refuse(
                 table.path("pairs"), f"may hold 'symmetric' and 'antisymmetric', found '{part}'."
@@ -261,25 +263,27 @@ def _flutter(table: MappingTable) -> FlutterTable:
 
 
 def _thrust(table: MappingTable) -> ThrustTable:
-    """Thrust of one engine, row by row of rotation speed."""
+    """Read the thrust table of one engine, one row per rotation speed."""
     speeds = table.si("engine_speed", "angular rate")
-    warmth = (
+    temperatures = (
         table.si("total_temperature", "temperature") if "total_temperature" in table else (288.15,)
     )
     values = table.si("thrust", "force")
-    if len(values) != len(speeds) * len(warmth) or len(speeds) < 2:
+    if len(values) != len(speeds) * len(temperatures) or len(speeds) < 2:
         raise refuse(
             table.path("thrust"),
-            f"must have {len(speeds)} x {len(warmth)} values, a row of temperatures for each of "
-            "two engine speeds or more.",
+            f"must have {len(speeds)} x {len(temperatures)} values, a row of temperatures for each "
+            "of two engine speeds or more.",
         )
-    if any(b <= a for axis in (speeds, warmth) for a, b in pairwise(axis)):
+    if any(b <= a for axis in (speeds, temperatures) for a, b in pairwise(axis)):
         raise refuse(table.path("engine_speed"), "and total_temperature must increase.")
     found = ThrustTable(
         engines=table.texts("engines"),
         engine_speed_rad_s=speeds,
-        total_temperature_k=warmth,
-        thrust_n=tuple(values[k : k + len(warmth)] for k in range(0, len(values), len(warmth))),
+        total_temperature_k=temperatures,
+        thrust_n=tuple(
+            values[k : k + len(temperatures)] for k in range(0, len(values), len(temperatures))
+        ),
         source=table.note("source"),
     )
     table.close()

@@ -10,7 +10,7 @@ import numpy as np
 from flexsid import units
 from flexsid.errors import BadInput
 from flexsid.importers.clock import Clock, Timing
-from flexsid.importers.plausibility import DOUBTS
+from flexsid.importers.plausibility import UNIT_WARNINGS
 from flexsid.importers.quantity import refuse
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.importers.table import MappingTable
@@ -25,9 +25,9 @@ class ChannelRule:
     ``column`` alone is a field of the file; with ``array`` it is a column
     number from 1. ``labels`` names all columns of ``array`` (a field of the
     file, or a list); then ``unit`` may hold one unit per label or pattern and
-    ``name`` is a template with ``{label}``. ``sensor`` is what took it, ``clock``
-    one of ``[[clocks]]``; ``confirmed`` holds the doubts that an analyst has
-    looked into.
+    ``name`` is a template with ``{label}``. ``sensor`` is the sensor that measured it, ``clock``
+    one of ``[[clocks]]``; ``confirmed`` holds the codes of the unit warnings that an analyst
+    has confirmed.
     """
 
     path: str
@@ -56,13 +56,13 @@ class RawChannel:
     field: str
     source: SourceFile
     rule: str = ""
-    """The table of the mapping that made it, such as ``channels[2]``."""
+    """The table of the mapping that defines it, such as ``channels[2]``."""
 
     sensor: str | None = None
     confirmed: tuple[str, ...] = ()
 
-    def between(self, start_s: float | None, stop_s: float | None) -> RawChannel:
-        """Cut the channel."""
+    def cut(self, start_s: float | None, stop_s: float | None) -> RawChannel:
+        """Return the samples from start to stop."""
         window = self.clock.window(start_s, stop_s)
         n_samples = max(0, window.stop - window.start)
         clock = replace(
@@ -93,7 +93,7 @@ def read_channel(table: MappingTable) -> ChannelRule:
     fallback = "{label}" if labels is not None else str(column)
     sign = table.number("sign", 1.0)
     if abs(sign) != 1.0:
-        raise refuse(table.path("sign"), "must be 1 or -1; a scale belongs into the unit.")
+        raise refuse(table.path("sign"), "must be 1 or -1; a scale factor belongs in the unit.")
     rule = ChannelRule(
         path=table.path("unit"),
         table=table.path("unit").removesuffix(".unit"),
@@ -108,9 +108,10 @@ def read_channel(table: MappingTable) -> ChannelRule:
         clock=table.optional_text("clock"),
         confirmed=table.texts("confirmed") if "confirmed" in table else (),
     )
-    for doubt in rule.confirmed:
-        if doubt not in DOUBTS:
-            raise refuse(table.path("confirmed"), f"knows {', '.join(DOUBTS)}; found '{doubt}'.")
+    for code in rule.confirmed:
+        if code not in UNIT_WARNINGS:
+            allowed = ", ".join(UNIT_WARNINGS)
+            raise refuse(table.path("confirmed"), f"may hold {allowed}; found '{code}'.")
     table.close()
     return rule
 
@@ -145,7 +146,7 @@ def _units(table: MappingTable) -> tuple[tuple[str, str], ...]:
 def extract_channels(
     rules: tuple[ChannelRule, ...], sources: Sources, timing: Timing
 ) -> tuple[RawChannel, ...]:
-    """Name the recorded columns, find their time base and check their samples.
+    """Extract the recorded columns, with their names, time bases and checked samples.
 
     Returns
     -------
@@ -155,15 +156,15 @@ def extract_channels(
     Raises
     ------
     BadInput
-        If a column is missing, a name comes twice, a channel is longer than its
-        time or a sample is not finite; the message names the place.
+        If a column is missing, a name is repeated, a channel is longer than its
+        time or a sample is not finite; the message names the location.
     """
     channels: list[RawChannel] = []
     seen: set[str] = set()
     for channel in (found for rule in rules for found in _extract(rule, sources, timing)):
         if channel.name in seen:
             raise BadInput(
-                f"The mapping names two channels '{channel.name}'; each needs its own name.",
+                f"The mapping names two channels '{channel.name}'; names must be unique.",
                 code="duplicate-channel",
                 column=channel.name,
             )
@@ -179,7 +180,7 @@ def _extract(rule: ChannelRule, sources: Sources, timing: Timing) -> list[RawCha
         samples = np.atleast_1d(sources.numbers(field))
         if samples.ndim != 1:
             raise BadInput(
-                f"Field '{field}' has shape {samples.shape}; say which with array and column.",
+                f"Field '{field}' has shape {samples.shape}; select one with array and column.",
                 code="bad-mapping",
                 column=field,
             )
@@ -197,7 +198,7 @@ def _extract(rule: ChannelRule, sources: Sources, timing: Timing) -> list[RawCha
     if isinstance(rule.column, int):
         if rule.column > matrix.shape[1]:
             raise BadInput(
-                f"Array '{rule.array}' has {matrix.shape[1]} columns, the mapping asks for column "
+                f"Array '{rule.array}' has {matrix.shape[1]} columns, the mapping selects column "
                 f"{rule.column}.",
                 code="missing-column",
                 column=f"{rule.array}({rule.column})",
@@ -218,7 +219,7 @@ def _extract(rule: ChannelRule, sources: Sources, timing: Timing) -> list[RawCha
 
 
 def largest_sample(unit: str) -> float:
-    """Size of a sample in its own unit beyond which it is no physical quantity."""
+    """Return the largest physically possible sample in its own unit."""
     known = units.lookup(unit)
     return units.LARGEST[known.dimension] / known.factor
 

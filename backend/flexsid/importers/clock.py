@@ -15,29 +15,29 @@ from flexsid.importers.table import MappingTable
 
 POSSIBLE_RATES_HZ = (1e-4, 1e8)
 USUAL_RATES_HZ = (2.0, 5000.0)
-"""Between these, an aircraft's motion is sampled; another rate is asked about."""
+"""Usual sampling rates of flight-test records; other rates must be confirmed. [Hz]"""
 
 STEP_TOLERANCE = 0.1
-"""Part of a sample by which one time step may differ (a recorder's clock is quantised)."""
+"""Tolerance on one time step, as a fraction of a sample (a recorder's clock is quantised)."""
 
 RATE_TOLERANCE = 1e-4
-"""Part of the sampling rate that rounded stamps may leave open: 10 ms of 100 s, a sample or two
-at the end of a long record."""
+"""Largest relative uncertainty of the sampling rate from rounded time stamps: 10 ms in 100 s, one
+or two samples at the end of a long record."""
 
 _FEW = 0.1
-"""Part of the steps that may differ before a clock counts as rounded rather than interrupted."""
+"""Fraction of the steps that may differ before a clock is rounded rather than interrupted."""
 
 UNUSUAL_RATE = "unusual-rate"
 
 DRIFT_TOLERANCE = 0.5
-"""Part of a sample by which a time stamp may be off the uniform clock."""
+"""Tolerance of a time stamp against the uniform clock, as a fraction of a sample."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TimeRule:
-    """Where the time is: a column, or a rate and the time of the first sample.
+    """Definition of a time base: a column, or a rate and the time of the first sample.
 
-    ``offset_s`` is added, where recorders did not agree what time it was.
+    ``offset_s`` is added, to align the clocks of several recorders.
     """
 
     column: str | None
@@ -50,13 +50,13 @@ class TimeRule:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Clock:
-    """Uniform time base found in the file."""
+    """Uniform time base of a record."""
 
     start_s: float
     rate_hz: float
     n_samples: int
     rounded_s: float | None = None
-    """Resolution of the time stamps, where it is coarser than a tenth of a sample."""
+    """Resolution of the time stamps, if coarser than a tenth of a sample. [s]"""
 
     confirmed: tuple[str, ...] = ()
 
@@ -66,7 +66,7 @@ class Clock:
         return self.start_s + self.n_samples / self.rate_hz
 
     def window(self, start_s: float | None, stop_s: float | None) -> slice:
-        """Samples from start to stop; None for the ends of the record."""
+        """Return the samples from start to stop; None for the ends of the record."""
         first = 0 if start_s is None else max(0, round((start_s - self.start_s) * self.rate_hz))
         if stop_s is None:
             return slice(first, self.n_samples)
@@ -79,7 +79,7 @@ def read_time(table: MappingTable) -> TimeRule:
     offset = table.si_scalar("offset", "time") if "offset" in table else 0.0
     confirmed = table.texts("confirmed") if "confirmed" in table else ()
     if set(confirmed) - {UNUSUAL_RATE}:
-        raise refuse(table.path("confirmed"), f"knows '{UNUSUAL_RATE}'.")
+        raise refuse(table.path("confirmed"), f"may hold '{UNUSUAL_RATE}'.")
     if "rate" in table:
         rule = TimeRule(
             column=None,
@@ -106,7 +106,7 @@ def read_clocks(tables: tuple[MappingTable, ...]) -> dict[str, TimeRule]:
     for table in tables:
         name = table.label("name")
         if name in clocks:
-            raise refuse(table.path("name"), f"'{name}' is there twice.")
+            raise refuse(table.path("name"), f"'{name}' is used twice.")
         clocks[name] = read_time(table)
     return clocks
 
@@ -115,9 +115,9 @@ def read_clocks(tables: tuple[MappingTable, ...]) -> dict[str, TimeRule]:
 class Timing:
     """The time bases of the files of one import; each is checked once.
 
-    A channel follows the clock that the mapping names for it, else the clock that
-    its file says it has, else the column of ``[time]`` or of ``[[clocks]]`` that is in
-    its own file, else ``[time]``.
+    A channel uses the clock that the mapping names for it, else the clock that its file
+    assigns, else the column of ``[time]`` or of ``[[clocks]]`` in its own file, else
+    ``[time]``.
     """
 
     default: TimeRule | None
@@ -126,7 +126,7 @@ class Timing:
     _known: dict[tuple[TimeRule, str], Clock] = field(default_factory=dict)
 
     def clock(self, source: SourceFile, path: str, label: str, n: int, name: str | None) -> Clock:
-        """Find the time base of a field with ``n`` samples.
+        """Return the time base of a field with ``n`` samples.
 
         Raises
         ------
@@ -158,7 +158,7 @@ class Timing:
         if name is not None:
             if name not in self.named:
                 known = ", ".join(self.named) or "none"
-                raise refuse("clocks", f"has no clock '{name}'; there is: {known}.")
+                raise refuse("clocks", f"has no clock '{name}'; defined: {known}.")
             return self.named[name]
         if path in source.clocks:
             column = source.clocks[path]
@@ -168,7 +168,7 @@ class Timing:
                 if rule.column is not None and self.sources.find(rule.column)[0] is source:
                     return rule
         if self.default is None:
-            raise refuse("time", f"is missing; {source.name} does not say when '{path}' was taken.")
+            raise refuse("time", f"is missing; {source.name} has no clock for '{path}'.")
         return self.default
 
 
@@ -179,7 +179,7 @@ def _extract(rule: TimeRule, source: SourceFile | None, sources: Sources, n_samp
             raise BadInput("Mapping: 'time.rate' must be positive.", code="bad-mapping")
         return Clock(
             start_s=rule.start_s + rule.offset_s,
-            rate_hz=_possible(rate),
+            rate_hz=_check_rate(rate),
             n_samples=n_samples,
             confirmed=rule.confirmed,
         )
@@ -193,8 +193,8 @@ def _extract(rule: TimeRule, source: SourceFile | None, sources: Sources, n_samp
         )
     if units.LARGEST["time"] < abs(float(stamps[0])) < np.inf:
         raise UnreadableFile(
-            f"{source.name}: column '{rule.column}' begins at {stamps[0]:.4g} s; at most "
-            f"{units.LARGEST['time']:g} s are a time. Is its unit right?",
+            f"{source.name}: column '{rule.column}' begins at {stamps[0]:.4g} s; expected "
+            f"at most {units.LARGEST['time']:g} s. Check its unit.",
             code="bad-rate",
             column=rule.column,
         )
@@ -203,7 +203,9 @@ def _extract(rule: TimeRule, source: SourceFile | None, sources: Sources, n_samp
     backwards = np.flatnonzero(steps < 0)
     if not backwards.size and stamps[-1] > stamps[0]:
         resolution = find_resolution(stamps)
-        rounded = None if resolution is None else _rounded(rule, source, stamps, resolution)
+        rounded = (
+            None if resolution is None else _fit_rounded_clock(rule, source, stamps, resolution)
+        )
         if rounded is not None:
             return rounded
     stopped = backwards if backwards.size else np.flatnonzero(steps == 0)
@@ -227,7 +229,7 @@ def _extract(rule: TimeRule, source: SourceFile | None, sources: Sources, n_samp
 
 
 def find_resolution(stamps: np.ndarray) -> float | None:
-    """Return the step to which time stamps are rounded, where that hides when samples were taken.
+    """Return the resolution of rounded time stamps, if it is coarse against the sample interval.
 
     Parameters
     ----------
@@ -238,7 +240,7 @@ def find_resolution(stamps: np.ndarray) -> float | None:
     -------
     float or None
         The largest step of which all intervals are multiples [s]; None where it is finer than
-        ``STEP_TOLERANCE`` of a sample, or the stamps are multiples of nothing.
+        ``STEP_TOLERANCE`` of a sample, or the stamps have no common step.
 
     Notes
     -----
@@ -247,7 +249,7 @@ def find_resolution(stamps: np.ndarray) -> float | None:
     difference, or the interval itself beside repeated stamps, is ``r``.
     """
     steps = np.diff(stamps)
-    noise = _noise(stamps)
+    noise = _compute_round_off(stamps)
     ordered = np.unique(steps)
     values = ordered[np.concatenate([[True], np.diff(ordered) > 4.0 * noise])]
     if values.size < 2:
@@ -262,10 +264,10 @@ def find_resolution(stamps: np.ndarray) -> float | None:
     return resolution if exact.all() and resolution > STEP_TOLERANCE * usual else None
 
 
-def _rounded(
+def _fit_rounded_clock(
     rule: TimeRule, source: SourceFile, stamps: np.ndarray, resolution: float
 ) -> Clock | None:
-    """Clock behind rounded time stamps; None where no rate explains every stamp.
+    """Return the clock behind rounded time stamps; None if no rate explains every stamp.
 
     Notes
     -----
@@ -285,23 +287,23 @@ def _rounded(
         row = source.first_row + int(stands[0]) + 1
         raise UnreadableFile(
             f"{source.name}: row {row} repeats the row before it, as do {stands.size} rows; "
-            "a recording holds every sample once. Leave repeated rows out.",
+            "every sample must occur once. Remove repeated rows.",
             code="rows-repeated",
             row=row,
             column=rule.column,
         )
     duration = float(stamps[-1] - stamps[0])
-    place = np.arange(n)
-    mean = float(np.polyfit(place, stamps - stamps[0], 1)[0])
+    index = np.arange(n)
+    mean = float(np.polyfit(index, stamps - stamps[0], 1)[0])
     spread = (n - 1) / duration * resolution / duration
 
     def span(step_s: float) -> float:
-        return float(np.ptp(stamps - step_s * place)) / resolution
+        return float(np.ptp(stamps - step_s * index)) / resolution
 
     low, high = 1.0 / mean - spread, 1.0 / mean + spread
     whole = [float(rate) for rate in range(max(1, int(np.ceil(low))), int(high) + 1)][:100]
     # Half a resolution is rounded up or down, as it happens: the span may just be reached.
-    most = 1.0 + 1e-6 + 2.0 * _noise(stamps) / resolution
+    most = 1.0 + 1e-6 + 2.0 * _compute_round_off(stamps) / resolution
     fitting = [rate for rate in whole if span(1.0 / rate) < most]
     if len(fitting) == 1:
         missing = _find_missing(stamps, resolution, fitting[0])
@@ -315,14 +317,14 @@ def _rounded(
         raise UnreadableFile(
             f"{source.name}: column '{rule.column}' is rounded to {resolution:.3g} s, and no "
             f"uniform rate near {1.0 / mean:.5g} Hz explains every time stamp. Samples are missing "
-            "or the clock jumped; resample the record first.",
+            "or the clock jumped; resample the record.",
             code="time-not-uniform",
             column=rule.column,
         )
     if spread * mean > RATE_TOLERANCE:
         raise UnreadableFile(
-            f"{source.name}: column '{rule.column}' is rounded to {resolution:.3g} s, which leaves "
-            f"the sampling rate open between {low:.5g} and {high:.5g} Hz. Give it in the mapping "
+            f"{source.name}: column '{rule.column}' is rounded to {resolution:.3g} s, so "
+            f"the sampling rate is between {low:.5g} and {high:.5g} Hz. Set it in the mapping "
             f'instead of the column: rate = {{ value = {1.0 / mean:.0f}, unit = "Hz" }} and '
             f'start = {{ value = {stamps[0]:.6g}, unit = "s" }} in [time].',
             code="clock-rounded",
@@ -331,13 +333,13 @@ def _rounded(
     return _clock(rule, source, stamps, 1.0 / mean, resolution)
 
 
-def _noise(stamps: np.ndarray) -> float:
-    """Error of differences of times of this size in double precision. [s]"""
+def _compute_round_off(stamps: np.ndarray) -> float:
+    """Return the round-off of differences of these times in double precision. [s]"""
     return 8.0 * float(np.finfo(np.float64).eps) * float(np.abs(stamps).max())
 
 
 def _find_missing(stamps: np.ndarray, resolution: float, rate: float) -> int | None:
-    """Place of the first stamp that occurs too seldom or too often; None where none does.
+    """Return the index of the first stamp with missing or extra samples; None if there is none.
 
     Notes
     -----
@@ -353,7 +355,7 @@ def _find_missing(stamps: np.ndarray, resolution: float, rate: float) -> int | N
 
 
 def _are_repeated(source: SourceFile, stands: np.ndarray, n: int) -> bool:
-    """Return whether every row whose time stands still repeats the row before it."""
+    """Return whether every row with a repeated time stamp repeats the row before it."""
     columns = [values for values in map(np.squeeze, source.arrays.values()) if values.shape == (n,)]
     return len(columns) > 1 and all(
         bool((values[stands] == values[stands + 1]).all()) for values in columns
@@ -361,13 +363,13 @@ def _are_repeated(source: SourceFile, stands: np.ndarray, n: int) -> bool:
 
 
 def _not_uniform(
-    source: SourceFile, rule: TimeRule, place: int, step: float, usual: float
+    source: SourceFile, rule: TimeRule, index: int, step: float, usual: float
 ) -> UnreadableFile:
-    row = source.first_row + place
+    row = source.first_row + index
     return UnreadableFile(
         f"{source.name}: row {row}, column '{rule.column}': the time step is not uniform "
         f"({step:.6g} s, usually {usual:.6g} s). "
-        "Samples are missing or the clock jumped; resample the record first.",
+        "Samples are missing or the clock jumped; resample the record.",
         code="time-not-uniform",
         row=row,
         column=rule.column,
@@ -382,7 +384,7 @@ def _clock(
     resolution: float | None = None,
 ) -> Clock:
     try:
-        rate = _possible(rate)
+        rate = _check_rate(rate)
     except BadInput as error:
         raise UnreadableFile(
             f"{source.name}: column '{rule.column}': {error.message}",
@@ -400,13 +402,13 @@ def _clock(
     )
 
 
-def _possible(rate_hz: float) -> float:
-    """The rate, if a recorder may have it; a time in the wrong unit has not."""
+def _check_rate(rate_hz: float) -> float:
+    """Return the rate, or reject a rate outside ``POSSIBLE_RATES_HZ``, as from a wrong unit."""
     low, high = POSSIBLE_RATES_HZ
     if not low <= rate_hz <= high:
         raise BadInput(
-            f"{rate_hz:.3g} samples per second are no recording ({low:g} to {high:g} Hz are "
-            "expected); is the unit of time right?",
+            f"{rate_hz:.3g} samples per second were found; expected {low:g} to {high:g} Hz. Check "
+            "the unit of time.",
             code="bad-rate",
         )
     return rate_hz

@@ -16,15 +16,15 @@ from flexsid.errors import BadInput, UnreadableFile
 from flexsid.importers.source import Content, Field
 
 LARGEST_COLUMNS = 4096
-"""A header wider than this is not a recording; wide headers stall readers."""
+"""Largest number of columns; wide headers stall readers."""
 
 LARGEST_LINE = 1024 * 1024
-_LINES_AT_ONCE = 20_000
-_LINES_TO_JUDGE = 50
+_BLOCK_LINES = 20_000
+_HEAD_LINES = 50
 
 
 def recognises(head: bytes) -> bool:
-    """Tell text from binary by its first bytes."""
+    """Return whether the first bytes are text."""
     return b"\x00" not in head
 
 
@@ -40,13 +40,13 @@ def read(path: Path) -> Content:
     Raises
     ------
     UnreadableFile
-        With the row and column of the first cell that is not a number (NaN is one here: only
-        a column that is used must be finite),
-        the first row of another length, or the header name that comes twice.
+        With the row and column of the first cell that is not a number (NaN is accepted: only
+        columns that are used must be finite),
+        the first row of another length, or the repeated header name.
     """
     encoding = _encoding(path)
     with path.open(encoding=encoding) as file:
-        layout = _layout(list(islice(_filled(file), _LINES_TO_JUDGE)))
+        layout = _layout(list(islice(_filled(file), _HEAD_LINES)))
     with path.open(encoding=encoding) as file:
         blocks = list(_blocks(file, layout))
     if not blocks:
@@ -61,7 +61,7 @@ def read(path: Path) -> Content:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Layout:
-    """How the cells of a row are found; without delimiter and width, by blanks."""
+    """Layout of the cells of a row; without delimiter and width, separated by blanks."""
 
     names: tuple[str, ...]
     units: tuple[str, ...]
@@ -74,7 +74,7 @@ class _Layout:
         return _split(line, self.delimiter, self.width)
 
     def plain(self, line: str) -> str:
-        """Write a row so that numpy reads it."""
+        """Return a row in a form that numpy reads."""
         if self.width is not None:
             return ",".join(self.cells(line))
         return line.replace(",", ".") if self.decimal_comma else line
@@ -98,7 +98,7 @@ def _lines(file: TextIO) -> Iterator[tuple[int, str]]:
         row += 1
         if len(line) > LARGEST_LINE:
             raise UnreadableFile(
-                f"row {row} is longer than {LARGEST_LINE} characters; this is no recording.",
+                f"row {row} is longer than {LARGEST_LINE} characters; expected one row per sample.",
                 row=row,
             )
         yield row, line.rstrip("\n")
@@ -156,7 +156,7 @@ def _delimiter(header: str) -> str | None:
 
 
 def _width(lines: Sequence[str]) -> int | None:
-    """Width of the columns where blanks do not separate them (Fortran prints ``1.5-2.5``)."""
+    """Return the column width if blanks do not separate columns (Fortran prints ``1.5-2.5``)."""
     for rows in (lines, lines[1:]):
         blank = [row.split() for row in rows]
         if all(len(cells) == len(blank[0]) and all(map(_is_number, cells)) for cells in blank):
@@ -171,7 +171,7 @@ def _width(lines: Sequence[str]) -> int | None:
 
 
 def _fits(rows: Sequence[str], width: int) -> bool:
-    """Tell whether columns of this width hold numbers; only the first row may have no gap."""
+    """Return whether columns of this width hold numbers; the first row must have no gap."""
     return all(
         _is_number(cell) or (row > 0 and not cell)
         for row, line in enumerate(rows)
@@ -200,7 +200,7 @@ def _is_decimal_comma(cell: str) -> bool:
 
 
 def _are_units(cells: Sequence[str]) -> bool:
-    """Tell a second header row that gives the unit of every column."""
+    """Return whether a second header row gives the unit of every column."""
     if any(map(_is_number, cells)) and not all(cell in ("1", "") for cell in cells):
         cells = [cell for cell in cells if cell != "1"]
     for cell in cells:
@@ -212,14 +212,14 @@ def _are_units(cells: Sequence[str]) -> bool:
 
 
 def _check_quotes(header: str, delimiter: str | None, row: int) -> None:
-    """Refuse a header whose quotation marks do not enclose whole cells."""
+    """Reject a header whose quotation marks do not enclose whole cells."""
     for number, cell in enumerate(header.split(delimiter), start=1):
         name = cell.strip()
         whole = len(name) > 1 and name[0] == name[-1] == '"'
         if '"' in (name[1:-1] if whole else name):
             raise UnreadableFile(
                 f"row {row}, column {number}: a quotation mark in {name[:40]} does not enclose the "
-                "whole cell; a name holds neither quotation mark nor delimiter.",
+                "whole cell; names must not hold quotation marks or delimiters.",
                 row=row,
                 column=number,
             )
@@ -247,9 +247,9 @@ def _check_names(names: Sequence[str], row: int) -> None:
 
 
 def _blocks(file: TextIO, layout: _Layout) -> Iterator[np.ndarray]:
-    """Read some thousand rows at a time: a Python text takes many times its file."""
+    """Read the rows in blocks: a Python text needs a multiple of the memory of its file."""
     lines = ((row, line) for row, line in _lines(file) if row >= layout.first_row and line.strip())
-    while some := list(islice(lines, _LINES_AT_ONCE)):
+    while some := list(islice(lines, _BLOCK_LINES)):
         yield _numbers(some, layout)
 
 

@@ -1,4 +1,4 @@
-"""The ``[excitation]`` part of a mapping: which harmonics each input owns."""
+"""The ``[excitation]`` part of a mapping: the harmonics of each input."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from flexsid.importers.source import Sources
 from flexsid.importers.table import MappingTable
 from flexsid.records.maneuver import Excitation
 
-_MOST_LINES = 10_000
+_MAX_HARMONICS = 10_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Interleaving:
-    """Consecutive harmonics dealt out to the inputs in turn, from ``first`` upward."""
+    """Consecutive harmonics interleaved between the inputs, from ``first`` upward."""
 
     order: str | tuple[str, ...]
     name: str
@@ -70,28 +70,35 @@ def _interleaving(table: MappingTable) -> Interleaving:
 
 
 def extract_excitation(part: ExcitationPart, sources: Sources, inputs: Sequence[str]) -> Excitation:
-    """Give every input its harmonics.
+    """Return the harmonics of every input.
 
     Raises
     ------
     BadInput
-        If a harmonic belongs to a channel that is no input, or to two.
+        If a harmonic is assigned to a channel that is no input, or to two inputs.
     """
     if isinstance(part.harmonics, Interleaving):
-        harmonics = _deal(part.harmonics, sources)
+        harmonics = _interleave(part.harmonics, sources)
     else:
         harmonics = dict(part.harmonics)
-    owner: dict[int, str] = {}
-    for name, lines in harmonics.items():
+    assigned: dict[int, str] = {}
+    for name, numbers in harmonics.items():
         if name not in inputs:
             raise refuse(
-                "excitation", f"excites '{name}', which is no input; inputs: {', '.join(inputs)}."
+                "excitation",
+                f"excites '{name}', which is not an input; inputs: {', '.join(inputs)}.",
             )
-        for line in lines:
-            if line < 1 or line in owner:
-                by = f"{owner[line]} and {name} own" if line in owner else f"{name} owns"
-                raise refuse("excitation", f"cannot hold: {by} harmonic {line}.")
-            owner[line] = name
+        for number in numbers:
+            if number < 1:
+                raise refuse(
+                    "excitation", f"assigns harmonic {number} to {name}; expected 1 or more."
+                )
+            if number in assigned:
+                both = f"{assigned[number]} and {name}"
+                raise refuse(
+                    "excitation", f"assigns harmonic {number} to {both}; expected one input."
+                )
+            assigned[number] = name
     period_s = scalar(part.period, sources)
     if period_s <= 0 or part.n_periods < 1:
         raise refuse("excitation.period", "and n_periods must be positive.")
@@ -100,12 +107,12 @@ def extract_excitation(part: ExcitationPart, sources: Sources, inputs: Sequence[
     )
 
 
-def _deal(plan: Interleaving, sources: Sources) -> dict[str, tuple[int, ...]]:
+def _interleave(plan: Interleaving, sources: Sources) -> dict[str, tuple[int, ...]]:
     labels = sources.texts(plan.order) if isinstance(plan.order, str) else plan.order
     names = tuple(plan.name.replace("{label}", label) for label in labels)
     first = round(scalar(plan.first, sources))
     count = round(scalar(plan.per_input, sources))
-    if not names or first < 1 or not 1 <= count * len(names) <= _MOST_LINES:
+    if not names or first < 1 or not 1 <= count * len(names) <= _MAX_HARMONICS:
         raise refuse("excitation.first", "and per_input must be at least 1, with order not empty.")
     step = len(names)
     return {

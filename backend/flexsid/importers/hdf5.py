@@ -1,4 +1,4 @@
-"""HDF5, and MATLAB v7.3 files, which are HDF5: plain data sets, never anything outside the file."""
+"""HDF5, and MATLAB v7.3 files, which are HDF5: plain data sets without links."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ _UNIT_ATTRIBUTES = ("unit", "units", "Unit", "Units", "UNITS")
 
 
 def recognises(head: bytes) -> bool:
-    """Tell HDF5 by its magic, also behind the 512 bytes that MATLAB puts before it."""
+    """Return whether the file has the magic number of HDF5, also after MATLAB's 512-byte header."""
     return head.startswith(_MAGIC) or head[512:520] == _MAGIC
 
 
 def read(path: Path) -> Content:
-    """Read every data set; groups become dotted paths, an attribute ``units`` is kept.
+    """Read every data set; groups become dotted paths, an attribute ``units`` is read.
 
     Raises
     ------
     UnreadableFile
         If the file is damaged, claims more than LARGEST_CONTENT, or holds links
-        or data sets that lead elsewhere.
+        or external data sets.
     """
     return Content(_open(path, _Walk(matlab=False)))
 
@@ -43,7 +43,7 @@ def read_matlab(path: Path) -> Content:
 
 @dataclass(slots=True)
 class _Walk:
-    """What was met so far: a few links can make an endless tree, a header can claim anything."""
+    """Counters that limit endless trees of links and false sizes in headers."""
 
     matlab: bool
     n_bytes: int = 0
@@ -62,7 +62,10 @@ def _open(path: Path, walk: _Walk) -> Iterator[Field]:
 
 def _leaves(group: h5py.Group, prefix: str, depth: int, walk: _Walk) -> Iterator[Field]:
     if depth > DEEPEST or group in walk.groups:
-        raise UnreadableFile(f"group '{prefix}' is nested without end.", column=prefix)
+        raise UnreadableFile(
+            f"group '{prefix}' is nested more than {DEEPEST} levels deep or contains itself.",
+            column=prefix,
+        )
     walk.groups.add(group)
     for name in group:
         walk.n_objects += 1
@@ -83,7 +86,9 @@ def _leaves(group: h5py.Group, prefix: str, depth: int, walk: _Walk) -> Iterator
 
 def _leaf(item: h5py.Dataset, path: str, walk: _Walk) -> Iterator[Field]:
     if item.external or item.is_virtual:
-        raise UnreadableFile(f"field '{path}' keeps its samples elsewhere.", column=path)
+        raise UnreadableFile(
+            f"field '{path}' is external or virtual; only data in the file are read.", column=path
+        )
     is_text = h5py.check_string_dtype(item.dtype) is not None
     if item.shape is None or not (is_text or item.dtype.kind in "biuf"):
         return

@@ -1,4 +1,4 @@
-"""The ``[flight]`` and ``[maneuver]`` parts of a mapping; without a maneuver, a whole recording."""
+"""The ``[flight]`` and ``[maneuver]`` parts of a mapping."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _CONDITION = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightPart:
-    """Which flight the maneuver belongs to."""
+    """The flight of the maneuver."""
 
     number: int
     flown_on: date | None = None
@@ -48,7 +48,7 @@ class FlightPart:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ManeuverPart:
-    """What a maneuver is called, when it was flown, at which condition."""
+    """Name, time and flight condition of a maneuver."""
 
     label: str
     condition: Mapping[str, MappedQuantity]
@@ -64,7 +64,7 @@ class ManeuverPart:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordingPart:
-    """Which channels the files hold, and when their samples were taken."""
+    """Channels of the files and their time bases."""
 
     time: TimeRule | None
     clocks: Mapping[str, TimeRule]
@@ -73,9 +73,9 @@ class RecordingPart:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RawManeuver:
-    """A maneuver taken out of its files, nothing completed or computed yet.
+    """A maneuver extracted from its files, before anything is completed or computed.
 
-    ``axis`` of None: the mapping does not say it.
+    ``axis`` is None where the mapping does not give it.
     """
 
     label: str
@@ -97,7 +97,9 @@ def read_flight(table: MappingTable) -> FlightPart:
     try:
         flown_on = None if day is None else date.fromisoformat(day)
     except ValueError as error:
-        raise refuse(table.path("date"), f"must be written 2024-05-31, found '{day}'.") from error
+        raise refuse(
+            table.path("date"), f"must have the form 2024-05-31, found '{day}'."
+        ) from error
     part = FlightPart(
         number=table.integer("number"),
         flown_on=flown_on,
@@ -115,14 +117,14 @@ def read_maneuver(table: MappingTable, excitation: MappingTable | None) -> Maneu
         for key, dimension in _CONDITION.items()
         if (quantity := condition.optional_quantity(key, dimension)) is not None
     }
-    if "engines" in condition:  # rotation speeds by the channels that the thrust table names
+    if "engines" in condition:  # rotation speeds by channel of the thrust table
         engines = condition.table("engines")
         quantities |= {name: engines.quantity(name, "angular rate") for name in engines.names()}
     condition.close()
     if "airspeed" not in quantities:
-        raise refuse(condition.path("airspeed"), "is missing; the true airspeed is needed.")
+        raise refuse(condition.path("airspeed"), "is missing; expected the true airspeed.")
     if ("density" in quantities) == ("altitude" in quantities):
-        raise refuse(condition.path("density"), "or altitude must be given, one of the two.")
+        raise refuse(condition.path("density"), "or altitude must be given, but not both.")
     fta: int | None = None
     fta_field: str | None = None
     by_value: tuple[tuple[float, int], ...] = ()
@@ -156,31 +158,29 @@ def _number(table: MappingTable, key: str) -> float:
     try:
         return float(key)
     except ValueError as error:
-        raise refuse(
-            table.path(key), "must be a number: the value that the field holds."
-        ) from error
+        raise refuse(table.path(key), "must be a number: a value of the field.") from error
 
 
 def extract_recording(part: RecordingPart, sources: Sources) -> tuple[RawChannel, ...]:
-    """Take the channels out of the files, at full length.
+    """Extract the channels of the files, at full length.
 
     Raises
     ------
     BadInput
-        If anything is missing or not what it must be; the message names the
-        key of the mapping, or row and column of the file.
+        If anything is missing or invalid; the message names the key of the
+        mapping, or row and column of the file.
     """
     return extract_channels(part.channels, sources, Timing(part.time, part.clocks, sources))
 
 
 def extract_maneuver(part: ManeuverPart, recording: RecordingPart, sources: Sources) -> RawManeuver:
-    """Take one maneuver out of its files.
+    """Extract one maneuver from its files.
 
     Raises
     ------
     BadInput
-        If anything is missing or not what it must be; the message names the
-        key of the mapping, or row and column of the file.
+        If anything is missing or invalid; the message names the key of the
+        mapping, or row and column of the file.
     """
     timing = Timing(recording.time, recording.clocks, sources)
     channels = extract_channels(recording.channels, sources, timing)
@@ -190,8 +190,8 @@ def extract_maneuver(part: ManeuverPart, recording: RecordingPart, sources: Sour
             "surface.",
             code="bad-mapping",
         )
-    kept = tuple(channel.between(part.start_s, part.stop_s) for channel in channels)
-    for before, channel in zip(channels, kept, strict=True):
+    cut = tuple(channel.cut(part.start_s, part.stop_s) for channel in channels)
+    for before, channel in zip(channels, cut, strict=True):
         if channel.samples.size < 2:
             raise BadInput(
                 f"Mapping: 'maneuver.start' and 'maneuver.stop' leave {channel.samples.size} "
@@ -200,11 +200,11 @@ def extract_maneuver(part: ManeuverPart, recording: RecordingPart, sources: Sour
                 code="bad-mapping",
                 key="maneuver.start",
             )
-    start_s = max(channel.clock.start_s for channel in kept)
-    stop_s = min(channel.clock.stop_s for channel in kept)
+    start_s = max(channel.clock.start_s for channel in cut)
+    stop_s = min(channel.clock.stop_s for channel in cut)
     if stop_s <= start_s:
         raise BadInput(
-            "The channels have no time in common; clocks that differ need an offset in [time] or "
+            "The channels have no common time; set an offset between clocks in [time] or "
             "[[clocks]].",
             code="no-common-time",
         )
@@ -216,11 +216,11 @@ def extract_maneuver(part: ManeuverPart, recording: RecordingPart, sources: Sour
         note=part.note,
         start_s=start_s,
         duration_s=stop_s - start_s,
-        channels=kept,
+        channels=cut,
         condition={
             key: _average(item, sources, timing, part) for key, item in part.condition.items()
         },
-        excitation=_excitation(part.excitation, sources, kept),
+        excitation=_excitation(part.excitation, sources, cut),
         source_file=source_file,
         source_hash=source_hash,
     )
@@ -236,7 +236,7 @@ def _label(template: str, file: str) -> str:
 
 
 def origin(channels: tuple[RawChannel, ...]) -> tuple[str, str]:
-    """Names of the files that channels came from, and one hash of them all."""
+    """Return the names of the files of the channels, and one hash of all files."""
     used: dict[str, str] = {}
     for channel in channels:
         used.setdefault(channel.source.sha256, channel.source.name)
@@ -248,7 +248,7 @@ def origin(channels: tuple[RawChannel, ...]) -> tuple[str, str]:
 def _average(
     quantity: MappedQuantity, sources: Sources, timing: Timing, part: ManeuverPart
 ) -> float:
-    """One number in SI; a recorded channel is averaged over the maneuver."""
+    """Return one number in SI; a recorded channel is averaged over the maneuver."""
     if quantity.field is None or (values := sources.numbers(quantity.field)).size == 1:
         return scalar(quantity, sources)
     source, _ = sources.find(quantity.field)

@@ -1,4 +1,4 @@
-"""Mapping: the small TOML file that says what recorded columns mean.
+"""Mapping: the TOML file that defines names, units and roles of recorded columns.
 
 The format is described in ``examples/README.md`` of the project.
 """
@@ -32,7 +32,7 @@ _LARGEST_MAPPING = 1024 * 1024
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mapping:
-    """One mapping file, checked; what it leaves out is None or empty."""
+    """One mapping file, checked; omitted parts are None or empty."""
 
     aircraft: AircraftPart | None = None
     flight: FlightPart | None = None
@@ -41,7 +41,7 @@ class Mapping:
     modal_tables: tuple[ModalPart, ...] = ()
     predictions: tuple[PredictionPart, ...] = ()
     guessed: tuple[Guessed, ...] = ()
-    """What was proposed by a program and confirmed by nobody; it is not imported so."""
+    """Keys that a program proposed and that are not confirmed; such a mapping is not imported."""
 
 
 def parse_mapping(text: str) -> Mapping:
@@ -53,7 +53,9 @@ def parse_mapping(text: str) -> Mapping:
         Naming the key that is missing, misspelt or of the wrong kind.
     """
     if len(text) > _LARGEST_MAPPING:
-        raise BadInput("The mapping is larger than 1 MB; it is no mapping.", code="bad-mapping")
+        raise BadInput(
+            "The mapping is larger than 1 MB; expected a smaller TOML file.", code="bad-mapping"
+        )
     try:
         content = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -70,7 +72,10 @@ def parse_mapping(text: str) -> Mapping:
     table.close()
     mapping = replace(mapping, guessed=tuple(table.guesses))
     if mapping.recording is None and not mapping.modal_tables and not mapping.predictions:
-        raise refuse("channels", "or modal_tables or predictions must be there; nothing to import.")
+        raise refuse(
+            "channels",
+            "or modal_tables or predictions must be given; the mapping has nothing to import.",
+        )
     if mapping.maneuver is not None and mapping.recording is None:
         raise refuse("channels", "is missing; name at least the inputs and one output.")
     if mapping.recording is not None and mapping.flight is None:
@@ -83,7 +88,7 @@ def _recording(table: MappingTable) -> RecordingPart | None:
     if not channels:
         for key in ("time", "clocks"):
             if key in table:
-                raise refuse("channels", f"is missing although there is '{key}'.")
+                raise refuse("channels", f"is missing, but '{key}' is given.")
         return None
     return RecordingPart(
         time=read_time(table.table("time")) if "time" in table else None,
@@ -95,20 +100,20 @@ def _recording(table: MappingTable) -> RecordingPart | None:
 def _maneuver(table: MappingTable) -> ManeuverPart | None:
     if "maneuver" not in table:
         if "excitation" in table:
-            raise refuse("maneuver", "is missing although there is 'excitation'.")
+            raise refuse("maneuver", "is missing, but 'excitation' is given.")
         return None
     return read_maneuver(
         table.table("maneuver"), table.table("excitation") if "excitation" in table else None
     )
 
 
-def recognise(sources: Sources) -> str | None:
-    """Give the mapping that comes with the workbench for files of a known form.
+def find_known_mapping(sources: Sources) -> str | None:
+    """Return the built-in mapping for files of a known layout.
 
     Returns
     -------
     str or None
-        Text of the mapping, None where the files are of no known form.
+        Text of the mapping; None for files of unknown layout.
     """
     simulated = ("t_s", "outputs", "inputs", "multisine_command", "output_names", "input_names")
     if all(sources.has(field) for field in simulated):

@@ -29,7 +29,7 @@ _V4_KINDS = {
 
 
 def recognises(head: bytes) -> bool:
-    """Tell all kinds of MATLAB file by how they begin."""
+    """Return whether the first bytes are those of a MATLAB file, v4, v5 or v7.3."""
     return hdf5.recognises(head) or _is_v5(head) or _is_v4(head)
 
 
@@ -38,7 +38,7 @@ def _is_v5(head: bytes) -> bool:
 
 
 def _is_v4(head: bytes) -> bool:
-    """Tell a file without magic by its first matrix: kind, rows, columns, complex, name."""
+    """Return whether the first matrix header is valid: type, rows, columns, complex, name."""
     if len(head) < 21:
         return False
     for order in "<>":
@@ -56,7 +56,7 @@ def read(path: Path) -> Content:
     ------
     UnreadableFile
         If the file is damaged, unpacks to more than LARGEST_CONTENT, or
-        points outside itself.
+        refers to data outside the file.
     """
     with path.open("rb") as file:
         head = file.read(1024)
@@ -64,7 +64,7 @@ def read(path: Path) -> Content:
         return hdf5.read_matlab(path)
     if not _is_v5(head):
         raise UnreadableFile(
-            "the file is of MATLAB 4 (save -v4), which is not read; load it in MATLAB and save it "
+            "the file is a MATLAB 4 file (save -v4), which is not supported; save it in MATLAB "
             "with -v7 or -v7.3."
         )
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as raw:
@@ -73,24 +73,26 @@ def read(path: Path) -> Content:
 
 
 def _read_v5(path: Path) -> Iterator[Field]:
-    names = [name for name, _, _ in _quietly(io.whosmat, path) if not name.startswith("__")]
+    names = [
+        name for name, _, _ in _read_without_warnings(io.whosmat, path) if not name.startswith("__")
+    ]
     for name in names:
         if names.count(name) > 1:
             raise UnreadableFile(
                 f"two variables are called '{name}'.", code="duplicate-channel", column=name
             )
     for name in names:
-        content = _quietly(
+        content = _read_without_warnings(
             io.loadmat, path, variable_names=[name], verify_compressed_data_integrity=True
         )
         for field, values in _leaves(name, content.get(name), 0):
             yield Field(field, values)
 
 
-def _quietly(read: Callable[..., Any], path: Path, **options: Any) -> Any:
+def _read_without_warnings(read: Callable[..., Any], path: Path, **options: Any) -> Any:
     try:
         with warnings.catch_warnings():
-            # MATLAB objects (an ss system, say) come as nameless variables; they are left out.
+            # MATLAB objects (e.g. an ss system) are read as unnamed variables; they are skipped.
             warnings.simplefilter("ignore")
             return read(path, **options)
     except (
@@ -107,7 +109,7 @@ def _quietly(read: Callable[..., Any], path: Path, **options: Any) -> Any:
 
 
 def _bound_v5(raw: mmap.mmap) -> None:
-    """Unpack every element in pieces, only to count: a few MB can unpack to GB."""
+    """Check the unpacked size of all elements: a few MB can unpack to GB."""
     order = "<" if raw[126:128] == b"IM" else ">"
     position = 128
     total = 0

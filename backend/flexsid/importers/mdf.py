@@ -1,6 +1,6 @@
 """MDF3 and MDF4, the measurement files of recorders, through asammdf, an extra.
 
-``pip install flexsid[mdf]``. Every group of channels has a clock of its own.
+``pip install flexsid[mdf]``. Every group of channels has its own clock.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _FORMULA = {3: 10, 4: 3}
 
 
 def recognises(head: bytes) -> bool:
-    """Tell MDF by its magic."""
+    """Return whether the file has the magic number of MDF."""
     return head.startswith(b"MDF ")
 
 
@@ -87,8 +87,8 @@ def _group(
         conversion = channel.conversion
         if conversion is not None and conversion.conversion_type == _FORMULA.get(version, -1):
             raise UnreadableFile(
-                f"channel '{name}' is computed by a formula, which is never evaluated; export the "
-                "values instead.",
+                f"channel '{name}' is computed by a formula, which is not evaluated; export the "
+                "values.",
                 column=name,
             )
         signal = file.get(group=number - 1, index=index, ignore_invalidation_bits=False)

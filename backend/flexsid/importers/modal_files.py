@@ -1,4 +1,4 @@
-"""Modes written to files that come back the same: universal file and CSV."""
+"""Modal data written to universal files and CSV without loss of precision."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flexsid.importers.source import SourceFile
 from flexsid.text import one_line
 
 EXACT = "FLEXSID MODE"
-"""Begins a line of text in which a data set repeats its numbers with all their digits."""
+"""First words of a text line of a data set with its numbers in full precision."""
 
 CSV_COLUMNS = (
     *("mode", "frequency_hz", "damping", "mass_kg_m2", "node", "x_m", "y_m", "z_m"),
@@ -23,7 +23,7 @@ CSV_COLUMNS = (
 class WrittenModes:
     """Modes at one fuel weight in SI; shapes (n, K, 6) and nodes in structural axes.
 
-    Damping and mass are NaN where they are not known.
+    Unknown damping and mass are NaN.
     """
 
     title: str
@@ -101,7 +101,7 @@ def _block(kind: int, lines: list[str]) -> Iterator[str]:
 
 
 def write_csv(modes: WrittenModes) -> Iterator[str]:
-    """Write one row per mode and node; columns that are not known are left out."""
+    """Write one row per mode and node; unknown columns are omitted."""
     known = {
         "damping": np.isfinite(modes.damping).all(),
         "mass_kg_m2": np.isfinite(modes.mass).all(),
@@ -123,8 +123,8 @@ def write_csv(modes: WrittenModes) -> Iterator[str]:
         )
 
 
-def modes_of_csv(source: SourceFile) -> SourceFile:
-    """Give a table with the columns of ``write_csv`` the fields of a structure."""
+def convert_csv_modes(source: SourceFile) -> SourceFile:
+    """Convert a table with the columns of ``write_csv`` to the fields of modal data."""
     found = source.arrays
     if not {"mode", "node", "frequency_hz", *CSV_COLUMNS[5:11]} <= set(found):
         return source

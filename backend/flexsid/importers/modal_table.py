@@ -1,4 +1,4 @@
-"""The ``[modal_table]`` part of a mapping: structural modes out of MATLAB or NumPy arrays."""
+"""The ``[modal_table]`` part of a mapping: structural modes from MATLAB or NumPy arrays."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from flexsid.importers.table import MappingTable
 from flexsid.records.modal_table import ModalKind
 
 _AFT_RIGHT_UP = np.array([-1.0, 1.0, -1.0])
-"""Half a turn about y takes structural axes (x aft, z up) to body axes; rotations turn alike."""
+"""Rotation by 180 deg about y from structural axes (x aft, z up) to body axes, also for angles."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShapePart:
-    """Where the mode shapes are: one table per mode, a row per node.
+    """Location of the mode shapes: one table per mode, one row per node.
 
     ``field`` is a template with ``{number}``. Column numbers count from 1.
     """
@@ -93,9 +93,9 @@ def read_modal_table(table: MappingTable) -> ModalPart:
     if not len(part.names) == len(part.symmetric) == len(numbers):
         raise refuse(table.path("names"), "and symmetric must have one entry per mode.")
     if part.frequency is None and part.damping is None:
-        raise refuse(table.path("frequency"), "or damping must be there.")
+        raise refuse(table.path("frequency"), "or damping must be given.")
     if part.shape is not None and (part.frequency is None or part.mass is None):
-        raise refuse(table.path("mass"), "and frequency must be there: a shape needs its scale.")
+        raise refuse(table.path("mass"), "and frequency must be given: a shape needs its scale.")
     return part
 
 
@@ -125,12 +125,14 @@ def _read_shape(table: MappingTable) -> ShapePart:
     units.factor(part.coordinate_unit, "length")
     columns = (part.translation_columns, part.rotation_columns, part.coordinate_columns)
     if any(len(column) != 3 or min(column) < 1 for column in columns) or len(part.origin_m) != 3:
-        raise refuse(table.path("translation_columns"), "and the others must name x, y and z.")
+        raise refuse(
+            table.path("translation_columns"), "and the other columns must name x, y and z."
+        )
     return part
 
 
 def extract_modal_table(part: ModalPart, sources: Sources) -> RawModalTable:
-    """Take a modal table out of its files, in SI and body axes.
+    """Extract a modal table from its files, in SI and body axes.
 
     Raises
     ------
@@ -156,8 +158,8 @@ def extract_modal_table(part: ModalPart, sources: Sources) -> RawModalTable:
                 raise refuse(
                     f"modal_table.shape.points.{name}", f"names node {node}, which has no shape."
                 )
-        chosen = [rows[node] for _, node in part.shape.points]
-        arrays["shape"] = shapes[:, chosen][None]
+        selected = [rows[node] for _, node in part.shape.points]
+        arrays["shape"] = shapes[:, selected][None]
         arrays["node_shape"] = shapes[None]
         arrays["nodes"] = nodes
     return RawModalTable(
@@ -221,8 +223,8 @@ def _rows(sources: Sources, field: str, columns: tuple[int, ...]) -> np.ndarray:
             code="missing-column",
             column=field,
         )
-    chosen = np.asarray(values[:, [column - 1 for column in columns]], dtype=np.float64)
-    if not np.isfinite(chosen).all():
-        row = int(np.flatnonzero(~np.isfinite(chosen).all(axis=1))[0]) + 1
+    selected = np.asarray(values[:, [column - 1 for column in columns]], dtype=np.float64)
+    if not np.isfinite(selected).all():
+        row = int(np.flatnonzero(~np.isfinite(selected).all(axis=1))[0]) + 1
         raise BadInput(f"Field '{field}', row {row} is not finite.", row=row, column=field)
-    return chosen
+    return selected

@@ -17,7 +17,7 @@ MOST_ARRAYS = 10_000
 
 
 def recognises(head: bytes) -> bool:
-    """Tell a zip archive by its magic."""
+    """Return whether the file has the magic number of a zip archive."""
     return head.startswith((b"PK\x03\x04", b"PK\x05\x06"))
 
 
@@ -45,7 +45,7 @@ def _fields(path: Path) -> Iterator[Field]:
             total = sum(member.file_size for member in members)
             if total > LARGEST_CONTENT:
                 raise UnreadableFile(
-                    f"the archive unpacks to {total / 1024**3:.1f} GB, too much to read."
+                    f"the archive unpacks to {total / 1024**3:.1f} GB, more than can be read."
                 )
             for member in members:
                 name = member.filename.removesuffix(".npy")

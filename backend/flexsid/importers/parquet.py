@@ -15,12 +15,12 @@ LARGEST_COLUMNS = 4096
 
 
 def recognises(head: bytes) -> bool:
-    """Tell Parquet by its magic."""
+    """Return whether the file has the magic number of Parquet."""
     return head.startswith(b"PAR1")
 
 
 def read(path: Path) -> Content:
-    """Read the columns that hold numbers or moments; moments become seconds.
+    """Read the columns of numbers or time stamps; time stamps are converted to seconds.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Plausibility: a unit that does not fit the size of its samples is asked about."""
+"""Plausibility of units: warnings where the samples are too large or too small for their unit."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flexsid.records.maneuver import Role
 TOO_LARGE = "too-large"
 TOO_SMALL = "too-small"
 OTHER_AXIS = "other-axis"
-DOUBTS: tuple[str, ...] = (TOO_LARGE, TOO_SMALL, OTHER_AXIS)
+UNIT_WARNINGS: tuple[str, ...] = (TOO_LARGE, TOO_SMALL, OTHER_AXIS)
 
 _LARGEST = {
     "angle": 6.4,  # a turn
@@ -26,37 +26,37 @@ _LARGEST = {
     "density": 2.0,
     "length": 1e5,
 }
-"""Largest size in SI that an aircraft measures."""
+"""Largest plausible magnitude by dimension. [SI]"""
 
 _LARGEST_OF = {
-    **dict.fromkeys(("alpha", "beta", "theta", "gamma"), 1.6),  # upright, or upright flow
-    "phi": 3.2,  # upside down
+    **dict.fromkeys(("alpha", "beta", "theta", "gamma"), 1.6),  # vertical attitude or flow
+    "phi": 3.2,  # inverted
 }
-"""Largest size of some angles by their names. [rad]"""
+"""Largest plausible magnitude of some angles by name. [rad]"""
 
 _LARGEST_DEFLECTION = 1.2
-"""A surface on a check of full travel, peak to peak, moves less. [rad]"""
+"""Largest plausible deflection, peak to peak: above a check of full travel. [rad]"""
 
 _LARGEST_SETTING = 1.05
-"""No control surface stands further from its neutral position than 60 deg. [rad]"""
+"""Largest plausible deflection from neutral: 60 deg. [rad]"""
 
 _SMALLEST_DEFLECTION = 2e-3
-"""An excitation that can be told from play and noise moves more, peak to peak. [rad]"""
+"""Smallest plausible excitation, peak to peak: above freeplay and noise. [rad]"""
 
 _SMALLEST = {"angle": 3.5e-3, "angular rate": 8.7e-3, "acceleration": 0.2}
-"""Least movement, peak to peak, of the outputs of a dimension that moves most while a surface is
-excited: 0.2 deg, 0.5 deg/s, 0.02 g. Less is noise, or a unit that is too small by 57 or 10."""
+"""Smallest plausible response, peak to peak, of the largest output of a dimension during an
+excitation: 0.2 deg, 0.5 deg/s, 0.02 g. Less is noise, or a unit too small by 57 or 10."""
 
 _LARGEST_MEAN = 60.0
-"""An aircraft does not hold 6 g over a record: 1 g recorded in m/s2 and read as g. [m/s2]"""
+"""Largest plausible mean, 6 g: 1 g recorded in m/s2 and read as g exceeds it. [m/s2]"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Doubt:
-    """A question to the analyst: is this unit right?
+class UnitWarning:
+    """A warning that the samples are too large or too small for their unit.
 
-    ``confirmed = ["..."]`` in the mapping of the channel says yes; ``instead`` are
-    units in which the samples would have a usual size.
+    ``confirmed = ["..."]`` in the mapping of the channel confirms the unit; ``instead`` lists
+    units in which the samples would be plausible.
     """
 
     code: str
@@ -66,27 +66,27 @@ class Doubt:
     instead: tuple[str, ...]
 
     @property
-    def question(self) -> str:
-        """The question in words."""
+    def message(self) -> str:
+        """The warning as text."""
         size = "large" if self.code == TOO_LARGE else "small"
         other = f" Is it {' or '.join(self.instead)}?" if self.instead else ""
         return (
-            f"Channel '{self.channel}' moves by {self.largest:.4g} {self.unit}, which is very "
+            f"Channel '{self.channel}' varies by {self.largest:.4g} {self.unit}, which is very "
             f'{size}.{other} If {self.unit} is right, write confirmed = ["{self.code}"].'
         )
 
 
-def find_doubt(name: str, unit: str, role: Role, samples: np.ndarray) -> Doubt | None:
-    """Compare the size of samples with what aircraft measure.
+def find_unit_warning(name: str, unit: str, role: Role, samples: np.ndarray) -> UnitWarning | None:
+    """Compare the magnitude of samples with plausible values of flight-test measurements.
 
     Parameters
     ----------
     name
-        Of the channel.
+        Name of the channel.
     unit
-        In which the samples are said to be.
+        Unit of the samples.
     role
-        A surface, measured or commanded, moves within narrower bounds.
+        Surface deflections, measured or commanded, have narrower limits.
     samples
         As recorded, finite.
     """
@@ -100,7 +100,7 @@ def find_doubt(name: str, unit: str, role: Role, samples: np.ndarray) -> Doubt |
     if dimension == "angle":
         largest = min(largest, _LARGEST_OF.get(name, np.inf))
 
-    def judge(symbol: str) -> str | None:
+    def find_code(symbol: str) -> str | None:
         low, high, middle = map(float, units.to_si([lowest, highest, mean], symbol))
         if max(abs(low), abs(high)) > largest:
             return TOO_LARGE
@@ -111,10 +111,10 @@ def find_doubt(name: str, unit: str, role: Role, samples: np.ndarray) -> Doubt |
         moves = deflection and role is Role.INPUT and low < high
         return TOO_SMALL if moves and high - low < _SMALLEST_DEFLECTION else None
 
-    code = judge(unit)
+    code = find_code(unit)
     if code is None or lowest == highest:
         return None
-    return Doubt(
+    return UnitWarning(
         code=code,
         channel=name,
         unit=unit,
@@ -122,13 +122,13 @@ def find_doubt(name: str, unit: str, role: Role, samples: np.ndarray) -> Doubt |
         instead=tuple(
             symbol
             for symbol in units.SYMBOLS
-            if units.dimension(symbol) == dimension and symbol != unit and judge(symbol) is None
+            if units.dimension(symbol) == dimension and symbol != unit and find_code(symbol) is None
         ),
     )
 
 
-def find_small(channels: Sequence[tuple[str, str, Role, np.ndarray]]) -> list[Doubt]:
-    """Ask about outputs that hardly move while a surface is excited.
+def find_small_outputs(channels: Sequence[tuple[str, str, Role, np.ndarray]]) -> list[UnitWarning]:
+    """Return warnings on outputs that are too small while a surface is excited.
 
     Parameters
     ----------
@@ -137,12 +137,12 @@ def find_small(channels: Sequence[tuple[str, str, Role, np.ndarray]]) -> list[Do
 
     Notes
     -----
-    One sensor may well be at rest (a roll rate in a symmetric maneuver), all of a dimension not:
-    they are asked about together, where not even the one that moves most does so visibly.
+    One sensor may be at rest (a roll rate in a symmetric maneuver), but not all of a dimension:
+    all are warned of together, if even the largest response is below ``_SMALLEST``.
     """
     if not any(role is Role.INPUT and np.ptp(samples) > 0 for _, _, role, samples in channels):
         return []
-    found: list[Doubt] = []
+    found: list[UnitWarning] = []
     for dimension, smallest in _SMALLEST.items():
         moves = [
             (name, unit, float(np.ptp(samples)))
@@ -161,7 +161,7 @@ def find_small(channels: Sequence[tuple[str, str, Role, np.ndarray]]) -> list[Do
             ]
             if moved > 0.0:
                 found.append(
-                    Doubt(
+                    UnitWarning(
                         code=TOO_SMALL,
                         channel=name,
                         unit=unit,

@@ -1,4 +1,4 @@
-"""The ``[[predictions]]`` part of a mapping: derivatives out of arrays, in our convention."""
+"""The ``[[predictions]]`` part of a mapping: derivatives from arrays."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class TermPart:
     """One array of derivatives: a row per coefficient, a column per variable.
 
     An empty variable skips its column. ``reference_length_m`` is the length L
-    of a source that writes rates as q L / V; None means half the chord, as here.
+    of a source that normalises rates as q L / V; None means half the chord.
     """
 
     field: str
@@ -63,7 +63,7 @@ def read_prediction(table: MappingTable) -> PredictionPart:
     )
     table.close()
     if not part.terms:
-        raise refuse(table.path("terms"), "is missing; it says where the derivatives are.")
+        raise refuse(table.path("terms"), "is missing; it defines the arrays of the derivatives.")
     return part
 
 
@@ -81,14 +81,14 @@ def _read_term(table: MappingTable) -> TermPart:
     if term.reference_length_m is not None:
         rates = ("q", "etadot")
         if not all(name.startswith(rates) or not name for name in term.variables):
-            raise refuse(table.path("reference_length"), "belongs to rates only: q and etadot.")
+            raise refuse(table.path("reference_length"), "applies only to the rates q and etadot.")
         if term.reference_length_m <= 0:
             raise refuse(table.path("reference_length"), "must be positive.")
     return term
 
 
 def extract_prediction(part: PredictionPart, sources: Sources, chord_m: float) -> RawPrediction:
-    """Take derivatives out of their files.
+    """Extract derivatives from their files.
 
     A derivative with respect to q L / V is multiplied by 2 L / chord to refer
     to q chord / (2 V), the convention of Eq. 12.
@@ -96,7 +96,7 @@ def extract_prediction(part: PredictionPart, sources: Sources, chord_m: float) -
     Parameters
     ----------
     part
-        What the mapping says.
+        The entry of the mapping.
     sources
         Files of the import.
     chord_m

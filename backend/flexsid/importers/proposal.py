@@ -1,4 +1,4 @@
-"""Proposal: a mapping for files that nobody has described yet, to be looked over."""
+"""Proposal: a mapping for files without one, derived from their names, to be confirmed."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexsid.importers.plausibility import find_doubt
-from flexsid.importers.recognised import (
+from flexsid.importers.column_names import (
     FDATA_COLUMNS,
     Meaning,
-    commanded,
-    may_be_time,
-    recognise,
-    recognise_fdata,
-    recognise_time,
-    recognise_time_unit,
+    find_commanded_name,
+    find_fdata_column,
+    find_time_unit,
+    is_time_name,
+    may_be_time_name,
+    recognise_column,
 )
+from flexsid.importers.plausibility import find_unit_warning
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.maneuver import Role
 from flexsid.units import is_known
 
 MOST_COLUMNS = 500
-"""Columns of one matrix that are proposed one by one."""
+"""Largest number of columns of a matrix that are proposed as channels."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,33 +42,33 @@ class Column:
 
 
 def list_columns(sources: Sources) -> list[Column]:
-    """List everything that may be a channel: vectors, and the columns of matrices."""
+    """Return all possible channels: vectors, and the columns of matrices."""
     return [column for source in sources.items for column in _columns(source)]
 
 
-def propose(sources: Sources, aircraft: str, flight: int, known: Mapping[str, Role]) -> str:
-    """Write a mapping from the names that are recognised.
+def write_proposal(sources: Sources, aircraft: str, flight: int, known: Mapping[str, Role]) -> str:
+    """Return a mapping proposed from the recognised names.
 
     Parameters
     ----------
     sources
         Files that were read.
     aircraft
-        Name of the aircraft that is proposed.
+        Name of the proposed aircraft.
     flight
         Number of the flight.
     known
-        Surfaces and sensors of that aircraft, which mean themselves.
+        Names of surfaces and sensors of that aircraft, with their roles.
 
     Returns
     -------
     str
-        TOML, with a comment where something had to be guessed. A maneuver is proposed
-        where its condition is found in the files, else a whole flight.
+        TOML, with guessed keys marked. A maneuver is proposed if its flight condition is
+        in the files, else a whole flight.
     """
     columns = list_columns(sources)
     time = find_time(sources, columns)
-    chosen = [
+    selected = [
         (column, meaning)
         for column in columns
         if column.field != time.get(column.file)
@@ -79,13 +79,13 @@ def propose(sources: Sources, aircraft: str, flight: int, known: Mapping[str, Ro
         f"[aircraft]\nname = {_text(aircraft)}\n{_guessed('name')}",
         f"[flight]\nnumber = {flight}\n{_guessed('number')}",
     ]
-    condition = {meaning.name: (column, meaning) for column, meaning in reversed(chosen)}
+    condition = {meaning.name: (column, meaning) for column, meaning in reversed(selected)}
     if "airspeed" in condition and ("altitude" in condition or "density" in condition):
         parts.append(_maneuver(condition))
     parts.append(_time(sources, time))
     seen: set[str] = set()
     first = next(iter(time.values()), None)
-    for column, meaning in chosen:
+    for column, meaning in selected:
         text = _channel(column, meaning, seen)
         if time.get(column.file, first) != first:
             text += f"clock = {_text(column.file)}\n"
@@ -94,13 +94,13 @@ def propose(sources: Sources, aircraft: str, flight: int, known: Mapping[str, Ro
 
 
 def find_time(sources: Sources, columns: list[Column]) -> dict[str, str]:
-    """Field that seems to be the time of each file, by the name of the file."""
+    """Return the probable time field of each file, by the name of the file."""
     found: dict[str, str] = {}
     for column in columns:
         if column.file in found:
             continue
         fdata_time = column.array is not None and column.number == 1 and _is_fdata(column)
-        if recognise_time(column.field) or fdata_time or _is_time(column):
+        if is_time_name(column.field) or fdata_time or _is_time(column):
             found[column.file] = column.field
     for source in sources.items:
         if source.name not in found and not source.clocks:
@@ -141,11 +141,11 @@ def _is_fdata(column: Column) -> bool:
 
 
 def _is_time(column: Column) -> bool:
-    """Tell whether a column is time by name and samples; rounded, it stands still at times."""
+    """Return whether a column is time by name and samples; rounded stamps may repeat."""
     samples = column.samples
     moves = bool(np.isfinite(samples).all() and samples[-1] > samples[0])
-    return recognise_time(column.field) or (
-        moves and may_be_time(column.field) and bool((np.diff(samples) >= 0).all())
+    return is_time_name(column.field) or (
+        moves and may_be_time_name(column.field) and bool((np.diff(samples) >= 0).all())
     )
 
 
@@ -155,14 +155,14 @@ def _increases(samples: np.ndarray) -> bool:
 
 def _meaning(column: Column, known: Mapping[str, Role]) -> Meaning | None:
     if _is_fdata(column) and column.number is not None and column.number <= FDATA_COLUMNS:
-        meaning = recognise_fdata(column.number)
+        meaning = find_fdata_column(column.number)
         # Columns that were not recorded are zero.
         return meaning if np.any(column.samples) else None
-    base = commanded(column.field)
+    base = find_commanded_name(column.field)
     meaning = None if base is None else _meaning(replace(column, field=base), known)
     if meaning is not None and meaning.role is Role.INPUT:
         return replace(meaning, name=f"{meaning.name}_command", role=Role.COMMAND)
-    meaning = recognise(column.field, column.unit)
+    meaning = recognise_column(column.field, column.unit)
     bare = column.field.rpartition(".")[2]
     for name, role in known.items():
         if bare == name or meaning.name == name:
@@ -171,7 +171,7 @@ def _meaning(column: Column, known: Mapping[str, Role]) -> Meaning | None:
 
 
 def _guessed(*keys: str) -> str:
-    """Line that says which keys of a table nobody has confirmed; nothing without any."""
+    """Return the line that lists the unconfirmed keys of a table; empty if there are none."""
     return f"guessed = [{', '.join(map(_text, keys))}]\n" if keys else ""
 
 
@@ -205,7 +205,7 @@ def _maneuver(condition: Mapping[str, tuple[Column, Meaning]]) -> str:
 def _time(sources: Sources, time: Mapping[str, str]) -> str:
     if not time:
         if all(source.clocks for source in sources.items):
-            return "# Every channel has the clock that its file gives it.\n"
+            return "# Every channel has the clock of its file.\n"
         return (
             '[time]\nrate = { value = 100, unit = "Hz" }  # no column of time was found\n'
             + _guessed("rate")
@@ -213,7 +213,7 @@ def _time(sources: Sources, time: Mapping[str, str]) -> str:
     parts: list[str] = []
     for file, column in time.items():
         own = next(source for source in sources.items if source.name == file)
-        unit = recognise_time_unit(column, own.units.get(column, ""))
+        unit = find_time_unit(column, own.units.get(column, ""))
         of_file = f'unit = "{unit or "s"}"\n' + _guessed("column", *([] if unit else ["unit"]))
         if not parts:
             parts.append(f"[time]\ncolumn = {_text(column)}\n{of_file}")
@@ -236,9 +236,9 @@ def _channel(column: Column, meaning: Meaning, seen: set[str]) -> str:
         lines.append(f"column = {_text(column.field)}")
     unit, guessed = meaning.unit, not meaning.sure
     if guessed and is_known(unit):
-        doubt = find_doubt(name, unit, meaning.role, column.samples)
-        if doubt is not None and doubt.instead:
-            unit = doubt.instead[0]
+        warning = find_unit_warning(name, unit, meaning.role, column.samples)
+        if warning is not None and warning.instead:
+            unit = warning.instead[0]
     lines += [
         f"name = {_text(name)}",
         f"unit = {_text(unit)}",
@@ -248,13 +248,13 @@ def _channel(column: Column, meaning: Meaning, seen: set[str]) -> str:
     return "\n".join(lines) + "\n" + _guessed(*unsure)
 
 
-def ask_again(text: str) -> str | None:
-    """Mark aircraft and flight of a mapping that was kept for other files as guessed.
+def mark_guessed(text: str) -> str | None:
+    """Mark aircraft and flight as guessed in a mapping that was stored for other files.
 
     Returns
     -------
     str or None
-        None where the mapping is written so that its tables cannot be marked.
+        None if the layout of the mapping does not allow its tables to be marked.
     """
     content = tomllib.loads(text)
     for table, keys in (("aircraft", ("builtin", "name")), ("flight", ("number",))):

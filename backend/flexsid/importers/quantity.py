@@ -1,4 +1,4 @@
-"""Quantity: a number with its unit, written in the mapping or kept in the file."""
+"""Quantity: a number with its unit, given in the mapping or by a field of the file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def refuse(path: str, problem: str) -> BadInput:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MappedQuantity:
-    """One number, or several, with a unit: written down, or named as a field of the file."""
+    """One number, or several, with a unit: literal, or the name of a field of the file."""
 
     unit: str
     values: tuple[float, ...] = ()
@@ -25,7 +25,7 @@ class MappedQuantity:
 
 
 def scalar(quantity: MappedQuantity, sources: Sources) -> float:
-    """Give one number in SI, written down or the only number of a field."""
+    """Return one number in SI, literal or the only number of a field."""
     if quantity.field is not None:
         value = float(units.to_si(sources.scalar(quantity.field), quantity.unit))
         return units.check_size(value, units.dimension(quantity.unit))

@@ -1,4 +1,4 @@
-"""Readers: choose the format by suffix and magic, and read a file field by field."""
+"""Readers: select the format by suffix and magic number, and read a file field by field."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ _FORMATS: dict[str, _Format] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OpenFile:
-    """A file whose kind was recognised and whose content is about to be read."""
+    """A file of recognised format, whose fields are read on iteration."""
 
     name: str
     sha256: Future[str]
@@ -75,19 +75,19 @@ def open_file(path: Path, name: str | None = None) -> OpenFile:
     Parameters
     ----------
     path
-        Where the file lies.
+        Path of the file.
     name
-        What its owner calls it (an upload lies under a temporary name).
+        Name of the file in messages (an upload is stored under a temporary name).
 
     Raises
     ------
     UnreadableFile
-        If the suffix is unknown, the content is not what the suffix says, or
-        the content is damaged; the message names the place. The fields raise
-        it too, when their turn comes.
+        If the suffix is unknown, the content is not of the format of the suffix, or
+        the content is damaged; the message names the location. Iteration over the
+        fields raises it too.
     """
     name = name or path.name
-    chosen = _format(name)
+    selected = _find_format(name)
     try:
         size = path.stat().st_size
     except OSError as error:
@@ -100,22 +100,22 @@ def open_file(path: Path, name: str | None = None) -> OpenFile:
         )
     with path.open("rb") as file:
         head = file.read(4096)
-    if chosen is _TEXT and name.lower().endswith(".dat") and bulk.recognises(head):
-        chosen = _DECK  # parts of a deck are often called so
-    if not chosen.recognises(head):
+    if selected is _TEXT and name.lower().endswith(".dat") and bulk.recognises(head):
+        selected = _DECK  # a usual suffix of parts of a deck
+    if not selected.recognises(head):
         raise UnreadableFile(
-            f"{name} does not start like a {chosen.name} file ({Path(name).suffix.lower()}); "
+            f"{name} does not start like a {selected.name} file ({Path(name).suffix.lower()}); "
             "export it again."
         )
     try:
-        content = chosen.read(path)
+        content = selected.read(path)
     except UnreadableFile as error:
-        raise _named(error, name) from error
+        raise _add_name(error, name) from error
     return OpenFile(
         name=name,
         sha256=_hasher.submit(_hash, path),
         first_row=content.first_row,
-        fields=_checked(content, name),
+        fields=_check_fields(content, name),
     )
 
 
@@ -128,45 +128,45 @@ def _hash(path: Path) -> str:
 
 
 def load_packages(names: Sequence[str]) -> None:
-    """Load the packages that files of these names need, which takes its time only once."""
+    """Import the packages that files of these names need."""
     for name in names:
-        chosen = _FORMATS.get(Path(name).suffix.lower())
-        if chosen is not None and chosen.needs and importlib.util.find_spec(chosen.needs):
-            importlib.import_module(chosen.needs)
+        selected = _FORMATS.get(Path(name).suffix.lower())
+        if selected is not None and selected.needs and importlib.util.find_spec(selected.needs):
+            importlib.import_module(selected.needs)
 
 
-def _format(name: str) -> _Format:
+def _find_format(name: str) -> _Format:
     suffix = Path(name).suffix.lower()
-    chosen = _FORMATS.get(suffix)
-    if chosen is None:
+    selected = _FORMATS.get(suffix)
+    if selected is None:
         raise UnreadableFile(
-            f"{name}: files of kind '{suffix}' cannot be read; expected one of "
+            f"{name}: the suffix '{suffix}' is not supported; expected one of "
             f"{', '.join(_FORMATS)}."
         )
-    if chosen.needs and importlib.util.find_spec(chosen.needs) is None:
+    if selected.needs and importlib.util.find_spec(selected.needs) is None:
         raise UnreadableFile(
-            f"{name}: {chosen.name} files need a package that is not installed here; "
-            f"pip install 'flexsid[{chosen.extra}]' on the server brings it.",
+            f"{name}: {selected.name} files need a package that is not installed; "
+            f"run pip install 'flexsid[{selected.extra}]' on the server.",
             code="extra-needed",
         )
-    return chosen
+    return selected
 
 
-def _checked(content: Content, name: str) -> Iterator[Field]:
+def _check_fields(content: Content, name: str) -> Iterator[Field]:
     found = False
     try:
         for field in content.fields:
             if np.asarray(field.samples).dtype.kind in "biufUS":
                 found = True
-                yield _named_field(field)
+                yield _check_field(field)
     except UnreadableFile as error:
-        raise _named(error, name) from error
+        raise _add_name(error, name) from error
     if not found:
-        raise UnreadableFile(f"{name}: the file holds no plain array.")
+        raise UnreadableFile(f"{name}: the file holds no numeric or text array.")
 
 
-def _named_field(field: Field) -> Field:
-    """Refuse a field whose name, clock or unit is no text that may be kept."""
+def _check_field(field: Field) -> Field:
+    """Reject a field whose name, clock or unit is not a valid text."""
     try:
         return field._replace(
             path=check_line(field.path, LONGEST_FIELD),
@@ -182,5 +182,5 @@ def _named_field(field: Field) -> Field:
         ) from error
 
 
-def _named(error: UnreadableFile, name: str) -> UnreadableFile:
+def _add_name(error: UnreadableFile, name: str) -> UnreadableFile:
     return UnreadableFile(f"{name}: {error.message}", code=error.code, **error.context)

@@ -1,4 +1,4 @@
-"""Frequency responses of a ground vibration test out of universal files."""
+"""Frequency responses of a ground vibration test from universal files."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
-from flexsid.importers.modal_data.axes import axes_of
-from flexsid.importers.modal_data.nodes import frames_of
-from flexsid.importers.modal_data.units import length_of
-from flexsid.importers.modal_data.unused import unused
+from flexsid.importers.modal_data.axes import parse_axes
+from flexsid.importers.modal_data.import_notes import list_unused_content
+from flexsid.importers.modal_data.nodes import join_frames
+from flexsid.importers.modal_data.units import resolve_length_unit
 from flexsid.importers.source import SourceFile, Sources
 
 QUANTITIES = {"length": "displacement", "speed": "velocity", "acceleration": "acceleration"}
@@ -29,8 +29,8 @@ _AXES = {1: "x", 2: "y", 3: "z"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ResponseAnswers:
-    """What an analyst says of measured responses: units, axes of the geometry, loading."""
+class ResponseOptions:
+    """Options of measured frequency responses: units, axes of the geometry, fuel fraction."""
 
     name: str
     response_unit: str
@@ -43,9 +43,9 @@ class ResponseAnswers:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RawResponses:
-    """Responses per force in SI, (M, n_outputs, n_references); places in structural axes.
+    """Frequency responses per unit force in SI, (M, n_outputs, n_references).
 
-    ``driving`` pairs outputs with references at the same point in the same direction.
+    ``nodes`` and ``directions`` are in structural axes.
     """
 
     name: str
@@ -61,14 +61,14 @@ class RawResponses:
     origin: str
 
 
-def extract_responses(sources: Sources, answers: ResponseAnswers) -> RawResponses:
-    """Sort the measured functions of files into a matrix of responses.
+def extract_responses(sources: Sources, options: ResponseOptions) -> RawResponses:
+    """Assemble the measured functions of files into a matrix of frequency responses.
 
     Raises
     ------
     BadInput
-        If the files hold no responses, or too few to fill a matrix, or a unit is not that of
-        a displacement, velocity or acceleration and of a force.
+        If the files hold no frequency responses, or too few for a full matrix, or a unit is not
+        one of displacement, velocity or acceleration per force.
     """
     files = [s for s in sources.items if "frf/frequency" in s.arrays]
     if not files:
@@ -78,60 +78,60 @@ def extract_responses(sources: Sources, answers: ResponseAnswers) -> RawResponse
         own = np.asarray(other.arrays["frf/frequency"], dtype=float)
         if own.shape != frequency.shape or not np.allclose(own, frequency, rtol=1e-6):
             raise BadInput(
-                f"the responses of {other.name} lie at other frequencies than those of "
-                f"{files[0].name}; keep them as two tests, or export them at one set",
+                f"the frequencies of {other.name} differ from those of {files[0].name}; import "
+                "them as two tests, or export them at the same frequencies",
                 code="unequal-lengths",
             )
-    dimension = units.lookup(answers.response_unit).dimension
+    dimension = units.lookup(options.response_unit).dimension
     if dimension not in QUANTITIES:
         raise BadInput(
-            f"'{answers.response_unit}' is a unit of {dimension}; responses are displacements, "
-            "velocities or accelerations",
+            f"'{options.response_unit}' is a unit of {dimension}; expected a unit of displacement, "
+            "velocity or acceleration",
             code="bad-unit",
         )
-    factor = units.factor(answers.response_unit, dimension)
-    factor /= units.factor(answers.force_unit, "force")
+    factor = units.factor(options.response_unit, dimension)
+    factor /= units.factor(options.force_unit, "force")
     for source in files:
-        _check_quantities(source, dimension, answers)
+        _check_quantities(source, dimension, options)
     outputs, references, values, notes = _matrix(files)
     bad = np.flatnonzero(~(np.abs(values) < 1e50).all(axis=(0, 2)))
     if bad.size:
         raise BadInput(
-            f"the responses at {_label(outputs[bad[0]])} are not finite; the file is damaged",
+            f"responses at {_format_point(outputs[bad[0]])} are not finite; the file is damaged",
             code="not-finite",
         )
     nodes = directions = None
     if any("grid/id" in s.arrays for s in sources.items):
-        nodes, directions = _geometry(sources, answers, outputs)
+        nodes, directions = _geometry(sources, options, outputs)
     return RawResponses(
-        name=answers.name,
-        fuel=answers.fuel,
+        name=options.name,
+        fuel=options.fuel,
         quantity=QUANTITIES[dimension],
-        outputs=tuple(_label(one) for one in outputs),
-        references=tuple(_label(one) for one in references),
+        outputs=tuple(_format_point(one) for one in outputs),
+        references=tuple(_format_point(one) for one in references),
         frequency_hz=frequency,
         values=factor * values,
         nodes=nodes,
         directions=directions,
         notes=(
             *notes,
-            *unused(sources),
-            f"Responses are in {answers.response_unit}/{answers.force_unit}.",
+            *list_unused_content(sources),
+            f"Responses are in {options.response_unit}/{options.force_unit}.",
         ),
         origin=", ".join(source.name for source in files),
     )
 
 
-def _label(point: tuple[int, int]) -> str:
+def _format_point(point: tuple[int, int]) -> str:
     return f"{point[0]}+{_AXES[point[1]]}"
 
 
-def _check_quantities(source: SourceFile, dimension: str, answers: ResponseAnswers) -> None:
-    """Refuse responses that the file says are of another quantity, or not per force."""
+def _check_quantities(source: SourceFile, dimension: str, options: ResponseOptions) -> None:
+    """Reject responses that the file states to be of another quantity, or not per force."""
     expected = _QUANTITY_CODES[dimension]
     for name, allowed, what in (
-        ("quantity", expected, f"{QUANTITIES[dimension]}s ({answers.response_unit})"),
-        ("reference_quantity", _FORCE_CODES, f"forces ({answers.force_unit})"),
+        ("quantity", expected, f"{QUANTITIES[dimension]}s ({options.response_unit})"),
+        ("reference_quantity", _FORCE_CODES, f"forces ({options.force_unit})"),
     ):
         codes = np.asarray(source.arrays.get(f"frf/{name}", ()))
         wrong = np.flatnonzero((codes > _GENERAL) & ~np.isin(codes, allowed))
@@ -139,8 +139,8 @@ def _check_quantities(source: SourceFile, dimension: str, answers: ResponseAnswe
             code = int(codes[wrong[0]])
             raise BadInput(
                 f"{source.name}: {wrong.size} of {codes.size} responses are of "
-                f"{_CODES.get(code, f'data of type {code}')} by the file, {what} were answered; "
-                "correct the answer, or keep the functions in a file of their own",
+                f"{_CODES.get(code, f'data of type {code}')} by the file, expected {what}; "
+                "correct the unit, or export the functions to a separate file",
                 code="other-quantity",
             )
     for label in sorted(set(map(str, source.arrays.get("frf/unit", ())))):
@@ -149,11 +149,11 @@ def _check_quantities(source: SourceFile, dimension: str, answers: ResponseAnswe
         except BadInput:
             continue  # free text
         if known.dimension == dimension and not np.isclose(
-            units.factor(label, dimension), units.factor(answers.response_unit, dimension)
+            units.factor(label, dimension), units.factor(options.response_unit, dimension)
         ):
             raise BadInput(
-                f"{source.name}: the file gives its responses in {label}, {answers.response_unit} "
-                "was answered",
+                f"{source.name}: the file gives its responses in {label}, {options.response_unit} "
+                "was given; correct the unit",
                 code="other-unit",
                 field="response_unit",
             )
@@ -163,38 +163,39 @@ def _matrix(
     files: Sequence[SourceFile],
 ) -> tuple[list[tuple[int, int]], list[tuple[int, int]], np.ndarray, list[str]]:
     known: dict[tuple[tuple[int, int], tuple[int, int]], np.ndarray] = {}
-    left_out = 0
+    n_excluded = 0
     for source in files:
         found = source.arrays
         data = np.asarray(found["frf/real"]) + 1j * np.asarray(found["frf/imaginary"])
         ends = [np.asarray(found[f"frf/{name}"]).tolist() for name in _ENDS]
         for row, (node, direction, at, towards) in enumerate(zip(*ends, strict=True)):
             if abs(direction) not in _AXES or abs(towards) not in _AXES:
-                left_out += 1
+                n_excluded += 1
                 continue
             sign = (1 if direction > 0 else -1) * (1 if towards > 0 else -1)
             pair = (node, abs(direction)), (at, abs(towards))
             if not np.array_equal(known.setdefault(pair, sign * data[row]), sign * data[row]):
                 raise BadInput(
-                    f"{source.name}: the response of {_label(pair[0])} to {_label(pair[1])} comes "
-                    "a second time, and otherwise; keep one measurement of each",
+                    f"{source.name}: the response of {_format_point(pair[0])} to "
+                    f"{_format_point(pair[1])} is repeated with other values; "
+                    "retain one measurement of each",
                     code="duplicate-response",
                 )
     references = sorted({reference for _, reference in known})
     outputs = sorted({output for output, _ in known})
     complete = [o for o in outputs if all((o, r) in known for r in references)]
     notes = []
-    if left_out:
-        notes.append(f"{left_out} functions are not of translations at a point: left out.")
+    if n_excluded:
+        notes.append(f"{n_excluded} functions are not translations at a point and are excluded.")
     if len(complete) < len(outputs):
         notes.append(
-            f"{len(outputs) - len(complete)} points were not measured for every reference: "
-            "left out."
+            f"{len(outputs) - len(complete)} points were not measured for every reference and are "
+            "excluded."
         )
     if not complete:
         raise BadInput(
-            "the responses do not say at which points and in which directions they were measured, "
-            "or no point was measured for every reference",
+            "the responses have no points and directions, or no point was measured for every "
+            "reference; export the functions with their nodes",
             code="no-responses",
         )
     values = np.stack(
@@ -204,15 +205,15 @@ def _matrix(
 
 
 def _geometry(
-    sources: Sources, answers: ResponseAnswers, outputs: list[tuple[int, int]]
+    sources: Sources, options: ResponseOptions, outputs: list[tuple[int, int]]
 ) -> tuple[np.ndarray | None, np.ndarray | None]:
-    """Place and direction of every output in structural axes; None where one is missing."""
-    frames, ids, places = frames_of(sources.items)
+    """Return location and direction of outputs in structural axes; None if a node is missing."""
+    frames, ids, places = join_frames(sources.items)
     row_of = {int(node): row for row, node in enumerate(ids)}
     if any(node not in row_of for node, _ in outputs):
         return None, None
-    turn = axes_of(answers.axes)
-    length = length_of(sources, answers.length_unit)
+    turn = parse_axes(options.axes)
+    length = resolve_length_unit(sources, options.length_unit)
     rows = [row_of[node] for node, _ in outputs]
     local = np.zeros((len(outputs), 1, 6))
     for place, (_, axis) in enumerate(outputs):
@@ -223,5 +224,5 @@ def _geometry(
             for (node, _), one in zip(outputs, local, strict=True)
         ]
     )
-    nodes = length * ((places[rows] + np.asarray(answers.origin)) @ turn.T)
+    nodes = length * ((places[rows] + np.asarray(options.origin)) @ turn.T)
     return nodes, directions @ turn.T

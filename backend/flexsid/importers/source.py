@@ -1,4 +1,4 @@
-"""Source: what one file holds, as named arrays, before anybody gives it a meaning."""
+"""Sources: the named arrays of files, before a mapping is applied."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from flexsid.errors import BadInput, UnreadableFile
 from flexsid.units import LARGEST
 
 LARGEST_CONTENT = 2 * 1024**3
-"""Bytes of samples of one file; a small file may claim, or unpack to, any number."""
+"""Bytes of samples of one file; a small file may claim, or unpack to, any size."""
 
 
 _COLUMN = re.compile(r"(?P<array>.+)\((?P<number>\d{1,6})\)")
 
 
 class Field(NamedTuple):
-    """One array of a file, with what the file itself says of it."""
+    """One array of a file, with the unit and the clock that the file states."""
 
     path: str
     samples: np.ndarray
@@ -30,7 +30,7 @@ class Field(NamedTuple):
 
 
 class Content(NamedTuple):
-    """What a reader finds, one field after the other; see ``Source.first_row``."""
+    """The fields of a file in order; for ``first_row`` see ``SourceFile``."""
 
     fields: Iterable[Field]
     first_row: int = 1
@@ -38,13 +38,13 @@ class Content(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SourceFile:
-    """Named arrays of one file; text arrays keep their text.
+    """Named arrays of one file, numeric or text.
 
-    ``units`` and ``clocks`` hold what the file itself says of a field: its unit,
+    ``units`` and ``clocks`` hold what the file states of a field: its unit,
     and the field with the time of its samples.
 
-    ``first_row`` is the row of the file (from 1) where sample 0 of a column
-    stands, so that a message can name the place that an editor shows.
+    ``first_row`` is the row of the file (from 1) with sample 0 of a column,
+    so that messages can name the row of the file.
     """
 
     name: str
@@ -57,7 +57,7 @@ class SourceFile:
     def check_finite(
         self, samples: np.ndarray, label: str, largest: float = LARGEST["number"]
     ) -> None:
-        """Refuse NaN, infinity and what is larger than ``largest``, naming row and column."""
+        """Reject NaN, infinity and values larger than ``largest``, naming row and column."""
         bad = np.flatnonzero(~(np.abs(samples) <= largest))
         if bad.size:
             row = self.first_row + int(bad[0])
@@ -77,11 +77,11 @@ class Sources:
     items: tuple[SourceFile, ...]
 
     def has(self, field: str) -> bool:
-        """Tell whether some file holds this field."""
+        """Return whether some file holds this field."""
         return any(field in source.arrays for source in self.items)
 
     def find(self, path: str) -> tuple[SourceFile, np.ndarray]:
-        """Find a field; ``file.mat:path`` says which file where several hold it.
+        """Find a field; ``file.mat:path`` selects the file where several hold it.
 
         ``fdata(3)`` is the third column of a matrix.
 
@@ -107,7 +107,7 @@ class Sources:
             if matrix.ndim == 2 and 1 <= number <= matrix.shape[1]:
                 return source, matrix[:, number - 1]
             raise BadInput(
-                f"Array '{column['array']}' has shape {matrix.shape}, the mapping asks for column "
+                f"Array '{column['array']}' has shape {matrix.shape}, the mapping selects column "
                 f"{number}.",
                 code="missing-column",
                 column=path,
@@ -116,14 +116,13 @@ class Sources:
         if holders:
             several = " and ".join(source.name for source in holders)
             raise BadInput(
-                f"Field '{path}' is in {several}; write '{holders[0].name}:{path}' "
-                "to say which is meant.",
+                f"Field '{path}' is in {several}; write '{holders[0].name}:{path}' to select one.",
                 code="ambiguous-field",
                 column=path,
             )
         known = [name for source in self.items for name in source.arrays]
         close = difflib.get_close_matches(path, known, n=4, cutoff=0.5)
-        hint = f"Close: {', '.join(close)}." if close else f"It holds: {_listing(known)}."
+        hint = f"Similar: {', '.join(close)}." if close else f"Available: {_listing(known)}."
         raise BadInput(
             f"No column or field '{path}' in {names}. {hint}", code="missing-column", column=path
         )

@@ -1,4 +1,4 @@
-"""Table: a TOML table that checks its keys and says which one is wrong."""
+"""Table: a TOML table with checked keys; messages name the invalid key."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from flexsid.importers.quantity import MappedQuantity, refuse
 from flexsid.text import LONGEST_FIELD, LONGEST_NAME, LONGEST_NOTE, check_line, check_lines
 
 _LARGEST_INTEGER = 2**31 - 1
-"""Both databases keep it."""
+"""Largest integer of both databases."""
 
 
 @dataclass(frozen=True, slots=True)
 class Guessed:
-    """A key of a mapping that was proposed and that nobody has confirmed yet."""
+    """A key of a mapping that was proposed and is not confirmed."""
 
     path: str
     value: object
 
 
 class MappingTable:
-    """Read keys one after the other; ``close`` refuses those that nobody asked for.
+    """Checked access to the keys of a table; ``close`` rejects unknown keys.
 
-    Any table may name, as ``guessed = ["unit"]``, keys that a program proposed: they are
+    Any table may list, as ``guessed = ["unit"]``, keys that a program proposed: they are
     collected in ``guesses`` of the outermost table.
     """
 
@@ -42,7 +42,7 @@ class MappingTable:
         self.guesses: list[Guessed] = [] if guesses is None else guesses
 
     def path(self, key: str) -> str:
-        """Give the dotted path of a key."""
+        """Return the dotted path of a key."""
         return f"{self._path}.{key}" if self._path else key
 
     def __contains__(self, key: str) -> bool:
@@ -64,11 +64,11 @@ class MappingTable:
         return self._checked(key, value, check_line, LONGEST_FIELD)
 
     def label(self, key: str, default: str | None = None) -> str:
-        """Read a name that is kept."""
+        """Read a name that is stored."""
         return self._checked(key, self.text(key, default), check_line, LONGEST_NAME)
 
     def note(self, key: str) -> str:
-        """Read a text of several lines that may be left out."""
+        """Read an optional text of several lines."""
         value = self._values.get(key, "")
         self._asked.add(key)
         if not isinstance(value, str):
@@ -76,11 +76,11 @@ class MappingTable:
         return self._checked(key, value.strip(), check_lines, LONGEST_NOTE)
 
     def optional_text(self, key: str) -> str | None:
-        """Read a text that may be left out."""
+        """Read an optional text."""
         return self.text(key) if key in self._values else None
 
     def choice(self, key: str, allowed: tuple[str, ...], default: str | None = None) -> str:
-        """Read one of a few words."""
+        """Read one of the allowed words."""
         value = self.text(key, default)
         if value not in allowed:
             raise refuse(self.path(key), f"must be one of {', '.join(allowed)}; found '{value}'.")
@@ -105,7 +105,7 @@ class MappingTable:
         return _finite(self._get(key, "a number"), self.path(key))
 
     def optional_number(self, key: str) -> float | None:
-        """Read a finite number that may be left out."""
+        """Read an optional finite number."""
         return self.number(key) if key in self._values else None
 
     def numbers(self, key: str) -> tuple[float, ...]:
@@ -149,7 +149,7 @@ class MappingTable:
         return MappingTable(cast("dict[str, object]", value), self.path(key), self.guesses)
 
     def tables(self, key: str) -> tuple[MappingTable, ...]:
-        """Read an array of tables; left out, it is empty."""
+        """Read an optional array of tables."""
         if key not in self._values:
             return ()
         values = self._list(key, "an array of tables")
@@ -169,7 +169,7 @@ class MappingTable:
         )
 
     def is_table(self, key: str) -> bool:
-        """Tell whether the key holds a table."""
+        """Return whether the key holds a table."""
         return isinstance(self._values.get(key), dict)
 
     def quantity(self, key: str, dimension: str) -> MappedQuantity:
@@ -209,11 +209,11 @@ class MappingTable:
         return quantity
 
     def optional_quantity(self, key: str, dimension: str) -> MappedQuantity | None:
-        """Read a quantity that may be left out."""
+        """Read an optional quantity."""
         return self.quantity(key, dimension) if key in self._values else None
 
     def si(self, key: str, dimension: str) -> tuple[float, ...]:
-        """Read written-down numbers with a unit, converted to SI."""
+        """Read literal numbers with a unit, converted to SI."""
         quantity = self.quantity(key, dimension)
         if quantity.field is not None:
             raise refuse(
@@ -222,17 +222,19 @@ class MappingTable:
         return tuple(float(value) for value in units.to_si(quantity.values, quantity.unit))
 
     def si_scalar(self, key: str, dimension: str) -> float:
-        """Read one written-down number with a unit, converted to SI."""
+        """Read one literal number with a unit, converted to SI."""
         values = self.si(key, dimension)
         if len(values) != 1:
             raise refuse(self.path(key), f"must be one number, found {len(values)}.")
         return values[0]
 
     def close(self) -> None:
-        """Refuse keys that were not asked for: a misspelt key must not be ignored."""
+        """Reject keys that were not read: a misspelt key must not be ignored."""
         for name in self.texts("guessed") if "guessed" in self._values else ():
             if name not in self._values or name == "guessed":
-                raise refuse(self.path("guessed"), f"names '{name}', which is no key of its table.")
+                raise refuse(
+                    self.path("guessed"), f"names '{name}', which is not a key of its table."
+                )
             self.guesses.append(Guessed(self.path(name), self._values[name]))
         for key in self._values:
             if key not in self._asked:

@@ -1,1 +1,1 @@
-"""Carries out queued runs in worker processes."""
+"""Execution of queued runs in worker processes."""

@@ -1,4 +1,4 @@
-"""Child: a program of ours in a process of its own, and the two pipes that lead to it."""
+"""Child processes of flexsid, each with a message pipe and a lifeline pipe."""
 
 from __future__ import annotations
 
@@ -9,73 +9,73 @@ import subprocess
 import sys
 from typing import Any
 
-from flexsid.jobs.news import Died, News, unexpected
+from flexsid.jobs.messages import WorkerDiedMessage, WorkerMessage, describe_unexpected_error
 from flexsid.jobs.worker import Compute
 
 _BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 
 
 class Program:
-    """A module of ours that runs as a program of its own, and dies with whoever started it.
+    """A module of flexsid run as a separate process that ends with its parent process.
 
-    A plain program rather than a ``multiprocessing`` process: it may be started
-    from any process, a daemon's too, and does not load that one's main module. It is
-    given the file numbers of a connection, and of a lifeline that ends when this end does.
+    A ``subprocess`` rather than a ``multiprocessing`` process: any process, a daemon
+    included, may start it, and it does not load the parent's main module. It receives the
+    file descriptors of a connection and of a lifeline pipe, which closes with the parent.
 
     Parameters
     ----------
     module
-        Its name, e.g. ``flexsid.jobs.worker``.
+        Name of the module, e.g. ``flexsid.jobs.worker``.
     """
 
     def __init__(self, module: str) -> None:
-        self.connection, theirs = multiprocessing.Pipe()
-        end, lifeline = os.pipe()
+        self.connection, child_connection = multiprocessing.Pipe()
+        child_lifeline, lifeline = os.pipe()
         self._lifeline: int | None = lifeline
         try:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", module, str(theirs.fileno()), str(end)],
+                [sys.executable, "-m", module, str(child_connection.fileno()), str(child_lifeline)],
                 stdin=subprocess.DEVNULL,
-                pass_fds=(theirs.fileno(), end),
+                pass_fds=(child_connection.fileno(), child_lifeline),
                 env={
                     **os.environ,
-                    # The matrices are small and the cores are shared.
+                    # The matrices are small, and all workers share the cores.
                     **dict.fromkeys(_BLAS_THREADS, "1"),
                     "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
                 },
             )
         finally:
-            # Theirs must be the only copies, or a dead program's pipe would not end.
-            theirs.close()
-            os.close(end)
+            # The child must hold the only copies; otherwise the pipe of a dead child stays open.
+            child_connection.close()
+            os.close(child_lifeline)
 
-    def let_go(self) -> None:
-        """End the lifeline; once is enough."""
+    def release_lifeline(self) -> None:
+        """Close the lifeline; further calls do nothing."""
         lifeline, self._lifeline = self._lifeline, None
         if lifeline is not None:
             os.close(lifeline)
 
     def kill(self) -> None:
-        """End it at once."""
+        """Kill the process and wait for its end."""
         self._process.kill()
         self._process.wait()
 
     def close(self) -> None:
         """Close both pipes."""
         self.connection.close()
-        self.let_go()
+        self.release_lifeline()
 
-    def how_it_ended(self) -> str:
-        """Say in words how it ended."""
+    def describe_exit(self) -> str:
+        """Return how the process ended, as text."""
         try:
             code = self._process.wait(timeout=1.0)
         except subprocess.TimeoutExpired:
-            return "it no longer answers"
+            return "it no longer responds"
         return f"signal {-code}" if code < 0 else f"exit code {code}"
 
 
 class Child:
-    """A worker: carries out one task at a time."""
+    """A worker process, which computes one task at a time."""
 
     def __init__(self, compute: Compute) -> None:
         self._program = Program("flexsid.jobs.worker")
@@ -83,20 +83,20 @@ class Child:
         self.connection.send(compute)
 
     def submit(self, task: Any, memory_mb: int | None) -> None:
-        """Give it a task."""
+        """Send a task to the worker."""
         self.connection.send_bytes(pickle.dumps((task, memory_mb), pickle.HIGHEST_PROTOCOL))
 
-    def listen(self) -> News:
-        """Return what it says next; after ``Died`` it is of no use."""
+    def receive(self) -> WorkerMessage:
+        """Return the next message of the worker; after ``WorkerDiedMessage`` none follows."""
         try:
-            said: News = self.connection.recv()
+            message: WorkerMessage = self.connection.recv()
         except (EOFError, OSError):
-            return Died(self._program.how_it_ended())
-        except Exception as error:  # whatever unpickling a foreign outcome raises
-            return unexpected(error)
-        return said
+            return WorkerDiedMessage(self._program.describe_exit())
+        except Exception as error:  # unpickling a result may raise anything
+            return describe_unexpected_error(error)
+        return message
 
     def kill(self) -> None:
-        """End it at once."""
+        """Kill the worker and close its pipes."""
         self._program.kill()
         self._program.close()

@@ -1,8 +1,7 @@
 """Workers of a Dask cluster.
 
-Each task has a worker process of its own below the Dask worker, just as on one
-computer: so it can be killed, is held to its memory, and a crash in it does not
-take the Dask worker along.
+Each task runs in a child process of the Dask worker, as on a single computer: it can be
+killed, its memory is limited, and a crash does not end the Dask worker.
 """
 
 from __future__ import annotations
@@ -18,16 +17,16 @@ from typing import Any
 
 from flexsid.errors import FlexsidError
 from flexsid.jobs.child import Child
-from flexsid.jobs.news import (
-    Begun,
+from flexsid.jobs.messages import (
     ComputedMessage,
-    Died,
-    Failed,
+    FailedMessage,
     Key,
-    Lost,
-    News,
-    Progressed,
-    unexpected,
+    ProgressMessage,
+    StartedMessage,
+    TaskLostMessage,
+    WorkerDiedMessage,
+    WorkerMessage,
+    describe_unexpected_error,
 )
 from flexsid.jobs.worker import Compute
 from flexsid.records.run import Progress
@@ -35,63 +34,63 @@ from flexsid.records.run import Progress
 _log = logging.getLogger(__name__)
 
 _CONNECT_S = 10.0
-_LOOK_S = 1.0  # between looks at who is there
-_ALONE_S = 5.0  # without a worker; one that is started again by its nanny is away for less
+_POLL_S = 1.0  # between polls of the number of workers
+_NO_WORKER_S = 5.0  # without a worker; a restart by the Dask nanny takes less
 _FETCH_S = 30.0
 _CLOSE_S = 2.0
-_WATCH_S = 0.05  # between looks whether a task is still wanted
+_CANCEL_CHECK_S = 0.05  # between checks whether a task was cancelled
 
 
 class ClusterWorkers:
-    """Hands tasks to the threads of a cluster, never more than there are.
+    """Submits tasks to the threads of a Dask cluster, at most one task per thread.
 
-    All methods but ``wake`` are for one thread.
+    All methods except ``wake`` must be called from one thread.
 
     Parameters
     ----------
     compute
-        What a task is given to; the cluster's workers import it.
+        Function that computes a task; the workers of the cluster import it.
     address
-        Of the scheduler, e.g. ``tcp://127.0.0.1:8786``.
+        Address of the scheduler, e.g. ``tcp://127.0.0.1:8786``.
 
     Raises
     ------
     FlexsidError
-        If Dask is not installed, or no scheduler answers.
+        If Dask is not installed, or no scheduler responds.
     """
 
     def __init__(self, compute: Compute, address: str) -> None:
-        self.place = f"Dask cluster {address}"
+        self.location = f"Dask cluster {address}"
         self.count = 0
         self._compute = compute
         self._address = address
-        self._said: queue.SimpleQueue[tuple[Key, News] | None] = queue.SimpleQueue()
-        self._futures: dict[Key, Any] = {}  # None: given up, which is still to be told
+        self._messages: queue.SimpleQueue[tuple[Key, WorkerMessage] | None] = queue.SimpleQueue()
+        self._futures: dict[Key, Any] = {}  # None: lost, not yet reported
         self._fetching = threading.Lock()
         self._topic = f"flexsid-{uuid.uuid4().hex}"
-        self._looked = -_LOOK_S
-        self._alone_since: float | None = None
+        self._updated = -_POLL_S
+        self._no_worker_since: float | None = None
         self._client: Any = None
         self._connect()
 
     @property
-    def room(self) -> int:
-        """How many more tasks can start now; none while the scheduler is away."""
-        self._look()
+    def free_slots(self) -> int:
+        """Number of further tasks that can start now; none while the scheduler is unreachable."""
+        self._update_count()
         return self.count - len(self._futures)
 
     @property
     def keys(self) -> set[Key]:
-        """Tasks under way."""
+        """Keys of the running tasks."""
         return set(self._futures)
 
     def warm_up(self) -> None:
-        """Do nothing: the cluster keeps its processes."""
+        """Do nothing: the cluster manages its own processes."""
 
     def submit(self, key: Key, task: Any, memory_mb: int | None) -> None:
-        """Begin a task; there must be ``room``."""
+        """Start a task; requires ``free_slots`` above zero."""
         future = self._client.submit(
-            compute_in_child,
+            execute_in_child,
             self._compute,
             pickle.dumps((task, memory_mb), pickle.HIGHEST_PROTOCOL),
             (self._topic, key),
@@ -99,36 +98,38 @@ class ClusterWorkers:
             pure=False,
         )
         self._futures[key] = future
-        future.add_done_callback(lambda done: self._take(key, done))
+        future.add_done_callback(lambda done: self._receive_result(key, done))
 
     def cancel(self, key: Key) -> None:
-        """Stop a task; the Dask worker notices that it is no longer wanted."""
+        """Stop a task; the Dask worker detects the released future."""
         future = self._futures.pop(key, None)
         if future is not None:
             future.release()
 
-    def wait(self, timeout: float) -> list[tuple[Key, News]]:
-        """Return what workers have to tell; at once when someone calls ``wake``."""
-        news: list[tuple[Key, News]] = []
+    def wait(self, timeout: float) -> list[tuple[Key, WorkerMessage]]:
+        """Return new messages of the workers; return at once after ``wake``."""
+        messages: list[tuple[Key, WorkerMessage]] = []
         try:
-            said = self._said.get(timeout=timeout) if timeout > 0 else self._said.get_nowait()
+            message = (
+                self._messages.get(timeout=timeout) if timeout > 0 else self._messages.get_nowait()
+            )
             while True:
-                if said is not None and said[0] in self._futures:
-                    news.append(said)
-                    if not isinstance(said[1], Begun | Progressed):
-                        del self._futures[said[0]]
-                said = self._said.get_nowait()
+                if message is not None and message[0] in self._futures:
+                    messages.append(message)
+                    if not isinstance(message[1], StartedMessage | ProgressMessage):
+                        del self._futures[message[0]]
+                message = self._messages.get_nowait()
         except queue.Empty:
-            return news
+            return messages
 
     def wake(self) -> None:
-        """End ``wait``; may be called from any thread."""
-        self._said.put(None)
+        """End ``wait``; thread-safe."""
+        self._messages.put(None)
 
     def close(self) -> None:
-        """Let go of all tasks."""
+        """Release all tasks and close the connection."""
         self._futures.clear()
-        self._take_leave(_CLOSE_S)
+        self._disconnect(_CLOSE_S)
 
     def _connect(self) -> Any:
         try:
@@ -142,52 +143,52 @@ class ClusterWorkers:
             self._client = Client(
                 self._address, timeout=_CONNECT_S, set_as_default=False, name="flexsid"
             )
-            self._client.subscribe_topic(self._topic, self._hear)
+            self._client.subscribe_topic(self._topic, self._receive_progress)
             return self._client
         except (OSError, TimeoutError, ValueError) as error:
             self._client = None
             raise FlexsidError(
-                f"no Dask scheduler answers at {self._address} ({error}); start one with"
+                f"no Dask scheduler responds at {self._address} ({error}); start one with"
                 " `dask scheduler --host 127.0.0.1`, or leave FLEXSID_DASK empty",
                 code="no-scheduler",
             ) from error
 
-    def _look(self) -> None:
-        """Count the threads that are there, and connect again where the scheduler was away."""
+    def _update_count(self) -> None:
+        """Update the number of threads; reconnect if the connection was lost."""
         now = time.monotonic()
-        if now - self._looked < _LOOK_S:
+        if now - self._updated < _POLL_S:
             return
-        self._looked = now
+        self._updated = now
         try:
             client = self._client
             if client is None or client.status != "running":
-                self._give_up_tasks()
+                self._drop_connection()
                 client = self._connect()
             self.count = sum(client.nthreads().values())
         except (FlexsidError, OSError, TimeoutError) as error:
-            _log.warning("the cluster is away: %s", error)
+            _log.warning("the Dask cluster is unreachable: %s", error)
             self.count = 0
         if self.count > 0:
-            self._alone_since = None
-        elif self._alone_since is None:
-            self._alone_since = now
-        elif now - self._alone_since >= _ALONE_S:
-            # The scheduler would keep them for a worker that may never come.
-            self._lose_tasks("the cluster has no worker")
+            self._no_worker_since = None
+        elif self._no_worker_since is None:
+            self._no_worker_since = now
+        elif now - self._no_worker_since >= _NO_WORKER_S:
+            # The scheduler would hold them for a worker that may never connect.
+            self._lose_tasks("the Dask cluster has no worker")
 
-    def _give_up_tasks(self) -> None:
-        """Say of every task that it was lost, and take leave of the old connection."""
-        self._lose_tasks("the scheduler of the cluster went away")
-        self._take_leave(0.0)
+    def _drop_connection(self) -> None:
+        """Report every task as lost and close the old connection."""
+        self._lose_tasks("the connection to the Dask scheduler was lost")
+        self._disconnect(0.0)
 
-    def _lose_tasks(self, why: str) -> None:
+    def _lose_tasks(self, reason: str) -> None:
         for key, future in self._futures.items():
             if future is not None:
                 self._futures[key] = None
-                self._said.put((key, Lost(why)))
+                self._messages.put((key, TaskLostMessage(reason)))
 
-    def _take_leave(self, timeout: float) -> None:
-        """Close the connection, but not below a result that is being fetched over it."""
+    def _disconnect(self, timeout: float) -> None:
+        """Close the connection after any result that is being fetched over it."""
         if self._client is None:
             return
         if self._fetching.acquire(timeout=timeout):
@@ -195,45 +196,44 @@ class ClusterWorkers:
         self._client.close(timeout=timeout)
         self._client = None
 
-    def _take(self, key: Key, future: Any) -> None:
-        """Fetch what a task came to, on Dask's thread for that, if it is still wanted.
+    def _receive_result(self, key: Key, future: Any) -> None:
+        """Fetch the result of a task that was not cancelled, on Dask's callback thread.
 
-        Closing a connection ends all futures of it, and nothing may be asked of
-        these any more.
+        Closing a connection ends all its futures, which must not be used afterwards.
         """
         with self._fetching:
             if self._futures.get(key) is future:
-                self._said.put((key, _outcome(future)))
+                self._messages.put((key, _fetch_result(future)))
 
-    def _hear(self, event: Any) -> None:
-        """Take what a worker said of its progress, on Dask's own thread."""
+    def _receive_progress(self, event: Any) -> None:
+        """Queue a progress message of a worker, on Dask's event thread."""
         _, (run_id, attempt, progress) = event
-        news = Begun() if progress is None else Progressed(Progress(**progress))
-        self._said.put(((run_id, attempt), news))
+        message = StartedMessage() if progress is None else ProgressMessage(Progress(**progress))
+        self._messages.put(((run_id, attempt), message))
 
 
-def _outcome(future: Any) -> News:
-    """What became of a task."""
+def _fetch_result(future: Any) -> WorkerMessage:
+    """Return the result of a task, or why it has none."""
     from distributed import KilledWorker
     from distributed.client import FutureCancelledError
 
     try:
         return future.result(timeout=_FETCH_S)
     except KilledWorker as error:
-        return Died(f"on {error.last_worker.address}")
+        return WorkerDiedMessage(f"on {error.last_worker.address}")
     except (FutureCancelledError, OSError, TimeoutError) as error:
-        return Lost(f"the cluster dropped it ({type(error).__name__})")
+        return TaskLostMessage(f"the Dask cluster dropped the task ({type(error).__name__})")
     except Exception as error:
-        return unexpected(error)
+        return describe_unexpected_error(error)
 
 
 _idle: list[tuple[Compute, Child]] = []
 
 
-def compute_in_child(compute: Compute, content: bytes, name: tuple[str, Key]) -> News:
-    """Carry out one task in a process below this Dask worker.
+def execute_in_child(compute: Compute, content: bytes, name: tuple[str, Key]) -> WorkerMessage:
+    """Compute one task in a child process of this Dask worker.
 
-    It ends when the task does, or as soon as nobody waits for it any more.
+    Returns when the task has ended or was cancelled.
     """
     from distributed import get_worker
 
@@ -243,25 +243,25 @@ def compute_in_child(compute: Compute, content: bytes, name: tuple[str, Key]) ->
     child = _idle_child(compute)
     child.connection.send_bytes(content)
     while True:
-        if not child.connection.poll(_WATCH_S):
+        if not child.connection.poll(_CANCEL_CHECK_S):
             present = worker.state.tasks.get(own)
             if present is None or present.state != "executing":
                 child.kill()
-                return Lost("nobody waits for it")
+                return TaskLostMessage("the task was cancelled")
             continue
-        news = child.listen()
-        if isinstance(news, Begun | Progressed):
-            said = asdict(news.progress) if isinstance(news, Progressed) else None
-            worker.log_event(topic, (run_id, attempt, said))
+        message = child.receive()
+        if isinstance(message, StartedMessage | ProgressMessage):
+            progress = asdict(message.progress) if isinstance(message, ProgressMessage) else None
+            worker.log_event(topic, (run_id, attempt, progress))
             continue
-        if isinstance(news, Died):
+        if isinstance(message, WorkerDiedMessage):
             child.kill()
-            return news
+            return message
         _idle.append((compute, child))
         return (
-            replace(news, worker=worker.address)
-            if isinstance(news, ComputedMessage | Failed)
-            else news
+            replace(message, worker=worker.address)
+            if isinstance(message, ComputedMessage | FailedMessage)
+            else message
         )
 
 

@@ -1,4 +1,4 @@
-"""Executors: who computes, by what the environment says."""
+"""Choice of the executor: local worker processes or a Dask cluster."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from flexsid.jobs.worker import Compute
 
 
 def make_workers(compute: Compute, dask: str | None = None, count: int | None = None) -> Workers:
-    """Return the workers of a Dask cluster, or else processes of this computer.
+    """Return the workers of a Dask cluster, or worker processes of this computer.
 
     Parameters
     ----------
     compute
-        What they carry out.
+        Function that computes a task.
     dask
         Address of a Dask scheduler.
     count
-        How many processes of this computer; by default one less than there are cores.
+        Number of processes of this computer; default: one less than the number of cores.
     """
     if dask is None:
         return LocalWorkers(compute, count)

@@ -1,4 +1,4 @@
-"""Health: whether what is queued will be computed, as far as this server can see."""
+"""Health of the job queue: whether queued runs will be computed."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import time
 from dataclasses import dataclass
 from enum import StrEnum
 
-from flexsid.jobs.leadership import PATIENCE_S
+from flexsid.jobs.leadership import LEASE_TIMEOUT_S
 from flexsid.storage import leases
 from flexsid.storage.leases import Lease
 from flexsid.storage.store import Store
 
-_GRACE_S = 20.0  # more than servers and workers take to start, or to be replaced
-_STILL_S = 2.0 * PATIENCE_S  # by then another server would have taken the lease
+_GRACE_S = 20.0  # longer than the start or replacement of servers and workers
+_STALLED_S = 2.0 * LEASE_TIMEOUT_S  # by then another server would have taken the lease
 
 
 class PartState(StrEnum):
-    """How a part of the workbench is."""
+    """State of a part of the workbench."""
 
     OK = "ok"
     STARTING = "starting"
@@ -25,7 +25,7 @@ class PartState(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PartHealth:
-    """One part of the workbench, how it is, and where it is not well what to do."""
+    """State of one part of the workbench, with advice if it is degraded."""
 
     name: str
     state: PartState
@@ -33,42 +33,42 @@ class PartHealth:
 
 
 class QueueHealth:
-    """Watches the lease from one question to the next; no clocks are compared."""
+    """Monitor of the lease between calls; clocks of servers are not compared."""
 
     def __init__(self, store: Store) -> None:
         self._store = store
         self._seen: Lease | None = None
-        self._moved = self._led = time.monotonic()
+        self._renewed_at = self._held_at = time.monotonic()
 
-    def look(self) -> tuple[PartHealth, PartHealth]:
-        """Tell how the dispatcher and the workers are."""
+    def check(self) -> tuple[PartHealth, PartHealth]:
+        """Return the state of the dispatcher and of the workers."""
         now = time.monotonic()
         lease, status = leases.read(self._store), leases.status(self._store)
         if lease != self._seen:
-            self._seen, self._moved = lease, now
+            self._seen, self._renewed_at = lease, now
         if lease.holder is not None:
-            self._led = now
+            self._held_at = now
         dispatcher = self._dispatcher(lease, now)
         if dispatcher.state is not PartState.OK or status is None:
-            text = "Unknown, as no dispatcher reports them."
+            text = "Unknown: no dispatcher reports the workers."
             return dispatcher, _part("workers", dispatcher.state, text)
         return dispatcher, _workers(status)
 
     def _dispatcher(self, lease: Lease, now: float) -> PartHealth:
         if lease.holder is None:
             text = (
-                "No server hands out work: runs wait in the queue. Look into the log of the"
-                " server, and start it again."
+                "No server dispatches runs: they wait in the queue. Read the log of the"
+                " server and restart it."
             )
-            late = now - self._led >= _GRACE_S
-        elif now - self._moved >= _STILL_S:
+            late = now - self._held_at >= _GRACE_S
+        elif now - self._renewed_at >= _STALLED_S:
             text = (
-                f"The dispatcher has stood still for {now - self._moved:.0f} s: runs wait. Look"
-                " into the log of the server, and start it again."
+                f"The dispatcher has not responded for {now - self._renewed_at:.0f} s: runs wait."
+                " Read the log of the server and restart it."
             )
             late = True
         else:
-            return _part("dispatcher", PartState.OK, "Hands out work.")
+            return _part("dispatcher", PartState.OK, "Dispatches runs.")
         return _part("dispatcher", PartState.DEGRADED if late else PartState.STARTING, text)
 
 
@@ -79,8 +79,8 @@ def _workers(status: dict[str, object]) -> PartHealth:
     away_s = status.get("without_workers_s", 0.0)
     assert isinstance(away_s, float | int)
     text = (
-        f"No worker has been there for {away_s:.0f} s ({place}): runs wait in the queue. Start"
-        " the scheduler if it is away, and at least one dask worker."
+        f"No worker has been available for {away_s:.0f} s ({place}): runs wait in the queue. Start"
+        " the scheduler if it is not running, and at least one dask worker."
     )
     return _part("workers", PartState.DEGRADED if away_s >= _GRACE_S else PartState.STARTING, text)
 

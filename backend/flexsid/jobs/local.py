@@ -10,7 +10,13 @@ from multiprocessing.connection import Connection, wait
 from typing import Any
 
 from flexsid.jobs.child import Child
-from flexsid.jobs.news import Begun, Died, Key, News, Progressed
+from flexsid.jobs.messages import (
+    Key,
+    ProgressMessage,
+    StartedMessage,
+    WorkerDiedMessage,
+    WorkerMessage,
+)
 from flexsid.jobs.worker import Compute
 
 _MOST_WORKERS = 8
@@ -23,39 +29,39 @@ class _Worker:
 
 
 class LocalWorkers:
-    """Keeps worker processes, one task each.
+    """Pool of worker processes, one task each.
 
-    Our own processes rather than a ready-made pool: a pool shares one queue, whose
-    lock dies with a killed child; here every worker has its own pipe, so it can be
-    killed at any moment and nobody else notices. All methods but ``wake`` are for
-    one thread.
+    Not a pool of the standard library: such a pool shares one queue, whose lock is lost
+    with a killed child. Here every worker has its own pipe, so that it can be killed at
+    any moment without effect on the others. All methods except ``wake`` must be called
+    from one thread.
     """
 
     def __init__(self, compute: Compute, count: int | None = None) -> None:
         self.count = count or default_count()
-        self.place = "processes of this computer"
+        self.location = "processes of this computer"
         self._compute = compute
         self._workers: list[_Worker] = []
-        self._alarm, self._bell = multiprocessing.Pipe(duplex=False)
-        self._rung = threading.Event()
+        self._wake_receiver, self._wake_sender = multiprocessing.Pipe(duplex=False)
+        self._is_woken = threading.Event()
 
     @property
-    def room(self) -> int:
-        """How many more tasks can start now."""
+    def free_slots(self) -> int:
+        """Number of further tasks that can start now."""
         return self.count - len(self.keys)
 
     @property
     def keys(self) -> set[Key]:
-        """Tasks under way."""
+        """Keys of the running tasks."""
         return {worker.key for worker in self._workers if worker.key is not None}
 
     def warm_up(self) -> None:
-        """Have one idle worker more than tasks: loading the mathematics takes a second."""
-        if self.room and all(worker.key is not None for worker in self._workers):
+        """Start a spare worker: loading the numerical libraries takes a second."""
+        if self.free_slots and all(worker.key is not None for worker in self._workers):
             self._start()
 
     def submit(self, key: Key, task: Any, memory_mb: int | None) -> None:
-        """Give a task to an idle worker; there must be ``room``."""
+        """Start a task on an idle worker; requires ``free_slots`` above zero."""
         for worker in [w for w in self._workers if w.key is None]:
             try:
                 worker.child.submit(task, memory_mb)
@@ -74,39 +80,39 @@ class LocalWorkers:
             if worker.key == key:
                 self._remove(worker)
 
-    def wait(self, timeout: float) -> list[tuple[Key, News]]:
-        """Return what workers have to tell; at once when someone calls ``wake``."""
+    def wait(self, timeout: float) -> list[tuple[Key, WorkerMessage]]:
+        """Return new messages of the workers; return at once after ``wake``."""
         by_connection = {worker.child.connection: worker for worker in self._workers}
-        news: list[tuple[Key, News]] = []
-        for ready in wait([self._alarm, *by_connection], timeout):
-            if ready is self._alarm:
-                self._rung.clear()
-                self._alarm.recv_bytes()
+        messages: list[tuple[Key, WorkerMessage]] = []
+        for ready in wait([self._wake_receiver, *by_connection], timeout):
+            if ready is self._wake_receiver:
+                self._is_woken.clear()
+                self._wake_receiver.recv_bytes()
                 continue
             assert isinstance(ready, Connection)
             worker = by_connection[ready]
             key = worker.key
-            said = worker.child.listen()
-            if isinstance(said, Died):
+            message = worker.child.receive()
+            if isinstance(message, WorkerDiedMessage):
                 self._remove(worker)
-            elif not isinstance(said, Begun | Progressed):
+            elif not isinstance(message, StartedMessage | ProgressMessage):
                 worker.key = None
             if key is not None:
-                news.append((key, said))
-        return news
+                messages.append((key, message))
+        return messages
 
     def wake(self) -> None:
-        """End ``wait``; may be called from any thread."""
-        if not self._rung.is_set():
-            self._rung.set()
-            self._bell.send_bytes(b"wake")
+        """End ``wait``; thread-safe."""
+        if not self._is_woken.is_set():
+            self._is_woken.set()
+            self._wake_sender.send_bytes(b"wake")
 
     def close(self) -> None:
         """Kill all workers."""
         for worker in list(self._workers):
             self._remove(worker)
-        self._alarm.close()
-        self._bell.close()
+        self._wake_receiver.close()
+        self._wake_sender.close()
 
     def _start(self) -> _Worker:
         worker = _Worker(Child(self._compute))
@@ -119,7 +125,7 @@ class LocalWorkers:
 
 
 def default_count() -> int:
-    """Leave one core to the server."""
+    """Return the number of workers: one core is left to the server."""
     affinity = getattr(os, "sched_getaffinity", None)
     cores = len(affinity(0)) if affinity is not None else os.cpu_count() or 1
     return max(1, min(cores - 1, _MOST_WORKERS))

@@ -1,7 +1,7 @@
-"""Inside a worker process: take a task, compute, tell progress, hand back the outcome.
+"""Main loop of a worker process: receive a task, compute, report progress, send the outcome.
 
-A worker has no database. It dies with the process that started it, which kills
-it to cancel its task, so nothing here needs to be tidied up.
+A worker has no database. It ends with its parent process, which kills it to cancel a
+task, so that no cleanup is required.
 """
 
 from __future__ import annotations
@@ -21,93 +21,100 @@ from pathlib import Path
 from typing import Any
 
 from flexsid.errors import FlexsidError
-from flexsid.jobs.news import Begun, ComputedMessage, Failed, News, Progressed, unexpected
+from flexsid.jobs.messages import (
+    ComputedMessage,
+    FailedMessage,
+    ProgressMessage,
+    StartedMessage,
+    WorkerMessage,
+    describe_unexpected_error,
+)
 from flexsid.records.run import Progress
 
-_NICE = 5  # whoever looks at a page comes before what is computed in the background
-_PROGRESS_S = 0.2  # a fit tells of iterations that take a millisecond
+_NICE = 5  # requests of pages have priority over computation in the background
+_PROGRESS_S = 0.2  # iterations may take a millisecond
 
 Compute = Callable[[Any, Callable[[Progress], None]], Any]
 
 
 def main(arguments: list[str]) -> None:
-    """Serve the connection and die with the lifeline whose file numbers are given."""
-    # Ctrl-C reaches the whole group of processes; the server decides what it means.
+    """Serve the connection until the lifeline closes; both are given by file descriptor."""
+    # Ctrl-C reaches the whole process group; the server handles it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(os, "nice"):
         os.nice(_NICE)
     connection, lifeline = (int(number) for number in arguments)
-    threading.Thread(target=_die_with, args=(lifeline,), daemon=True).start()
+    threading.Thread(target=_exit_with, args=(lifeline,), daemon=True).start()
     work(Connection(connection))
 
 
 def work(connection: Connection) -> None:
-    """Carry out one task after the other until the other side hangs up."""
-    me = f"{socket.gethostname()}/{os.getpid()}"
+    """Compute tasks until the connection closes."""
+    worker = f"{socket.gethostname()}/{os.getpid()}"
     try:
         compute: Compute = connection.recv()
         while True:
-            # In two steps: a task that cannot be read is no reason to stop.
+            # In two steps: a task that cannot be unpickled must not end the worker.
             content = connection.recv_bytes()
             try:
                 task, memory_mb = pickle.loads(content)
                 del content
             except Exception as error:
-                connection.send(unexpected(error))
+                connection.send(describe_unexpected_error(error))
                 continue
-            connection.send(Begun())
-            with _at_most(memory_mb):
-                news = carry_out(compute, task, _telling(connection), me)
+            connection.send(StartedMessage())
+            with _limit_memory(memory_mb):
+                message = execute_task(compute, task, _make_reporter(connection), worker)
                 del task
             try:
-                connection.send(news)
+                connection.send(message)
             except (TypeError, AttributeError, ValueError, pickle.PicklingError) as error:
-                connection.send(unexpected(error))  # it cannot be sent
+                connection.send(describe_unexpected_error(error))  # it cannot be pickled
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
 
-def carry_out(
+def execute_task(
     compute: Compute, task: Any, report: Callable[[Progress], None], worker: str = ""
-) -> News:
-    """Compute; whatever it raises becomes news."""
+) -> WorkerMessage:
+    """Compute a task; exceptions become messages."""
     try:
         return ComputedMessage(compute(task, report), worker)
     except FlexsidError as error:
-        return Failed(error.code, error.message, worker=worker)
+        return FailedMessage(error.code, error.message, worker=worker)
     except MemoryError:
-        return Failed(
+        return FailedMessage(
             "out-of-memory",
-            "the estimation needs more memory than it may take; take a smaller model or band,"
-            " or raise its memory limit",
+            "the estimation needs more memory than its limit; use a smaller model or band,"
+            " or raise the memory limit",
             worker=worker,
         )
     except Exception as error:
-        return unexpected(error)
+        return describe_unexpected_error(error)
 
 
-def _telling(connection: Connection) -> Callable[[Progress], None]:
-    """Tell progress, at most as often as anybody can read it."""
-    told = -_PROGRESS_S
+def _make_reporter(connection: Connection) -> Callable[[Progress], None]:
+    """Return a function that sends progress, at most every ``_PROGRESS_S``."""
+    sent_at = -_PROGRESS_S
 
-    def tell(progress: Progress) -> None:
-        nonlocal told
+    def report(progress: Progress) -> None:
+        nonlocal sent_at
         now = time.monotonic()
-        if now - told >= _PROGRESS_S:
-            told = now
-            connection.send(Progressed(progress))
+        if now - sent_at >= _PROGRESS_S:
+            sent_at = now
+            connection.send(ProgressMessage(progress))
 
-    return tell
+    return report
 
 
 @contextmanager
-def _at_most(memory_mb: int | None) -> Iterator[None]:
-    """Let a task take this much memory beyond what the process has; then MemoryError."""
+def _limit_memory(memory_mb: int | None) -> Iterator[None]:
+    """Limit the memory that a task may use; beyond it raises MemoryError."""
     if memory_mb is None:
         yield
         return
-    _give_blas_its_buffers()
-    present = _data_bytes()
+    _reserve_blas_buffers()
+    present = _read_data_bytes()
     if present is None:
         yield
         return
@@ -121,11 +128,11 @@ def _at_most(memory_mb: int | None) -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_DATA, before)
 
 
-def _give_blas_its_buffers() -> None:
-    """Let the first products of matrices be made: OpenBLAS asks for its buffers then.
+def _reserve_blas_buffers() -> None:
+    """Compute a matrix product, so that OpenBLAS reserves its buffers before the limit.
 
-    Where it gets none it asks for ever, and the task hangs instead of failing. numpy and
-    scipy have each their own.
+    If that fails, OpenBLAS retries without end and the task hangs instead of
+    failing. numpy and scipy each have their own OpenBLAS.
     """
     import numpy as np
     from scipy.linalg.blas import dgemm
@@ -134,17 +141,17 @@ def _give_blas_its_buffers() -> None:
     dgemm(1.0, matrix, matrix @ matrix)
 
 
-def _data_bytes() -> int | None:
-    """Return the memory of this process that the limit counts; None where it cannot be told."""
+def _read_data_bytes() -> int | None:
+    """Return the memory of this process that counts towards the limit; None if unknown."""
     try:
-        found = re.search(r"^VmData:\s*(\d+) kB", Path("/proc/self/status").read_text(), re.M)
+        match = re.search(r"^VmData:\s*(\d+) kB", Path("/proc/self/status").read_text(), re.M)
     except OSError:
         return None
-    return None if found is None else int(found[1]) * 1024
+    return None if match is None else int(match[1]) * 1024
 
 
-def _die_with(lifeline: int) -> None:
-    """Leave at once when the other end is gone, even in the middle of a task."""
+def _exit_with(lifeline: int) -> None:
+    """Exit at once when the lifeline closes, even during a task."""
     os.read(lifeline, 1)
     os._exit(1)
 

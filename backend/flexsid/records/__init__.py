@@ -1,1 +1,1 @@
-"""What a campaign is made of: frozen values that are row, JSON and notebook object at once."""
+"""Records: frozen dataclasses stored as rows and used in JSON and notebooks."""

@@ -10,7 +10,7 @@ from flexsid.sysid.model.instruments import Instrument
 
 
 class SensorKind(StrEnum):
-    """What a sensor measures; decides its row in the output equations."""
+    """Measured quantity of a sensor; selects its row in the output equations."""
 
     ACCELEROMETER = "accelerometer"
     GYRO = "gyro"
@@ -41,7 +41,7 @@ class MassTable:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ThrustTable:
-    """Thrust of one engine, as a ground test told it, against the state of the engine.
+    """Thrust of one engine, measured in a ground test, against the state of the engine.
 
     ``engines`` are the condition channels of the rotation speeds, one for each engine.
     ``thrust_n`` has a row for every rotation speed and a column for every total temperature
@@ -57,7 +57,7 @@ class ThrustTable:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DragPolar:
-    """Parabolic polar; gives trim angle of attack, and thrust that nobody recorded or tabled."""
+    """Parabolic polar, for trim angle of attack and thrust without record or table."""
 
     cd_min: float
     oswald: float
@@ -66,7 +66,7 @@ class DragPolar:
 
 
 SurfaceSymmetry = Literal["symmetric", "antisymmetric", "single"]
-"""How what one channel holds moves: a pair alike, a pair against each other, or one side alone."""
+"""Surfaces of one channel: pair in phase, pair in antiphase, or one side."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,7 +89,7 @@ class Surface:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sensor:
-    """One sensor: what it measures, where it sits, through which instrument.
+    """One sensor: kind, location and instrument.
 
     ``point`` names a row of the modal table's ``points`` (``gauges`` for a
     strain gauge). Locations are in structural axes: x aft, y right, z up [m].

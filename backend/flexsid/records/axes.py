@@ -1,4 +1,4 @@
-"""Axes of sensors and symmetry of surfaces: as declared, else as their names say."""
+"""Axes of sensors and symmetry of surfaces: declared, else from names."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _NAMED: dict[SensorKind, tuple[tuple[str, str], ...]] = {
     SensorKind.VANE: (("y", r"alpha|alfa|aoa"), ("z", r"beta|aos|sideslip")),
     SensorKind.ACCELEROMETER: tuple((axis, rf"(?:acc|accel|a|n){axis}") for axis in "xyz"),
 }
-"""Axis by what a sensor is usually called, of its kind."""
+"""Axis by common names of sensors of each kind."""
 
 _ANTISYMMETRIC = re.compile(
     r"ail|ailerons?|da|rdr|rud|rudders?|dr|asym|antisym|antisymmetric|anti|diff|differential"
@@ -39,8 +39,8 @@ _PARTS: dict[str, SurfaceSymmetry] = {
 }
 
 
-def axis_in_name(kind: SensorKind, name: str) -> str | None:
-    """Axis that the name of a sensor says: x for ``p_egi``, z for ``beta``; None for no such name.
+def find_axis_in_name(kind: SensorKind, name: str) -> str | None:
+    """Find the axis in the name of a sensor: x for ``p_egi``, z for ``beta``; else None.
 
     The first part of a name decides, or two together (``roll_rate_2``), else the last
     (``egi_p``).
@@ -53,14 +53,14 @@ def axis_in_name(kind: SensorKind, name: str) -> str | None:
     return None
 
 
-def contradicts_name(sensor: Sensor) -> str | None:
-    """Axis that the name of a sensor says, where its record says another one."""
-    named = axis_in_name(sensor.kind, sensor.name)
+def find_contradicting_axis(sensor: Sensor) -> str | None:
+    """Find an axis in the name of a sensor that contradicts its record."""
+    named = find_axis_in_name(sensor.kind, sensor.name)
     return None if named == sensor.axis else named
 
 
-def symmetry_of(aircraft: Aircraft, name: str) -> SurfaceSymmetry:
-    """How a surface moves: as its record says, else as its name says, else as a symmetric pair.
+def get_symmetry(aircraft: Aircraft, name: str) -> SurfaceSymmetry:
+    """Return the symmetry of a surface: declared, else from its name, else a symmetric pair.
 
     Single surfaces are those called left or right (``elevator_l``, ``wf1r``), antisymmetric
     ones ailerons, rudders and half differences (``wf1a``).
@@ -74,7 +74,7 @@ def symmetry_of(aircraft: Aircraft, name: str) -> SurfaceSymmetry:
 def symmetric_surfaces(aircraft: Aircraft) -> tuple[str, ...]:
     """Surfaces that excite symmetric motion."""
     names = (surface.name for surface in aircraft.surfaces)
-    return tuple(name for name in names if symmetry_of(aircraft, name) != "antisymmetric")
+    return tuple(name for name in names if get_symmetry(aircraft, name) != "antisymmetric")
 
 
 def _symmetry_in_name(name: str, others: list[str]) -> SurfaceSymmetry:

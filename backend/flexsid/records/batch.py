@@ -8,7 +8,7 @@ from datetime import datetime
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Batch:
-    """What many runs have in common: that somebody wanted them at once."""
+    """Runs requested together."""
 
     name: str
     author: str = ""
@@ -18,9 +18,9 @@ class Batch:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunEvent:
-    """A line of the log of a run; ids grow, so that a reader can go on where it stopped.
+    """An entry of the log of a run; ids increase, so that reading can be resumed.
 
-    ``kind`` is ``queued``, ``started``, ``said`` or the state that a run ended in.
+    ``kind`` is ``queued``, ``started``, ``logged`` or the state that a run ended in.
     """
 
     id: int

@@ -1,4 +1,4 @@
-"""Closed loop: what a controller makes of an identified aircraft, over airspeed."""
+"""Closed-loop stability of an identified aircraft with a controller, over airspeed."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ class ComparedSource:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SourceValue:
-    """What one source says about a derivative; ``std_error`` is None where it gives none.
+    """Value of a derivative by one source; ``std_error`` is None if unknown.
 
     Of a prediction, ``difference_sigma`` is the largest |prediction - run| over the runs, in
     combined standard errors, and ``consistent`` whether that is at most 2; None of a run, and
@@ -46,10 +46,10 @@ class SourceValue:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """One derivative; ``values`` follow the order of the sources, None where one has no say.
+    """One derivative; ``values`` follow the order of the sources, None without a value.
 
     ``max_difference_sigma`` is the largest |a - b| / sqrt(sigma_a^2 + sigma_b^2) over
-    pairs of runs with a standard error; ``consistent`` says that it is at most 2.
+    pairs of runs with a standard error; ``consistent`` is whether it is at most 2.
     ``mean`` is that of those runs, weighted by their errors, ``chi_square`` their
     scatter about it and ``probability`` that of a scatter at least as large. Predictions
     take no part: each is judged against the runs in its own value.
@@ -71,7 +71,7 @@ class Pair:
     """How two sources agree over all derivatives that both estimated.
 
     ``rms_sigma`` is the root mean square of their normalised differences, one where
-    they scatter as their errors say; ``worst`` names the derivative that differs most.
+    the scatter matches the standard errors; ``worst`` names the derivative that differs most.
     """
 
     first: str
@@ -119,7 +119,7 @@ class Comparison:
 
 
 class Against(StrEnum):
-    """What a derivative is drawn over."""
+    """Independent variable of a trend."""
 
     DYNAMIC_PRESSURE = "dynamic_pressure"
     AIRSPEED_RATIO = "airspeed_ratio"

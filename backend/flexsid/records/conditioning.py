@@ -1,4 +1,4 @@
-"""Conditioning: what an analyst decided to correct in the channels of a maneuver, and why."""
+"""Conditioning: corrections of channels of a maneuver, with reasons."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from enum import StrEnum
 
 
 class StepKind(StrEnum):
-    """What a step corrects."""
+    """Kind of correction."""
 
     DELAY = "delay"  # undone as a phase at every frequency; no sample is shifted
     CALIBRATION = "calibration"  # true = (recorded - bias) / scale
@@ -17,7 +17,7 @@ class StepKind(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Correction:
-    """One correction of one channel; what does not belong to its kind stays as it is.
+    """One correction of one channel; fields of other kinds have defaults.
 
     ``stretches`` are the first sample and the sample after the last of each repair.
     ``std`` is the standard error of the delay [s] or of the scale factor [1].

@@ -11,7 +11,7 @@ from flexsid.records.maneuver import Excitation
 class FoundManeuver:
     """A stretch of a flight that looks like a maneuver, with trim before and after.
 
-    ``basis`` says what it was found by; ``maneuver_id`` names one that was cut there.
+    ``basis`` is the source of the interval; ``maneuver_id`` an existing maneuver there.
     """
 
     label: str
@@ -26,7 +26,7 @@ class FoundManeuver:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cut:
-    """What to cut out of a flight.
+    """Window to cut out of a flight.
 
     ``axis`` of None: longitudinal, and refused where surfaces or gyros contradict that.
     """

@@ -1,4 +1,4 @@
-"""Decision: a model structure proposed for a range of conditions, and all that was said of it."""
+"""Decision: a model structure proposed for a range of conditions, with its review."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from enum import StrEnum
 
 
 class LimitedQuantity(StrEnum):
-    """What a range of conditions can limit."""
+    """Quantity of a range of conditions."""
 
     DYNAMIC_PRESSURE = "dynamic_pressure_pa"
     FUEL = "fuel_fraction"
@@ -40,7 +40,7 @@ class LinkedComparison:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StructureProposal:
-    """What a decision is about, and the evidence for it.
+    """Proposed model structure and its evidence.
 
     ``changes`` is the version that ``structure`` changes, where it is not new.
     """
@@ -56,7 +56,7 @@ class StructureProposal:
 
 
 class Vote(StrEnum):
-    """What a reviewer says of a proposal."""
+    """Vote on a proposal."""
 
     APPROVE = "approve"
     REQUEST_CHANGES = "request-changes"
@@ -75,7 +75,7 @@ class DecisionState(StrEnum):
 
 
 class EventKind(StrEnum):
-    """What happened to a decision."""
+    """Kind of event of a decision."""
 
     PROPOSED = "proposed"
     REVISED = "revised"
@@ -159,7 +159,7 @@ class Decision:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrozenFigure:
-    """A figure as it was when somebody pointed to it; ``array`` holds its JSON."""
+    """A figure frozen as evidence; ``array`` is its JSON."""
 
     kind: str
     query: str
@@ -172,7 +172,7 @@ class FrozenFigure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SeenEvents:
-    """Up to where an analyst has seen what happened to a decision or a model structure."""
+    """Last event of a decision or model structure seen by an analyst."""
 
     analyst: str
     subject: str  # "decision 3", "structure 2"

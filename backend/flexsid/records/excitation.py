@@ -1,22 +1,22 @@
-"""ExcitationDesign: what was wanted of a multisine, and the phases that were found."""
+"""ExcitationDesign: specification of a multisine and its optimised phases."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import datetime
 
-from flexsid.sysid.excitation.designer import Wish
+from flexsid.sysid.excitation.designer import DesignSpecification
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExcitationDesign:
-    """A design that is kept; ``wish`` and ``phases`` [rad] together reproduce it.
+    """A stored design; ``specification`` and ``phases`` [rad] together reproduce it.
 
     ``fta`` is the lowest number of the design in Table 1, where it is one.
     """
 
     name: str
-    wish: Wish
+    specification: DesignSpecification
     phases: dict[str, tuple[float, ...]]
     peak_factors: dict[str, float]
     fta: int | None = None

@@ -1,4 +1,4 @@
-"""What cannot be told is ``None`` in a record: JSON has no NaN, and a reader no use for one."""
+"""Conversion of NaN and infinity to None, since JSON has neither."""
 
 from __future__ import annotations
 
@@ -6,5 +6,5 @@ import math
 
 
 def finite_or_none(value: float) -> float | None:
-    """A finite number as a plain float, else None."""
+    """Return a finite number as float, else None."""
     return float(value) if math.isfinite(value) else None

@@ -1,4 +1,4 @@
-"""Flutter: what identified models say of the next test point, as it is answered and drawn."""
+"""Flutter prediction from identified models: results and data of figures."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 
 class Along(StrEnum):
-    """What roots are followed along."""
+    """Parameter of a root locus."""
 
     AIRSPEED = "airspeed"
     DYNAMIC_PRESSURE = "dynamic_pressure"
@@ -20,9 +20,9 @@ class Along(StrEnum):
 class StructureForecast:
     """Flutter speed of all runs of one model structure, fused.
 
-    ``held_modes`` carry predicted derivatives only, ``source`` names the prediction where they
-    were carried in a second fit; ``left_out_modes`` are known to a prediction but not to the
-    model, whose derivatives hold their static response. ``check`` is a second fit with one mode
+    ``held_modes`` have predicted derivatives only, and ``source`` is the prediction if they were
+    included in a second fit; ``unmodelled_modes`` are known to a prediction but not to the
+    model, whose derivatives include their static response. ``check`` is a second fit with one mode
     fewer, of which half of the difference counts. ``airspeed_m_s`` is None where the model stays
     stable, or flight contradicts it; ``airspeed_std_m_s`` counts the modal frequencies too.
     """
@@ -30,7 +30,7 @@ class StructureForecast:
     run_ids: tuple[int, ...]
     modes: tuple[int, ...]
     held_modes: tuple[int, ...]
-    left_out_modes: tuple[int, ...]
+    unmodelled_modes: tuple[int, ...]
     source: str | None
     airspeed_m_s: float | None
     airspeed_std_m_s: float | None
@@ -44,7 +44,7 @@ class StructureForecast:
 class RunForecast:
     """Flutter speed of one run, against the speed at which it was flown.
 
-    ``sentence`` says why there is none where it is None. ``separation`` is the lowest elastic over
+    ``sentence`` is the reason without a flutter speed. ``separation`` is the lowest elastic over
     the short-period frequency there; None where the short period does not oscillate.
     """
 
@@ -70,7 +70,7 @@ class ProgressForecast:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackerForecast:
-    """What a classical tracker extrapolates from the same runs, or why it cannot."""
+    """Flutter speed by a classical prediction method, or the reason without one."""
 
     name: str
     airspeed_m_s: float | None
@@ -106,9 +106,9 @@ class EquivalentPoint:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EquivalentLine:
-    """A mode without air, from straight lines over dynamic pressure (Eq. 25).
+    """An in-vacuo mode from linear fits over dynamic pressure (Eq. 25).
 
-    ``table_hz`` is what the modal table says; the derivatives are C_Qi_eta_i and C_Qi_etadot_i.
+    ``table_hz`` is the frequency of the modal table; derivatives are C_Qi_eta_i and C_Qi_etadot_i.
     """
 
     mode: int
@@ -126,22 +126,22 @@ class EquivalentLine:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flutter:
-    """The answer to "next point at V: margin, and how sure"; ``safe`` if nothing is against it.
+    """Flutter prediction with the margin of the next test point; ``safe`` if it is stable.
 
     ``airspeed_std_m_s`` is statistical, ``spread_m_s`` the standard deviation between model
     structures, ``modal_std_m_s`` that from the frequencies of the modal table; ``low_m_s`` to
     ``high_m_s`` holds the flutter speed with 95 % probability. ``margin`` is that of the fastest
-    point flown, ``known_m_s`` what the aircraft's table predicted before flight. ``refusal`` says
-    why no flutter speed is taken from a model that flight contradicts, or whose unstable root the
-    data do not determine; empty otherwise. Instabilities were searched from ``searched_from_m_s``
-    to ``searched_to_m_s``.
+    point flown, ``predicted_flutter_m_s`` the prediction of the aircraft's table before flight.
+    ``refusal`` is the reason without a flutter speed: a model that flight contradicts, or an
+    unstable root that the data do not determine; empty otherwise. The
+    search was from ``searched_from_m_s`` to ``searched_to_m_s``.
     """
 
     sentence: str
     refusal: str
     searched_from_m_s: float
     searched_to_m_s: float
-    next_point: str
+    test_point_margin: str
     safe: bool
     fuel_fraction: float
     density_kg_m3: float
@@ -157,7 +157,7 @@ class Flutter:
     frequency_rad_s: float | None
     mechanism: str | None
     participation: tuple[Participation, ...]
-    known_m_s: float | None
+    predicted_flutter_m_s: float | None
     structures: tuple[StructureForecast, ...]
     runs: tuple[RunForecast, ...]
     progress: tuple[ProgressForecast, ...]
@@ -201,9 +201,9 @@ class TestedRoot:
 class FlutterRoots:
     """Roots of the preferred model along airspeed [m/s], dynamic pressure [Pa] or fuel [1].
 
-    ``by_draws`` tells where first order misleads, so that draws make the standard errors,
-    ``note`` says so in words. Over fuel the airspeed is one. ``flutter``, ``interval`` and
-    ``tested_to`` are places on the same axis; over fuel the first is where stability ends.
+    ``by_draws`` is where first order is inaccurate and standard errors are by Monte Carlo draws,
+    ``note`` describes it. Over fuel the airspeed is one. ``flutter``, ``interval`` and
+    ``tested_to`` are positions on the same axis; over fuel the first is where stability ends.
     """
 
     along: Along

@@ -1,4 +1,4 @@
-"""Mini-GVT: what the structure's peaks did during a flight, and whether fuel explains it."""
+"""Mini-GVT: changes of structural peaks during a flight, and their explanation by fuel."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import StrEnum
 
 
 class GroundTestVerdict(StrEnum):
-    """What a pair of ground records says of the structure."""
+    """Result of a pair of ground records."""
 
     HEALTHY = "healthy"  # what changed is what the fuel burnt explains
     WATCH = "watch"  # an amplitude changed, the frequency did not
@@ -18,8 +18,8 @@ class GroundTestVerdict(StrEnum):
 class PeakChange:
     """One peak before and after a flight.
 
-    Changes are relative. ``explained`` is what the modal table says of the fuel burnt,
-    ``unexplained`` what is left, with its standard error.
+    Changes are relative. ``explained`` is the change by fuel burnt in the modal table,
+    ``unexplained`` the remainder with its standard error.
     """
 
     mode: int

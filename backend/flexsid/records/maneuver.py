@@ -11,7 +11,7 @@ GROUND = "ground"
 
 
 class Role(StrEnum):
-    """What a channel is to the identification."""
+    """Role of a channel in the identification."""
 
     INPUT = "input"  # measured surface deflection
     OUTPUT = "output"  # sensor

@@ -1,4 +1,4 @@
-"""StoredMapping: what recorded columns mean, kept for the next files of the same recorder."""
+"""StoredMapping: meaning of recorded columns, saved for files of the same recorder."""
 
 from __future__ import annotations
 

@@ -26,11 +26,11 @@ class ModalTable:
 
     Of large structures the shapes at the nodes lie in the table ``modal_shapes``, one array
     per fuel weight and mode; ``node_ids`` (K,), ``lines`` (L, 2) between rows of ``nodes``,
-    and ``shown`` (rows) and ``shown_lines`` what is drawn. ``order`` and ``sign`` (F, n) say
-    how each row follows from the first one, ``assurance`` (F, n) how surely.
+    and ``shown`` (rows) and ``shown_lines`` what is drawn. ``order`` and ``sign`` (F, n)
+    track the modes of each row from the first one, ``assurance`` (F, n) is the MAC.
 
-    Tables of one name are versions of each other. ``reasons`` tell why each mode is called
-    and judged as it is, ``notes`` what was said of the source when it was imported.
+    Tables of one name are versions of each other. ``reasons`` are those of name and symmetry
+    of each mode, ``notes`` the remarks of the import.
     """
 
     aircraft_id: int
@@ -52,7 +52,7 @@ class ModalTable:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModeCorrection:
-    """What an analyst calls a mode, and whether it is symmetric, against the rule; and why."""
+    """Correction of name and symmetry of a mode by an analyst, with the reason."""
 
     modal_table_id: int
     number: int

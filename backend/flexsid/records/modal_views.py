@@ -1,4 +1,4 @@
-"""What is shown of structures: finished numbers, in SI and rad unless a name says otherwise."""
+"""Data of modal views, in SI and rad unless a name has another unit."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class ModeAtFuel:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SensorSight:
-    """What one sensor sees of one mode: its place, its motion there, and its signal."""
+    """One mode at one sensor: location, motion and signal."""
 
     sensor: str
     kind: str
@@ -35,7 +35,7 @@ class SensorSight:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DrawnShape:
-    """One mode at one fuel fraction, thinned to what can be seen.
+    """One mode at one fuel fraction, downsampled for drawing.
 
     ``nodes_m`` (P, 3) and ``displacement_m`` (P, 3, per unit eta) are in structural axes (x
     aft, y right, z up); ``lines`` are pairs of rows. ``largest_m`` is the largest
@@ -69,8 +69,8 @@ class CrossingMark:
 class ModesAgainstFuel:
     """Frequency and damping of each mode: ``fuel`` (N,), ``frequency_hz``, ``damping`` (N, n).
 
-    ``table_fuel`` (F,) and ``table_hz`` (F, n) are the fuel weights of the table; ``doubtful``
-    the marks (fuel, hz) where what follows may be another mode. NaN for unknown damping.
+    ``table_fuel`` (F,) and ``table_hz`` (F, n) are the fuel weights of the table; ``uncertain``
+    the markers (fuel, hz) with a low MAC between rows. NaN for unknown damping.
     """
 
     title: str
@@ -82,7 +82,7 @@ class ModesAgainstFuel:
     table_fuel: np.ndarray
     table_hz: np.ndarray
     crossings: tuple[CrossingMark, ...]
-    doubtful: tuple[tuple[float, float], ...]
+    uncertain: tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -108,7 +108,7 @@ class SensorRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SensorCandidate:
-    """A place for a further accelerometer: what it would add, and whom it would help most."""
+    """Location of a further accelerometer, with its information and the most improved mode."""
 
     node: int
     axis: str
@@ -120,10 +120,10 @@ class SensorCandidate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Observability:
-    """Which sensor sees which mode, and where a further one would help most.
+    """Observability of modes by sensors, and ranked locations of a further accelerometer.
 
-    ``seen`` says for each mode the best share any sensor has; ``std_error`` is relative to
-    the best known mode's, None for a mode that cannot be told apart.
+    ``std_error`` is relative to that of the most accurate mode, None for a mode that is not
+    identifiable.
     """
 
     modal_table_id: int
@@ -137,7 +137,7 @@ class Observability:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OrderStep:
-    """A model that keeps so many modes; None where a number does not exist."""
+    """A reduced model with some modes; None for undefined values."""
 
     modes: tuple[int, ...]
     names: tuple[str, ...]

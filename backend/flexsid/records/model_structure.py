@@ -24,10 +24,10 @@ class FixedTo:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Structure:
-    """The content of a model structure; a run keeps its own copy.
+    """The content of a model structure; a run has its own copy.
 
     Empty ``inputs`` or ``outputs`` stand for all that the maneuver has. Each
-    derivative of the chosen modes and inputs is in one state:
+    derivative of the selected modes and inputs is in one state:
 
     - absent, where ``absent`` names it: the model does not have it, it is zero;
     - fixed to a number (``fixed``), to a prediction or an earlier run
@@ -45,7 +45,7 @@ class Structure:
     free: tuple[str, ...] | None = None
     fixed: dict[str, float]
     free_delays: bool = False
-    also_free: tuple[str, ...] = ()
+    extra_parameters: tuple[str, ...] = ()
     axis: str = "longitudinal"
     absent: tuple[str, ...] = ()
     fixed_to: dict[str, FixedTo] = field(default_factory=dict[str, FixedTo])

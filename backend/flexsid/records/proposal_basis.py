@@ -7,7 +7,7 @@ from enum import StrEnum
 
 
 class ProposalSource(StrEnum):
-    """What a proposal rests on, the strongest first."""
+    """Basis of a proposal, the strongest first."""
 
     BASELINE = "approved-baseline"
     SAVED_STRUCTURE = "saved-structure"
@@ -16,7 +16,7 @@ class ProposalSource(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProposalBasis:
-    """Why a run has its model structure, where it follows the proposal; kept with the run.
+    """Reasons for a proposed model structure; stored with the run.
 
     ``decision_id`` names the approval of a baseline, ``run_id`` the run of the same FTA that
     used a saved structure.

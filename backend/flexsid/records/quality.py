@@ -1,4 +1,4 @@
-"""Quality: what was found about one maneuver, from its channels to a verdict in words."""
+"""Data quality of one maneuver, by channel, with warnings and a verdict."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class QualityVerdict(StrEnum):
     """Whether a maneuver may be estimated from; ``unchecked`` where this cannot be concluded."""
 
     GOOD = "good"
-    DOUBTFUL = "doubtful"
+    QUESTIONABLE = "questionable"
     BAD = "bad"
     UNCHECKED = "unchecked"
 
@@ -40,11 +40,11 @@ class FoundStretch:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChannelQuality:
-    """One channel; what cannot be told is None.
+    """Quality of one channel; None where undetermined.
 
-    ``signal_to_noise_db`` is the median over the lines, ``coherence`` that with what all
-    other sensors say, ``noise_excess`` what it disagrees with them by, over its noise and one
-    per cent of its level. ``not_checked`` is the reason why an output could not be checked
+    ``signal_to_noise_db`` is the median over the harmonics, ``coherence`` that with the motion
+    reconstructed from all other sensors, ``noise_excess`` the rms difference to it over its noise
+    and one per cent of its level. ``not_checked`` is the reason why an output could not be checked
     against the others: nothing is concluded of its delay, scale factor and sign.
     ``delay_s`` counts from the reference, ``scale`` is recorded over true, ``bias`` in SI.
     At most fifty ``stretches`` are listed; ``n_stretches`` counts all.
@@ -125,12 +125,12 @@ class Figures:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class QualityReport:
-    """All that was found; ``not_checked`` says what could not be looked at, and why."""
+    """Quality report of a maneuver; ``not_checked`` lists omitted checks with reasons."""
 
     channels: tuple[ChannelQuality, ...]
     condition: FlightConditionQuality
     inputs: tuple[InputPair, ...]
-    findings: tuple[QualityWarning, ...]
+    warnings: tuple[QualityWarning, ...]
     skew_reference: str | None
     skew_band_hz: tuple[float, float] | None
     not_checked: tuple[str, ...]
@@ -138,7 +138,7 @@ class QualityReport:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ManeuverQuality:
-    """What was found about a maneuver; ``content_hash`` tells what it rests on."""
+    """Quality of a maneuver; ``content_hash`` is the hash of its inputs."""
 
     maneuver_id: int
     content_hash: str
@@ -152,7 +152,7 @@ class ManeuverQuality:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SignalToNoise:
-    """Signal over noise of every channel at every line, ``decibel`` (n_lines, n_channels).
+    """Signal-to-noise ratio of every channel at every harmonic, ``decibel`` (n_lines, n_channels).
 
     NaN above the Nyquist frequency of a channel.
     """
@@ -160,5 +160,5 @@ class SignalToNoise:
     maneuver_id: int
     names: tuple[str, ...]
     frequency_hz: np.ndarray
-    owners: tuple[str, ...]
+    assigned_inputs: tuple[str, ...]
     decibel: np.ndarray

@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ReconstructedTrace:
-    """One quantity in time, (n_samples,), and at the lines, (n_lines,), each with its error.
+    """One quantity in time, (n_samples,), and at frequencies, (n_lines,), with standard errors.
 
     ``std`` are standard errors; at the lines those of the magnitude. Lines have the unit
     times seconds.
@@ -27,9 +27,9 @@ class ReconstructedTrace:
 class Reconstruction:
     """Motion of a maneuver from all its sensors.
 
-    ``rank`` and ``condition`` (n_lines,) say how many motions the sensors tell apart at each
-    line and how well; ``noise_excess`` is what each sensor disagrees with the others by, over
-    the noise that the aircraft's description gives it, None where that is not known.
+    ``rank`` and ``condition`` (n_lines,) are rank and condition number of the sensor equations at
+    each frequency; ``noise_excess`` is the rms difference of each sensor to the others over its
+    defined noise, None where unknown.
     """
 
     maneuver_id: int
@@ -44,4 +44,4 @@ class Reconstruction:
     condition: np.ndarray
     sensors: tuple[str, ...]
     noise_excess: tuple[float | None, ...]
-    left_out: dict[str, str]
+    excluded: dict[str, str]

@@ -1,4 +1,4 @@
-"""EstimationRun: what was asked, how far it is, and what came out."""
+"""EstimationRun: request, progress and result of an estimation."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class RunSettings:
     ``noise`` is ``diagonal`` or ``full``; ``priors`` gives value and standard
     deviation by parameter, ``prior_spread`` gives every free derivative a prior at
     the prediction with this share of its size; ``start_run_id`` goes with the start ``run``;
-    ``together_with`` names further maneuvers fitted with the same derivatives.
+    ``additional_maneuver_ids`` names further maneuvers fitted with the same derivatives.
     """
 
     start: Start = Start.BEST
@@ -55,12 +55,12 @@ class RunSettings:
     priors: dict[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
     prior_spread: float | None = None
     start_run_id: int | None = None
-    together_with: tuple[int, ...] = ()
+    additional_maneuver_ids: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Progress:
-    """Last thing that a running job said."""
+    """Last progress report of a running job."""
 
     iteration: int = 0
     cost: float | None = None
@@ -70,7 +70,7 @@ class Progress:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParameterEstimate:
-    """One estimated derivative or delay; ``no_error`` says why ``std_error`` is None."""
+    """One estimated derivative or delay; ``no_error`` is the reason without ``std_error``."""
 
     name: str
     value: float
@@ -98,7 +98,7 @@ class Pole:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FitBlock:
-    """One set of lines that was fitted: OE one, FRE one per input, EE one per coefficient.
+    """One set of fitted data: OE one, FRE one per input, EE one per coefficient.
 
     ``arrays`` names hashes: ``omega`` (M,), ``measured`` and ``fitted`` (M, len(outputs)).
     """
@@ -152,9 +152,9 @@ class Fit:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunResult:
-    """What a finished run keeps; ``covariance`` is a hash, ordered as ``parameters``.
+    """Result of a run; ``covariance`` is a hash, ordered as ``parameters``.
 
-    ``prediction_id`` is the prediction that was used, chosen or found; ``held`` are
+    ``prediction_id`` is the prediction that was used, selected or found; ``held`` are
     the derivatives that were not free, at the values they were held at.
     """
 
@@ -170,7 +170,7 @@ class RunResult:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Provenance:
-    """Hashes of what a run was computed from, as it was read.
+    """Hashes of the data of a run, as read.
 
     ``rests_on`` names each record ("maneuver 3", "aircraft 1"); for the others see
     ``EstimationRun``.
@@ -183,7 +183,7 @@ class Provenance:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
-    """What a run may take before it is stopped; None leaves it to the server."""
+    """Limits of a run; None for those of the server."""
 
     time_s: float | None = None
     memory_mb: int | None = None
@@ -195,11 +195,11 @@ class EstimationRun:
 
     Of those that wait, the one with the highest ``priority`` starts first, and none
     before ``after_run_id`` has succeeded. ``data_hash`` names what was recorded and
-    assumed, ``input_hash`` that and all that was asked for: equal inputs are one run.
+    assumed, ``input_hash`` that and the request: equal inputs are one run.
     ``rests_on`` are the hashes of the records it was computed from (None: not recorded, by an
-    earlier release). ``result_hash`` was kept with the result; ``altered`` tells that the
-    result, or what was asked for, is not any more what it was then.
-    ``proposal`` is there where the model structure is the one that was proposed.
+    earlier release). ``result_hash`` was stored with the result; ``altered`` is whether the
+    result or the request was changed since. ``proposal`` is set if the model structure was
+    proposed.
     """
 
     maneuver_id: int

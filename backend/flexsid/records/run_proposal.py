@@ -28,7 +28,7 @@ class ModeInBand:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunProposal:
-    """Modes, inputs, outputs, band and options of a run, and what it asks of the data.
+    """Modes, inputs, outputs, band and options of a run, and its requirements on the data.
 
     ``inputs`` and ``outputs`` are what the empty ones of the structure stand for;
     ``lines_per_parameter`` counts excited frequencies for each parameter of one equation.

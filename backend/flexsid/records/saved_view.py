@@ -1,4 +1,4 @@
-"""SavedView: what a page shows, under a name that everybody who uses the workbench sees."""
+"""SavedView: a named page state, visible to all users."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from datetime import datetime
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SavedView:
-    """``search`` is the part of the page's address that says what is shown."""
+    """``search`` is the query string of the page."""
 
     page: str
     name: str

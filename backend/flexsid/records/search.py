@@ -18,7 +18,7 @@ class Algorithm(StrEnum):
 
 
 class SearchStart(StrEnum):
-    """What output error and frequency response error begin with."""
+    """Initial model of output error and frequency-response error."""
 
     ALL = "all"
     EQUATION_ERROR = "equation error"
@@ -26,7 +26,7 @@ class SearchStart(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchSettings:
-    """What a term must show, and how that is tried.
+    """Criteria of the selection of terms.
 
     ``f_in`` and ``f_out`` bound the partial F to enter and to stay; ``pse_noise`` is how
     many noise variances the predicted squared error charges for a term; ``draws`` is how
@@ -62,14 +62,14 @@ class SearchStep:
 class SearchTerm:
     """One candidate term at the end.
 
-    ``value`` is what it has, or would take as the next to enter; None where the others say
-    the same. ``support`` is the share of maneuvers that ask for it alone, ``stability`` the
-    share of draws of the lines that choose it, ``inflation`` its variance inflation among
+    ``value`` is its estimate, or that as the next to enter; None if linearly dependent.
+    ``support`` is the fraction of single maneuvers that select it, ``stability`` the fraction of
+    bootstrap draws that select it, ``inflation`` its variance inflation among
     all candidates (None: infinite).
     """
 
     name: str
-    chosen: bool
+    selected: bool
     value: float | None
     std_error: float | None
     f: float
@@ -80,7 +80,7 @@ class SearchTerm:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TermDependency:
-    """Terms that the data hardly tell apart, by their share in a weak direction."""
+    """Nearly collinear terms, by their variance proportions in a weak direction."""
 
     condition_index: float
     shares: dict[str, float]
@@ -125,7 +125,7 @@ class SearchCandidate:
     cost: float | None
     bic: float | None
     likelihood_ratio: float | None
-    foretold: float | None
+    predicted_ratio: float | None
     predicted: tuple[PredictedLines, ...]
     predictive_cost: float | None
     flutter_m_s: float | None
@@ -136,7 +136,7 @@ class SearchCandidate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchResult:
-    """What a search found; candidates stand in the order of their predictive likelihood."""
+    """Result of a search; candidates are in the order of predictive likelihood."""
 
     sentence: str
     groups: tuple[TermGroup, ...]

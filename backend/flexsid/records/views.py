@@ -47,7 +47,7 @@ class ChannelTrace:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ChannelHistories:
-    """Channels of a maneuver over one window; thinned to ``points`` per channel when drawn."""
+    """Channels of a maneuver over one window; downsampled to ``points`` per channel when drawn."""
 
     maneuver_id: int
     traces: tuple[ChannelTrace, ...]
@@ -57,9 +57,9 @@ class ChannelHistories:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Spectra:
-    """|X| at the excited lines: ``frequency_hz`` (M,), ``magnitude`` (M, n_channels) [unit s].
+    """|X| at the excited harmonics: ``frequency_hz`` (M,), ``magnitude`` (M, n_channels) [unit s].
 
-    ``owners`` names, line by line, the input whose excitation has that line, empty
+    ``assigned_inputs`` names, line by line, the input whose excitation has that line, empty
     where none has; ``inputs`` are all inputs of the maneuver, which fixes their colours.
     ``noise`` (M, n_channels) is the level that the scatter about smooth closed-loop
     responses betrays. ``background`` (K, n_channels) at ``background_hz`` (K,) is the
@@ -69,7 +69,7 @@ class Spectra:
     maneuver_id: int
     inputs: tuple[str, ...]
     frequency_hz: np.ndarray
-    owners: tuple[str, ...]
+    assigned_inputs: tuple[str, ...]
     names: tuple[str, ...]
     units: tuple[str, ...]
     magnitude: np.ndarray
@@ -119,9 +119,9 @@ class Response:
 
     ``relative_std`` (M,) is the standard error of the magnitude over the magnitude,
     which is also that of the phase in radians. ``run_id`` is None for measured data,
-    ``maneuver_id`` for an average of several. ``rigid`` is a model whose sensors see
-    no structure (C_e = 0). ``coherence`` (M,) is the share of the output that the inputs
-    explain, or that repeats from period to period, where that can be told.
+    ``maneuver_id`` for an average of several. ``rigid`` is a model with rigid-body
+    sensors (C_e = 0). ``coherence`` (M,) is the share of the output that the inputs
+    explain, or that repeats from period to period, where known.
     """
 
     output: str
@@ -158,7 +158,7 @@ class Bode:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FitTrace:
-    """Measured and fitted complex lines of one output, as magnitude and phase, all (M,)."""
+    """Measured and fitted spectra of one output, as magnitude and phase, all (M,)."""
 
     output: str
     unit: str
@@ -172,7 +172,7 @@ class FitTrace:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FitPlot:
-    """What one block of a run fitted."""
+    """Fit of one block of a run."""
 
     run_id: int
     method: Method
@@ -267,7 +267,7 @@ class GroundSpectra:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DesignedExcitation:
-    """One period of a design: ``command`` (n, n_inputs) [rad], and its lines by input.
+    """One period of a design: ``command`` (n, n_inputs) [rad], and its harmonics by input.
 
     ``frequency_hz`` and ``amplitude`` [rad] are (n_lines,) of each input.
     """
@@ -323,10 +323,10 @@ class TargetModes:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ExpectedResponse:
-    """What a design would show: by input its lines, what each is worth, and every output there.
+    """Predicted response to a design: harmonics, information and signal-to-noise ratios.
 
-    ``worth`` counts parameters told by a line, ``signal_to_noise`` (n_lines, n_outputs) is an
-    amplitude ratio, ``correlation`` that of the true deflections over a period. [Hz], [1]
+    ``worth`` is the information per harmonic in parameters, ``signal_to_noise`` (n_lines,
+    n_outputs) is an amplitude ratio, ``correlation`` that of true deflections over a period. [1]
     """
 
     names: tuple[str, ...]
@@ -341,7 +341,7 @@ class ExpectedResponse:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LoopCurve:
-    """Gain of one surface's loop at its own lines, (M,), with margins.
+    """Gain of one surface's loop at its harmonics, (M,), with margins.
 
     ``std`` is of the complex error; ``gain_up`` is a factor, infinite where nothing is crossed.
     """

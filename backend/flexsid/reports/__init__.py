@@ -1,4 +1,4 @@
-"""Reports to hand on, each one file that needs nothing else."""
+"""Reports, each a self-contained HTML or PDF file."""
 
 from flexsid.reports.campaign import campaign_report
 from flexsid.reports.comparison import comparison_report

@@ -1,4 +1,4 @@
-"""The report of a campaign: what was flown, what was estimated, what the structure did."""
+"""Report of a campaign: maneuvers, estimates, flutter prediction, ground tests."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from flexsid.errors import Conflict
 from flexsid.records.ground_test import GroundTestVerdict
 from flexsid.records.run import Method, RunState
 from flexsid.reports.content import Facts, Part, Report, ReportTable, Section, Words, drawn, listed
-from flexsid.reports.estimated import estimated_sections, newest
+from flexsid.reports.estimated import list_latest_runs, report_estimates
 from flexsid.storage.maneuver_list import LatestRun, ManeuverFilters, ManeuverItem
 from flexsid.storage.quality_list import SORT_FIELDS, select_qualities
 from flexsid.storage.store import Store
 from flexsid.workflow import views
-from flexsid.workflow.quality.ground_records import ground_tests
-from flexsid.workflow.review.evidence import software
+from flexsid.workflow.quality.ground_records import compare_all_ground_records
+from flexsid.workflow.review.evidence import list_software_versions
 
 _ALL = 1_000_000
 
 
 def campaign_report(store: Store, **filters: Unpack[ManeuverFilters]) -> Report:
-    """Report the maneuvers that a list is narrowed to; all by default.
+    """Report the maneuvers selected by filters; all by default.
 
     Raises
     ------
@@ -31,33 +31,42 @@ def campaign_report(store: Store, **filters: Unpack[ManeuverFilters]) -> Report:
     flown = store.maneuver_page(limit=None, **filters).items
     if not flown:
         raise Conflict(
-            "there is no maneuver to report; import some, or widen the filter", code="no-maneuver"
+            "no maneuver matches the filter; import maneuvers, or widen the filter",
+            code="no-maneuver",
         )
     aircraft = list(dict.fromkeys(item.aircraft_name for item in flown))
     return Report(
         title=f"Flight test campaign of {listed(aircraft)}",
-        subtitle=_counted(flown),
+        subtitle=_count(flown),
         name="flexsid-campaign",
         sections=(
             Section(
                 "Summary",
                 (
-                    Facts(_summary(flown)),
+                    Facts(_summarise(flown)),
                     drawn(
-                        "Where the maneuvers were flown",
+                        "Flight envelope of the maneuvers",
                         lambda: figures.envelope(views.envelope(store, **filters)),
                     ),
                 ),
             ),
-            Section("Flights", (_flights(store, flown),)),
-            Section("Maneuvers", (_maneuvers(flown, _verdicts(store)),)),
-            *estimated_sections(store, flown),
-            Section("Ground tests", _ground(store, {item.flight_id for item in flown})),
+            Section("Flights", (_list_flights(store, flown),)),
+            Section("Maneuvers", (_list_maneuvers(flown, _read_quality(store)),)),
+            *report_estimates(store, flown),
+            Section(
+                "Ground tests", _summarise_ground_tests(store, {item.flight_id for item in flown})
+            ),
         ),
         provenance=(
             ("Maneuvers", listed(item.id for item in flown)),
-            ("Runs", listed(sorted(run.id for item in flown for run in newest(item)), "none")),
-            ("Software", listed(f"{name} {value}" for name, value in software().items())),
+            (
+                "Runs",
+                listed(sorted(run.id for item in flown for run in list_latest_runs(item)), "none"),
+            ),
+            (
+                "Software",
+                listed(f"{name} {value}" for name, value in list_software_versions().items()),
+            ),
             *(
                 (f"Only {name.replace('_', ' ')}", str(value))
                 for name, value in filters.items()
@@ -67,14 +76,14 @@ def campaign_report(store: Store, **filters: Unpack[ManeuverFilters]) -> Report:
     )
 
 
-def _counted(flown: list[ManeuverItem]) -> str:
+def _count(flown: list[ManeuverItem]) -> str:
     flights = {item.flight_id for item in flown}
     runs = sum(item.n_runs for item in flown)
     counts = {"flight": len(flights), "maneuver": len(flown), "run": runs}
     return listed(f"{count} {name}{'' if count == 1 else 's'}" for name, count in counts.items())
 
 
-def _summary(flown: list[ManeuverItem]) -> tuple[tuple[str, str], ...]:
+def _summarise(flown: list[ManeuverItem]) -> tuple[tuple[str, str], ...]:
     speeds = [item.airspeed_m_s for item in flown]
     ratios = [item.airspeed_ratio for item in flown if item.airspeed_ratio is not None]
     fuels = [item.fuel_fraction for item in flown]
@@ -88,7 +97,7 @@ def _summary(flown: list[ManeuverItem]) -> tuple[tuple[str, str], ...]:
     )
 
 
-def _flights(store: Store, flown: list[ManeuverItem]) -> ReportTable:
+def _list_flights(store: Store, flown: list[ManeuverItem]) -> ReportTable:
     rows = []
     for flight in store.flights.find():
         cards = [item for item in flown if item.flight_id == flight.id]
@@ -112,13 +121,13 @@ def _flights(store: Store, flown: list[ManeuverItem]) -> ReportTable:
     )
 
 
-def _verdicts(store: Store) -> dict[int, str]:
+def _read_quality(store: Store) -> dict[int, str]:
     with store.database.reading() as connection:
         page = select_qualities(connection, {}, SORT_FIELDS[0], _ALL, None)
     return {item.maneuver_id: item.verdict.value for item in page.items if item.verdict is not None}
 
 
-def _maneuvers(flown: list[ManeuverItem], verdicts: dict[int, str]) -> ReportTable:
+def _list_maneuvers(flown: list[ManeuverItem], verdicts: dict[int, str]) -> ReportTable:
     rows = []
     for item in flown:
         rows.append(
@@ -131,25 +140,25 @@ def _maneuvers(flown: list[ManeuverItem], verdicts: dict[int, str]) -> ReportTab
                 f"{item.dynamic_pressure_pa:.0f}",
                 f"{item.fuel_fraction:.2f}",
                 verdicts.get(item.id, "–"),
-                listed(_of_method(method, run) for method, run in item.runs.items() if run),
+                listed(_format_method(method, run) for method, run in item.runs.items() if run),
             )
         )
     return ReportTable(
         ("maneuver", "flight", "FTA", "V [m/s]", "V/V_f", "q̄ [Pa]", "fuel", "data", "estimated by"),
         tuple(rows),
-        "Maneuvers with their flight condition, the verdict on their data, and their newest runs",
+        "Maneuvers with flight condition, data quality, and latest runs",
     )
 
 
-def _of_method(method: Method, run: LatestRun) -> str:
-    """A run that succeeded goes without saying."""
+def _format_method(method: Method, run: LatestRun) -> str:
+    """Format method and state of a run; without the state if it succeeded."""
     return method.value if run.state is RunState.SUCCEEDED else f"{method.value} {run.state.value}"
 
 
-def _ground(store: Store, flights: set[int]) -> tuple[Part, ...]:
-    found = [test for test in ground_tests(store) if test.flight_id in flights]
+def _summarise_ground_tests(store: Store, flights: set[int]) -> tuple[Part, ...]:
+    found = [test for test in compare_all_ground_records(store) if test.flight_id in flights]
     if not found:
-        return (Words("No flight has ground records from before and after it."),)
+        return (Words("No flight has ground records before and after it."),)
     return (
         *(
             Words(test.message, warns=True)
@@ -157,7 +166,7 @@ def _ground(store: Store, flights: set[int]) -> tuple[Part, ...]:
             if test.verdict is not GroundTestVerdict.HEALTHY
         ),
         ReportTable(
-            ("flight", "verdict", "fuel before", "fuel after", "what was found"),
+            ("flight", "verdict", "fuel before", "fuel after", "result"),
             tuple(
                 (
                     str(test.flight_number),

@@ -1,4 +1,4 @@
-"""The report of a comparison: derivatives of runs and predictions side by side."""
+"""Report of a comparison: derivatives of runs and predictions."""
 
 from __future__ import annotations
 
@@ -22,16 +22,20 @@ from flexsid.reports.flown import source_facts
 from flexsid.reports.run import METHOD_NAMES
 from flexsid.storage.store import Store
 from flexsid.workflow.comparison.agreement import CONSISTENT_SIGMA
-from flexsid.workflow.comparison.derivative_comparison import coefficients, compare, of_coefficient
-from flexsid.workflow.model_structures.run_results import note_changes
+from flexsid.workflow.comparison.derivative_comparison import (
+    compare,
+    list_coefficients,
+    select_coefficient,
+)
+from flexsid.workflow.model_structures.run_results import describe_data_changes
 
-_ABREAST = 6  # sources in one table, as many as fit on paper
+_ABREAST = 6  # sources in one table, by page width
 
 
 def comparison_report(
     store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int]
 ) -> Report:
-    """Report how runs and predictions agree.
+    """Report the agreement of runs and predictions.
 
     Raises
     ------
@@ -47,72 +51,92 @@ def comparison_report(
         subtitle=listed(maneuver.label for maneuver in maneuvers),
         name="flexsid-comparison-" + "-".join(map(str, dict.fromkeys(run_ids))),
         sections=(
-            Section("Summary", (*_verdicts(compared), *_late(compared), _sources(store, compared))),
-            *(Section(name, _coefficient(compared, name)) for name in coefficients(compared)),
+            Section(
+                "Summary",
+                (
+                    *_summarise_agreement(compared),
+                    *_warn_of_changes(compared),
+                    _list_sources(store, compared),
+                ),
+            ),
+            *(
+                Section(name, _report_coefficient(compared, name))
+                for name in list_coefficients(compared)
+            ),
         ),
         provenance=(
-            *(_run_facts(store, run_id) for run_id in dict.fromkeys(run_ids)),
+            *(_describe_run(store, run_id) for run_id in dict.fromkeys(run_ids)),
             *(fact for maneuver in maneuvers for fact in source_facts(store, maneuver)),
         ),
     )
 
 
-def _run_facts(store: Store, run_id: int) -> tuple[str, str]:
+def _describe_run(store: Store, run_id: int) -> tuple[str, str]:
     run = store.runs.get(run_id)
     versions = listed(f"{name} {version}" for name, version in (run.versions or {}).items())
     return f"Run {run_id}", f"finished {moment(run.finished_at)} by {versions}"
 
 
-def _late(compared: Comparison) -> tuple[Words, ...]:
-    """Warn of runs whose data were corrected after they were computed."""
-    texts = (note_changes(source.run_id, source.changed_since) for source in compared.sources)
+def _warn_of_changes(compared: Comparison) -> tuple[Words, ...]:
+    """Warn of runs whose data were corrected after the estimation."""
+    texts = (
+        describe_data_changes(source.run_id, source.changed_since) for source in compared.sources
+    )
     return tuple(Words(text, warns=True) for text in texts if text is not None)
 
 
 _MOST_NAMED = 8  # derivatives that a verdict names
 
 
-def _verdicts(compared: Comparison) -> tuple[Words, ...]:
-    """How the runs agree among each other, then how each prediction agrees with them."""
+def _summarise_agreement(compared: Comparison) -> tuple[Words, ...]:
+    """Summarise the agreement between runs, then of each prediction with them."""
     runs = [s for s in compared.sources if not s.is_prediction]
-    apart = {row.name: row.max_difference_sigma for row in compared.rows if not row.consistent}
-    words = [_verdict(compared.runs_verdict, apart, "between the runs", "No two runs")]
+    differences = {
+        row.name: row.max_difference_sigma for row in compared.rows if not row.consistent
+    }
+    words = [
+        _summarise_count(compared.runs_verdict, differences, "between the runs", "No two runs")
+    ]
     labels = {s.key: s.label for s in compared.sources}
     for verdict in compared.prediction_verdicts:
-        apart = {
+        differences = {
             row.name: value.difference_sigma
             for row in compared.rows
-            if (value := _value_of(row, verdict.source)) is not None and not value.consistent
+            if (value := _find_value(row, verdict.source)) is not None and not value.consistent
         }
         label = labels[verdict.source or ""]
         against = "the run" if len(runs) == 1 else "every run"
-        words.append(_verdict(verdict, apart, f"of {label} with {against}", f"No run and {label}"))
+        words.append(
+            _summarise_count(
+                verdict, differences, f"of {label} with {against}", f"No run and {label}"
+            )
+        )
     return tuple(words)
 
 
-def _value_of(row: Row, key: str | None) -> SourceValue | None:
+def _find_value(row: Row, key: str | None) -> SourceValue | None:
     return next((value for value in row.values if value is not None and value.key == key), None)
 
 
-def _verdict(
-    verdict: AgreementCount, apart: Mapping[str, float | None], which: str, nobody: str
+def _summarise_count(
+    verdict: AgreementCount, differences: Mapping[str, float | None], which: str, none: str
 ) -> Words:
     if not verdict.n_judged:
-        return Words(f"{nobody} give standard errors for the same derivative.")
+        return Words(f"{none} give standard errors for the same derivative.")
     text = (
         f"{verdict.n_consistent} of {verdict.n_judged} derivatives agree within "
         f"{CONSISTENT_SIGMA:g} combined standard errors {which}."
     )
-    known = {name: size for name, size in apart.items() if size is not None}
+    known = {name: size for name, size in differences.items() if size is not None}
     if known:
         worst = sorted(known, key=lambda name: known[name], reverse=True)
-        text += " Furthest apart: "
+        text += " Largest differences: "
         text += listed(f"{name} ({known[name]:.1f} σ)" for name in worst[:_MOST_NAMED])
         text += "."
     return Words(text, warns=bool(known))
 
 
-def _sources(store: Store, compared: Comparison) -> ReportTable:
+def _list_sources(store: Store, compared: Comparison) -> ReportTable:
     rows = []
     for source in compared.sources:
         what, where, speed, fuel = "prediction", "–", "–", "–"
@@ -131,34 +155,34 @@ def _sources(store: Store, compared: Comparison) -> ReportTable:
     )
 
 
-def _coefficient(compared: Comparison, name: str) -> tuple[Part, ...]:
-    part = of_coefficient(compared, name)
+def _report_coefficient(compared: Comparison, name: str) -> tuple[Part, ...]:
+    part = select_coefficient(compared, name)
     return (
         drawn(f"Derivatives of {name} with ±2 standard errors", lambda: figures.derivatives(part)),
         *(
-            _numbers(part, range(start, min(start + _ABREAST, len(part.sources))))
+            _tabulate(part, range(start, min(start + _ABREAST, len(part.sources))))
             for start in range(0, len(part.sources), _ABREAST)
         ),
     )
 
 
-def _numbers(part: Comparison, sources: range) -> ReportTable:
+def _tabulate(part: Comparison, sources: range) -> ReportTable:
     return ReportTable(
-        ("derivative", *(part.sources[place].label for place in sources), "runs apart [σ]"),
+        ("derivative", *(part.sources[place].label for place in sources), "difference of runs [σ]"),
         tuple(
             (
                 row.name,
-                *(_written(row.values[place]) for place in sources),
+                *(_format_value(row.values[place]) for place in sources),
                 number(row.max_difference_sigma, 2),
             )
             for row in part.rows
         ),
-        "Value ± standard error; runs apart: largest difference between two runs, and in brackets"
+        "Value ± standard error; difference of runs: largest between two runs, and in brackets"
         " that of a prediction from a run, in combined standard errors",
     )
 
 
-def _written(value: SourceValue | None) -> str:
+def _format_value(value: SourceValue | None) -> str:
     if value is None:
         return "–"
     written = " ± ".join(estimate(value.value, value.std_error)).removesuffix(" ± –")

@@ -1,4 +1,4 @@
-"""What a report is made of, before it has a form."""
+"""Content of a report, independent of the layout."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flexsid.figures.spec import Spec
 
 @dataclass(frozen=True, slots=True)
 class Words:
-    """A paragraph; one that warns stands out."""
+    """A paragraph; a warning is highlighted."""
 
     text: str
     warns: bool = False
@@ -22,14 +22,14 @@ class Words:
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """Names with their values."""
+    """A list of names with values."""
 
     pairs: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class ReportTable:
-    """Rows of text below a head; columns from ``numbers_from`` on stand at the right."""
+    """A table; columns from ``numbers_from`` on are right-aligned."""
 
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -39,7 +39,7 @@ class ReportTable:
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A figure with what it shows."""
+    """A figure with a caption."""
 
     spec: Spec
     caption: str
@@ -58,7 +58,7 @@ class Section:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """A report; ``provenance`` says what it rests on."""
+    """A report; ``provenance`` lists data, settings and software."""
 
     title: str
     subtitle: str
@@ -68,15 +68,15 @@ class Report:
 
 
 def drawn(caption: str, draw: Callable[[], Spec]) -> Part:
-    """Draw a figure; one that cannot be drawn says why, and the report goes on."""
+    """Draw a figure; an error is reported as a paragraph."""
     try:
         return Drawing(draw(), caption)
     except FlexsidError as error:
-        return Words(f"{caption}: not drawn, for {error.message}.")
+        return Words(f"{caption}: not available ({error.message}).")
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """Write a number with so many significant digits; a dash where there is none."""
+    """Format a number with significant digits; a dash for none."""
     if value is None or not math.isfinite(value):
         return "–"
     if value == 0:
@@ -88,7 +88,7 @@ def number(value: float | None, digits: int = 4) -> str:
 
 
 def estimate(value: float, std_error: float | None) -> tuple[str, str]:
-    """Write an estimate to the second digit of its standard error."""
+    """Format an estimate to the second significant digit of its standard error."""
     if std_error is None or not std_error > 0:
         return number(value), "–"
     places = 1 - math.floor(math.log10(std_error))
@@ -98,10 +98,10 @@ def estimate(value: float, std_error: float | None) -> tuple[str, str]:
 
 
 def moment(at: datetime | None) -> str:
-    """Write a time of day in UTC."""
+    """Format a date and time in UTC."""
     return "–" if at is None else f"{at:%Y-%m-%d %H:%M} UTC"
 
 
 def listed(values: Any, none: str = "–") -> str:
-    """Write values with commas."""
+    """Join values with commas."""
     return ", ".join(map(str, values)) or none

@@ -1,4 +1,4 @@
-"""The report of a decision: what was settled for which conditions, on what evidence, by whom."""
+"""Report of a decision: model structure, conditions, evidence, votes and history."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from flexsid.reports.content import (
     moment,
 )
 from flexsid.storage.store import Store
-from flexsid.sysid.model.derivatives import derivative_names
+from flexsid.sysid.model.derivatives import list_derivative_names
 from flexsid.workflow import views
-from flexsid.workflow.comparison.derivative_comparison import coefficients, of_coefficient
-from flexsid.workflow.model_structures.structure_difference import state_of
+from flexsid.workflow.comparison.derivative_comparison import list_coefficients, select_coefficient
+from flexsid.workflow.model_structures.structure_difference import describe_derivative_state
 from flexsid.workflow.review.audit import AuditedDecision, audit_decision
-from flexsid.workflow.review.audit_report import limits_text
+from flexsid.workflow.review.audit_report import describe_limits
 
 
 def decision_report(store: Store, decision_id: int) -> Report:
-    """Report a decision with its evidence and its whole history.
+    """Report a decision with its evidence and history.
 
     Raises
     ------
@@ -41,17 +41,19 @@ def decision_report(store: Store, decision_id: int) -> Report:
     decision = audited.decision
     proposal = decision.proposal
     surfaces = tuple(surface.name for surface in trail.aircraft.surfaces)
-    chosen = _version(audited, proposal.structure)
+    version = _find_version(audited, proposal.structure)
     return Report(
         title=proposal.title,
         subtitle=f"Decision {decision_id} of {trail.aircraft.name}: {decision.state.value}",
         name=f"flexsid-decision-{decision_id}",
         sections=(
-            Section("Decision", (*_doubts(audited), Facts(_summary(audited)))),
+            Section("Decision", (*_list_warnings(audited), Facts(_summarise(audited)))),
             Section("Reasoning", (Words(proposal.reasoning),)),
-            Section("Model structure", () if chosen is None else _structure(chosen, surfaces)),
-            Section("Evidence", tuple(_evidence(store, audited))),
-            Section("History", (_history(audited.events),)),
+            Section(
+                "Model structure", () if version is None else _describe_structure(version, surfaces)
+            ),
+            Section("Evidence", tuple(_report_evidence(store, audited))),
+            Section("History", (_tabulate_events(audited.events),)),
         ),
         provenance=(
             ("Check", trail.check),
@@ -62,28 +64,30 @@ def decision_report(store: Store, decision_id: int) -> Report:
     )
 
 
-def _version(audited: AuditedDecision, wanted: StructureReference) -> StructureVersion | None:
+def _find_version(
+    audited: AuditedDecision, reference: StructureReference
+) -> StructureVersion | None:
     for one in audited.structures:
-        if (one.structure_id, one.version) == (wanted.id, wanted.version):
+        if (one.structure_id, one.version) == (reference.id, reference.version):
             return one
     return None
 
 
-def _doubts(audited: AuditedDecision) -> tuple[Part, ...]:
-    doubts = []
+def _list_warnings(audited: AuditedDecision) -> tuple[Part, ...]:
+    warnings = []
     if not audited.whole:
-        doubts.append("The record of this decision was changed after it was written.")
+        warnings.append("The record of this decision was modified after it was written.")
     if audited.changed_since:
-        doubts.append(f"Changed since the last event: {listed(audited.changed_since)}.")
-    return tuple(Words(doubt, warns=True) for doubt in doubts)
+        warnings.append(f"Changed since the last event: {listed(audited.changed_since)}.")
+    return tuple(Words(warning, warns=True) for warning in warnings)
 
 
-def _summary(audited: AuditedDecision) -> tuple[tuple[str, str], ...]:
+def _summarise(audited: AuditedDecision) -> tuple[tuple[str, str], ...]:
     decision = audited.decision
     votes = (f"{name}: {vote.value}" for name, vote in decision.votes.items())
     return (
         ("State", decision.state.value),
-        ("Holds for", limits_text(decision.proposal.limits)),
+        ("Valid for", describe_limits(decision.proposal.limits)),
         ("Axis", decision.axis),
         ("Proposed by", listed(decision.authors)),
         ("Votes", listed(votes, "none")),
@@ -92,11 +96,11 @@ def _summary(audited: AuditedDecision) -> tuple[tuple[str, str], ...]:
     )
 
 
-def _structure(version: StructureVersion, surfaces: tuple[str, ...]) -> tuple[Part, ...]:
+def _describe_structure(version: StructureVersion, surfaces: tuple[str, ...]) -> tuple[Part, ...]:
     structure = version.structure
     groups: dict[str, list[str]] = {}
-    for name in derivative_names(structure.modes, structure.inputs or surfaces):
-        groups.setdefault(state_of(structure, name), []).append(name)
+    for name in list_derivative_names(structure.modes, structure.inputs or surfaces):
+        groups.setdefault(describe_derivative_state(structure, name), []).append(name)
     facts = (
         ("Name", f"{version.name}, version {version.version}"),
         ("Modes", listed(structure.modes, "none: rigid body")),
@@ -107,7 +111,7 @@ def _structure(version: StructureVersion, surfaces: tuple[str, ...]) -> tuple[Pa
     return (Facts(facts), *((Words(version.note),) if version.note else ()))
 
 
-def _evidence(store: Store, audited: AuditedDecision) -> Iterator[Part]:
+def _report_evidence(store: Store, audited: AuditedDecision) -> Iterator[Part]:
     if audited.runs:
         yield ReportTable(
             ("run", "maneuver", "method", "by", "outcome", "worst R²"),
@@ -122,36 +126,36 @@ def _evidence(store: Store, audited: AuditedDecision) -> Iterator[Part]:
                 )
                 for run in audited.runs
             ),
-            "Runs that the proposal rests on",
+            "Runs of the proposal",
             numbers_from=5,
         )
     comparisons = audited.decision.proposal.comparisons
     for comparison in comparisons:
-        yield _compared(store, comparison)
+        yield _draw_comparison(store, comparison)
     if not comparisons:
-        yield from _side_by_side(store, audited)
+        yield from _draw_derivatives(store, audited)
     for one in audited.figures:
         figure = one.figure
-        caption = f"{figure.title}, as {figure.author} saw it on {moment(figure.created_at)}"
+        caption = f"{figure.title}, frozen by {figure.author} on {moment(figure.created_at)}"
         yield Drawing(one.spec, caption)
     if not (audited.runs or audited.figures or audited.decision.proposal.comparisons):
-        yield Words("None was linked.")
+        yield Words("No evidence is linked.")
 
 
-def _side_by_side(store: Store, audited: AuditedDecision) -> Iterator[Part]:
-    """Derivatives of the runs, where the proposal linked no comparison of its own."""
+def _draw_derivatives(store: Store, audited: AuditedDecision) -> Iterator[Part]:
+    """Draw derivatives of the runs, if the proposal has no comparison."""
     finished = [run.id for run in audited.runs if run.r_squared]
     if not finished:
         return
     compared = views.derivatives(store, finished)
-    for name in coefficients(compared):
+    for name in list_coefficients(compared):
         yield drawn(
             f"Derivatives of {name} with ±2 standard errors, of the runs {listed(finished)}",
-            lambda name=name: figures.derivatives(of_coefficient(compared, name)),
+            lambda name=name: figures.derivatives(select_coefficient(compared, name)),
         )
 
 
-def _compared(store: Store, linked: LinkedComparison) -> Part:
+def _draw_comparison(store: Store, linked: LinkedComparison) -> Part:
     what = linked.coefficient or "all coefficients"
     return drawn(
         f"Comparison of runs {listed(linked.run_ids)}, {what}",
@@ -161,9 +165,9 @@ def _compared(store: Store, linked: LinkedComparison) -> Part:
     )
 
 
-def _history(events: list[DecisionEvent]) -> ReportTable:
+def _tabulate_events(events: list[DecisionEvent]) -> ReportTable:
     return ReportTable(
-        ("", "when", "who", "what", "words"),
+        ("", "time", "analyst", "event", "text"),
         tuple(
             (
                 str(event.number),
@@ -174,6 +178,6 @@ def _history(events: list[DecisionEvent]) -> ReportTable:
             )
             for event in events
         ),
-        "What happened; names are as the analysts set them",
+        "Events; names are as entered by the analysts",
         numbers_from=5,
     )

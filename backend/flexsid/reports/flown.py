@@ -1,4 +1,4 @@
-"""What was flown, as every report says it."""
+"""Flight condition and source files of a maneuver."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from flexsid.storage.store import Store
 
 
 def condition_facts(maneuver: Maneuver) -> tuple[tuple[str, str], ...]:
-    """Flight condition of a maneuver with units."""
+    """List the flight condition of a maneuver with units."""
     c = maneuver.condition
     ratio = maneuver.airspeed_ratio
     return (
@@ -26,7 +26,7 @@ def condition_facts(maneuver: Maneuver) -> tuple[tuple[str, str], ...]:
 
 
 def source_facts(store: Store, maneuver: Maneuver) -> tuple[tuple[str, str], ...]:
-    """Files that a maneuver came from, with their hashes."""
+    """List the source files of a maneuver with their hashes."""
     found = {maneuver.source_file: maneuver.source_hash}
     for channel in store.channels.find(maneuver_id=maneuver.id):
         found.setdefault(channel.source_file, channel.source_hash)
@@ -35,4 +35,4 @@ def source_facts(store: Store, maneuver: Maneuver) -> tuple[tuple[str, str], ...
         for file, digest in found.items()
         if file is not None
     )
-    return files or ((f"Maneuver {maneuver.id}", "made here, from no file"),)
+    return files or ((f"Maneuver {maneuver.id}", "simulated, no source file"),)

@@ -1,4 +1,4 @@
-"""A report as one HTML file: figures live, styles and scripts inside, nothing fetched."""
+"""Layout of a report as a self-contained HTML file with interactive figures."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ _OFFERED = _NEEDED | {"subtitle", "contents", "provenance", "made_at", "version"
 
 
 def built_in_template() -> str:
-    """The page that reports are put into, to start a template of one's own from."""
-    return _own("template.html")
+    """Return the built-in HTML template."""
+    return _read_resource("template.html")
 
 
 def read_template(file: str | Path) -> str:
@@ -40,7 +40,7 @@ def read_template(file: str | Path) -> str:
     Raises
     ------
     BadInput
-        If it is not there, or lacks what a report needs.
+        If the file cannot be read, or lacks a required field.
     """
     try:
         text = Path(file).read_text(encoding="utf-8")
@@ -50,31 +50,31 @@ def read_template(file: str | Path) -> str:
     named = set(template.get_identifiers()) if template.is_valid() else set[str]()
     if named - _OFFERED or not named >= _NEEDED:
         raise BadInput(
-            f"the report template {file} must hold ${', $'.join(sorted(_NEEDED))}, may hold"
-            f" ${', $'.join(sorted(_OFFERED - _NEEDED))}, and writes a dollar as $$",
+            f"the report template {file} must have ${', $'.join(sorted(_NEEDED))}, may have"
+            f" ${', $'.join(sorted(_OFFERED - _NEEDED))}, and must write a dollar sign as $$",
             code="bad-template",
         )
     return text
 
 
 def to_html(report: Report, made_at: datetime, template: str | None = None) -> str:
-    """Lay a report out.
+    """Render a report as HTML.
 
     Parameters
     ----------
     report
-        What it says.
+        Content of the report.
     made_at
-        When it was made.
+        Date and time of the report.
     template
         Of :func:`read_template`; the built-in one by default.
     """
     sections = [*report.sections, Section("Provenance", (Facts(report.provenance),))]
-    script = f"<script>{_plotly()}</script>\n<script>{_own('report.js')}</script>"
+    script = f"<script>{_plotly()}</script>\n<script>{_read_resource('report.js')}</script>"
     return Template(built_in_template() if template is None else template).substitute(
         title=escape(report.title),
         subtitle=escape(report.subtitle),
-        style=f"<style>{_own('report.css')}</style>",
+        style=f"<style>{_read_resource('report.css')}</style>",
         contents="".join(
             f'<li><a href="#{_anchor(section)}">{escape(section.title)}</a></li>'
             for section in sections
@@ -137,12 +137,12 @@ def _table(table: ReportTable) -> str:
 
 @lru_cache(maxsize=1)
 def _plotly() -> str:
-    """The drawing library in one script, which the Python package carries."""
+    """Read the plotly script of the Python package."""
     text = files("plotly").joinpath("package_data", "plotly.min.js").read_text(encoding="utf-8")
     # A tag that closes the script would end it early.
     return text.replace("</script", "<\\/script")
 
 
 @lru_cache
-def _own(name: str) -> str:
+def _read_resource(name: str) -> str:
     return files("flexsid.reports").joinpath("page", name).read_text(encoding="utf-8")

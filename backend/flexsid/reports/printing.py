@@ -1,4 +1,4 @@
-"""A report on paper: PDF through the Chromium of this computer, where there is one."""
+"""PDF export of a report with a local Chromium."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from flexsid.errors import Conflict, FlexsidError
 
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 _TIMEOUT_S = 120
-_one_at_a_time = Lock()  # a browser takes some hundred MB
+_one_at_a_time = Lock()  # a browser needs some hundred MB
 
 
 def to_pdf(html: str) -> bytes:
-    """Print a page as it prints from a browser, figures drawn.
+    """Print a page to PDF with its figures drawn.
 
     Raises
     ------
     Conflict
         If no Chromium is installed.
     FlexsidError
-        If it does not print.
+        If printing fails.
     """
     browser = next(filter(None, map(shutil.which, _BROWSERS)), None)
     if browser is None:
         raise Conflict(
-            "there is no Chromium here to make a PDF with; open the HTML report in a browser and"
+            "no Chromium is installed for PDF export; open the HTML report in a browser and"
             " print it, or install chromium",
             code="no-browser",
         )
@@ -51,7 +51,7 @@ def to_pdf(html: str) -> bytes:
             page.as_uri(),
         ]
         if hasattr(os, "geteuid") and os.geteuid() == 0:
-            command.insert(1, "--no-sandbox")  # which root cannot have; the page is our own
+            command.insert(1, "--no-sandbox")  # not available for root; the page is our own
         try:
             subprocess.run(command, capture_output=True, timeout=_TIMEOUT_S, check=False)
         except subprocess.TimeoutExpired as error:

@@ -1,1 +1,1 @@
-"""Keeps records and arrays: SQLite or PostgreSQL behind one door, ``Store``."""
+"""Storage of records and arrays in SQLite or PostgreSQL, through ``Store``."""

@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from flexsid.errors import BadInput, Conflict
-from flexsid.storage.arrays import content_hash
+from flexsid.storage.arrays import hash_array
 from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.files import DatabaseUnavailable, new_file
 from flexsid.storage.migrate import upgrade
@@ -20,12 +20,12 @@ _log = logging.getLogger(__name__)
 
 
 def backup(url: str, target: Path) -> int:
-    """Copy a database as it is at one moment into a new file, and check the copy.
+    """Copy a consistent state of a database into a new file, and check the copy.
 
     Parameters
     ----------
     url
-        Address of an SQLite database; others may read and write it meanwhile.
+        Address of an SQLite database; it may be in use during the copy.
     target
         A file that does not exist yet.
 
@@ -37,11 +37,11 @@ def backup(url: str, target: Path) -> int:
     Raises
     ------
     BadInput
-        If the database is none of SQLite, or there is none.
+        If the database is not SQLite, or does not exist.
     Conflict
         If the file exists.
     DatabaseUnavailable
-        If the copy is not sound, or samples are damaged; it is not kept then.
+        If the copy or its samples are damaged; the copy is deleted then.
     """
     source = _file_of(url, "pg_dump --format=custom --file=flexsid.dump")
     if not source.is_file():
@@ -55,8 +55,8 @@ def backup(url: str, target: Path) -> int:
             damaged = find_damaged(partial)
             if damaged:
                 raise DatabaseUnavailable(
-                    f"{target} is not kept, for samples in {source} are not those that were stored:"
-                    f" {', '.join(damaged[:5])}; `flexsid check` lists all, and what to do",
+                    f"{target} was not written: samples in {source} are damaged:"
+                    f" {', '.join(damaged[:5])}; run `flexsid check` to list all and the remedies",
                     code="damaged-data",
                 )
     except OSError as error:
@@ -65,23 +65,23 @@ def backup(url: str, target: Path) -> int:
 
 
 def restore(url: str, source: Path) -> Path | None:
-    """Put a backup in place of what a database holds now, which is copied beside it first.
+    """Replace the content of a database by a backup, after a copy of the present content.
 
-    Servers on the database go on with what was restored; the runs that they carry out
-    are dropped, and those that were under way in the backup start again.
+    Servers on the database continue with the restored content; their running jobs
+    are dropped, and runs that were running in the backup are queued again.
 
-    Damaged samples in the backup are warned of, not refused: the rest may be all that is left,
-    and nothing is computed with them.
+    Damaged samples in the backup cause a warning, not an error: no other copy may exist,
+    and damaged samples are not used.
 
     Returns
     -------
     pathlib.Path or None
-        Copy of what the database held; None where there was none.
+        Copy of the previous content; None if there was none.
 
     Raises
     ------
     BadInput
-        If the backup is no sound database of flexsid, or the database is none of SQLite.
+        If the backup is damaged or not a database of flexsid, or the database is not SQLite.
     DatabaseTooNew
         If a newer release made the backup.
     """
@@ -91,22 +91,22 @@ def restore(url: str, source: Path) -> Path | None:
     try:
         check(source)
     except DatabaseUnavailable as error:
-        raise BadInput(f"{source} is no sound backup: {error.message}") from error
+        raise BadInput(f"{source} is not a valid backup: {error.message}") from error
     damaged = find_damaged(source)
     if damaged:
         _log.warning(
-            "%d arrays in %s are not what was stored (the first: %s); nothing is computed with"
-            " them, and `flexsid check` names the maneuvers to be imported again",
+            "%d arrays in %s are damaged (the first: %s) and are not used;"
+            " run `flexsid check` to list the maneuvers to be imported again",
             len(damaged),
             source,
             damaged[0],
         )
-    kept = None
+    previous = None
     moment = datetime.now(UTC).strftime("%Y%m%d-%H%M%S-%f")
     beside = target.with_name(f"{target.name}.before-restore-{moment}")
     if target.exists() and target.stat().st_size > 0:
-        kept = beside
-        with new_file(kept) as partial:
+        previous = beside
+        with new_file(previous) as partial:
             _copy(target, partial)
     else:
         _move_remains(target, beside)
@@ -118,11 +118,11 @@ def restore(url: str, source: Path) -> Path | None:
         upgrade(f"sqlite:///{ready}")
         _make_ready(ready, target)
         _copy(ready, target)
-    return kept
+    return previous
 
 
 def _move_remains(target: Path, beside: Path) -> None:
-    """Move an empty file, and the log of one that is gone, out of the way of a new database."""
+    """Rename an empty file, and the log of a missing one, to make room for a new database."""
     for end in ("", "-wal", "-shm"):
         one = target.with_name(f"{target.name}{end}")
         if one.exists():
@@ -130,12 +130,12 @@ def _move_remains(target: Path, beside: Path) -> None:
 
 
 def check(file: Path) -> None:
-    """Check a database of flexsid page by page, and that no record refers to a missing one.
+    """Check the pages and foreign keys of a database of flexsid.
 
     Raises
     ------
     DatabaseUnavailable
-        If something is wrong with it.
+        If the database is damaged.
     """
     try:
         with closing(sqlite3.connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as opened:
@@ -146,35 +146,33 @@ def check(file: Path) -> None:
             if missing is not None:
                 raise DatabaseUnavailable(
                     f"{file} is damaged: a record of {missing[0]} refers to one of {missing[2]}"
-                    " that is not there"
+                    " that does not exist"
                 )
             opened.execute("SELECT version_num FROM alembic_version").fetchone()
     except sqlite3.Error as error:
-        raise DatabaseUnavailable(f"{file} is no database of flexsid: {error}") from error
+        raise DatabaseUnavailable(f"{file} is not a database of flexsid: {error}") from error
 
 
 def find_damaged(file: Path) -> list[str]:
-    """Return the names of arrays whose content is not what was stored."""
+    """Return the names of arrays whose content does not match their hash."""
     with closing(sqlite3.connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as opened:
         rows = opened.execute("SELECT hash, dtype, shape, unit, data FROM arrays")
         return [
             name
             for name, dtype, shape, unit, data in rows
-            if content_hash(dtype, json.loads(shape), unit, data) != name
+            if hash_array(dtype, json.loads(shape), unit, data) != name
         ]
 
 
 def _file_of(url: str, instead: str) -> Path:
     file = sqlite_file(parse_url(url))
     if file is None:
-        raise BadInput(
-            f"this copies databases of SQLite; PostgreSQL has its own way, while serving: {instead}"
-        )
+        raise BadInput(f"only databases of SQLite can be copied; for PostgreSQL use {instead}")
     return file
 
 
 def _copy(source: Path, target: Path) -> None:
-    """Copy all pages in one step, and wait for whoever writes meanwhile."""
+    """Copy all pages in one step, after waiting for writers."""
     try:
         with (
             closing(sqlite3.connect(source, timeout=30.0)) as reading,
@@ -186,7 +184,7 @@ def _copy(source: Path, target: Path) -> None:
 
 
 def _make_ready(ready: Path, target: Path) -> None:
-    """Let whoever leads the queue find out, and pages be as large as where they go."""
+    """Reset the lease and the running runs, and set the page size of the target."""
     with (
         closing(sqlite3.connect(target)) as present,
         closing(sqlite3.connect(ready, isolation_level=None)) as restored,
@@ -199,8 +197,8 @@ def _make_ready(ready: Path, target: Path) -> None:
             "UPDATE leases SET holder = NULL, status = NULL, beats = 0, epoch = max(epoch, ?) + 1",
             (epoch,),
         )
-        # Whoever carried a run out when the backup was made does so no more, alive or not.
-        restored.execute("UPDATE runs SET owner = NULL WHERE state = 'running'")
+        # Processes of the time of the backup do not continue their runs.
+        restored.execute("UPDATE runs SET process_id = NULL WHERE state = 'running'")
         restored.execute("PRAGMA journal_mode = DELETE")
         restored.execute(f"PRAGMA page_size = {size}")
         restored.execute("VACUUM")

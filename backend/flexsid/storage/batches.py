@@ -1,4 +1,4 @@
-"""Batches: runs that were asked for together, each kept once however often it is asked for."""
+"""Batches: runs that are requested together; equal runs are stored once."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _SAME = (RunState.QUEUED.value, RunState.RUNNING.value, RunState.SUCCEEDED.value
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BatchProgress:
-    """How far a batch is."""
+    """Progress of a batch."""
 
     batch: Batch
     states: dict[RunState, int]
@@ -31,38 +31,38 @@ class BatchProgress:
     finished_at: datetime | None
 
 
-def add_once(store: Store, wanted: EstimationRun) -> tuple[EstimationRun, bool]:
-    """Queue a run, or return the one that was asked for before; and whether it is new."""
+def add_once(store: Store, requested: EstimationRun) -> tuple[EstimationRun, bool]:
+    """Queue a run, or return an equal run; and whether it is new."""
     with store.database.transaction() as connection:
-        store.database.alone(connection)
-        known = _known(store, [wanted])
-        if wanted.input_hash in known:
-            return store.runs.get(known[wanted.input_hash]), False
-        return queue.add(store, wanted), True
+        store.database.lock_writers(connection)
+        known = _find_equal(store, [requested])
+        if requested.input_hash in known:
+            return store.runs.get(known[requested.input_hash]), False
+        return queue.add(store, requested), True
 
 
 def add(
-    store: Store, batch: Batch, wanted: Sequence[tuple[EstimationRun, int | None]]
+    store: Store, batch: Batch, requested: Sequence[tuple[EstimationRun, int | None]]
 ) -> tuple[Batch, int]:
-    """Queue the runs of a batch, and return it with how many of them are new.
+    """Queue the runs of a batch; return the batch and the number of new runs.
 
     Parameters
     ----------
     store
-        Where they are kept.
+        Store of batches and runs.
     batch
-        Not kept yet.
-    wanted
-        Runs, each with the place in this list of the one that it starts from.
-        That one stands before it.
+        A batch that is not stored yet.
+    requested
+        Runs, each with the index in this list of the run that it starts from,
+        which precedes it.
     """
     with store.database.transaction() as connection:
-        store.database.alone(connection)
-        kept = store.batches.add(batch)
-        known = _known(store, [run for run, _ in wanted])
+        store.database.lock_writers(connection)
+        stored = store.batches.add(batch)
+        known = _find_equal(store, [run for run, _ in requested])
         ids: list[int] = []
         new = 0
-        for run, first in wanted:
+        for run, first in requested:
             if first is not None:
                 settings = replace(run.settings, start_run_id=ids[first])
                 run = replace(run, settings=settings, after_run_id=ids[first])
@@ -73,13 +73,13 @@ def add(
                 known[run.input_hash] = number
                 new += 1
             ids.append(number)
-        rows = [{"batch_id": kept.id, "run_id": number} for number in dict.fromkeys(ids)]
+        rows = [{"batch_id": stored.id, "run_id": number} for number in dict.fromkeys(ids)]
         connection.execute(sa.insert(batch_runs), rows)
-        return kept, new
+        return stored, new
 
 
-def progress(store: Store, batch_id: int) -> BatchProgress:
-    """Return how far a batch is."""
+def read_progress(store: Store, batch_id: int) -> BatchProgress:
+    """Return the progress of a batch."""
     batch = store.batches.get(batch_id)
     with store.database.reading() as connection:
         query = _of(batch_id)
@@ -100,34 +100,34 @@ def progress(store: Store, batch_id: int) -> BatchProgress:
     )
 
 
-def page(store: Store, *, limit: int = 100, after: str | None = None) -> Page[BatchProgress]:
+def read_page(store: Store, *, limit: int = 100, after: str | None = None) -> Page[BatchProgress]:
     """Return batches, newest first."""
     query = sa.select(batches.c.id).order_by(batches.c.id.desc()).limit(limit + 1)
     if after is not None:
         query = query.where(batches.c.id < read_cursor(after))
     with store.database.reading() as connection:
         found = list(connection.scalars(query))
-    shown = [progress(store, number) for number in found[:limit]]
+    shown = [read_progress(store, number) for number in found[:limit]]
     return Page(items=shown, next=str(found[limit - 1]) if len(found) > limit else None)
 
 
 def cancel(store: Store, batch_id: int) -> BatchProgress:
-    """Cancel what has not ended of a batch, but for runs that another batch also wants."""
+    """Cancel the unfinished runs of a batch, except those of other batches."""
     others = sa.select(batch_runs.c.run_id).where(batch_runs.c.batch_id != batch_id)
     with store.transaction():
         store.batches.get(batch_id)
         queue.cancel(
             store, _members(store, _of(batch_id).where(batch_runs.c.run_id.not_in(others)))
         )
-        return progress(store, batch_id)
+        return read_progress(store, batch_id)
 
 
 def retry(store: Store, batch_id: int) -> BatchProgress:
-    """Queue again what failed or was cancelled of a batch."""
+    """Queue the failed and cancelled runs of a batch again."""
     with store.transaction():
         store.batches.get(batch_id)
         queue.retry(store, _members(store, _of(batch_id)))
-        return progress(store, batch_id)
+        return read_progress(store, batch_id)
 
 
 def _of(batch_id: int) -> sa.Select[tuple[int]]:
@@ -139,9 +139,9 @@ def _members(store: Store, query: sa.Select[Any]) -> list[int]:
         return list(connection.execute(query).scalars())
 
 
-def _known(store: Store, wanted: Sequence[EstimationRun]) -> dict[str | None, int]:
-    """Ids of runs with the inputs of these that did not fail, nor were cancelled or deleted."""
-    hashes = [run.input_hash for run in wanted if run.input_hash is not None]
+def _find_equal(store: Store, requested: Sequence[EstimationRun]) -> dict[str | None, int]:
+    """Return ids of equal runs that did not fail and were not cancelled or deleted."""
+    hashes = [run.input_hash for run in requested if run.input_hash is not None]
     found: dict[str | None, int] = {}
     with store.database.reading() as connection:
         for first in range(0, len(hashes), _AT_ONCE):

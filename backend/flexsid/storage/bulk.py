@@ -1,6 +1,6 @@
-"""What an analyst does to many maneuvers or runs at once, and how it is taken back.
+"""Bulk actions on maneuvers and runs, and their reversal.
 
-Nothing is destroyed: what is deleted leaves the lists and can be restored.
+Deleted records are hidden from the lists and can be restored.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from flexsid.records.run import RunState
 from flexsid.storage.evidence_use import refuse_evidence
 from flexsid.storage.store import Store
 from flexsid.storage.tables import maneuver_tags, maneuvers, run_tags, runs
-from flexsid.storage.tags import put_tag, take_tag
+from flexsid.storage.tags import add_tag, remove_tag
 
 _ACTIVE = (RunState.QUEUED.value, RunState.RUNNING.value)
 
 
 class Action(StrEnum):
-    """What can be done to many; each is undone by its neighbour, on what it changed."""
+    """Bulk actions; each has an inverse."""
 
     DELETE = "delete"
     RESTORE = "restore"
@@ -34,20 +34,20 @@ class Action(StrEnum):
 def change_maneuvers(
     store: Store, ids: Sequence[int], action: Action, tag: str | None = None
 ) -> tuple[int, ...]:
-    """Delete, restore, tag or untag maneuvers; a deleted one takes its runs from the lists.
+    """Delete, restore, tag or untag maneuvers; the runs of a deleted maneuver are hidden too.
 
     Returns
     -------
     tuple of int
-        Ids that were changed; the others were so already.
+        Ids that were changed.
 
     Raises
     ------
     UnknownRecord
-        If one of them does not exist; nothing is changed then.
+        If one of them does not exist; nothing is changed.
     Conflict
-        If one that is to be deleted has a run that has not ended, or is evidence of a
-        decision that stands.
+        If one to be deleted has a queued or running run, or is evidence of a
+        decision in force.
     """
     active = sa.select(runs.c.maneuver_id).where(
         runs.c.maneuver_id.in_(ids), runs.c.state.in_(_ACTIVE), runs.c.deleted_at.is_(None)
@@ -56,12 +56,12 @@ def change_maneuvers(
 
 
 def refuse_deleted(store: Store, maneuver_ids: Sequence[int]) -> None:
-    """Refuse to begin something new with maneuvers that were deleted.
+    """Reject deleted maneuvers.
 
     Raises
     ------
     Conflict
-        Naming the first.
+        If one of them was deleted.
     """
     gone = maneuvers.c.deleted_at.is_not(None)
     with store.database.reading() as connection:
@@ -91,17 +91,17 @@ def _change(
     noun: str,
     active: sa.Select[tuple[int]],
 ) -> tuple[int, ...]:
-    wanted = list(dict.fromkeys(ids))
+    requested = list(dict.fromkeys(ids))
     with store.database.transaction() as connection:
-        known = set(connection.scalars(sa.select(table.c.id).where(table.c.id.in_(wanted))))
-        for identity in wanted:
+        known = set(connection.scalars(sa.select(table.c.id).where(table.c.id.in_(requested))))
+        for identity in requested:
             if identity not in known:
                 raise UnknownRecord(f"there is no {noun} {identity}")
         if action in (Action.TAG, Action.UNTAG):
             if tag is None:
-                raise BadInput(f"{action.value} needs a tag; give one", code="no-tag")
-            act = put_tag if action is Action.TAG else take_tag
-            return tuple(act(connection, tags, wanted, tag))
+                raise BadInput(f"{action.value} needs a tag; enter one", code="no-tag")
+            act = add_tag if action is Action.TAG else remove_tag
+            return tuple(act(connection, tags, requested, tag))
         if action is Action.DELETE:
             still = connection.scalar(active.limit(1))
             if still is not None:
@@ -109,8 +109,8 @@ def _change(
                 raise Conflict(
                     f"{what} queued or running; cancel it first", code="run-active", id=still
                 )
-            refuse_evidence(connection, noun, wanted)
-        return _hide(connection, table, wanted, hide=action is Action.DELETE)
+            refuse_evidence(connection, noun, requested)
+        return _hide(connection, table, requested, hide=action is Action.DELETE)
 
 
 def _hide(

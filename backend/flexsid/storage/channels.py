@@ -11,7 +11,7 @@ import numpy as np
 
 from flexsid.records.flight import FlightChannel
 from flexsid.records.maneuver import Channel, Role
-from flexsid.storage.arrays import content_hash, damaged
+from flexsid.storage.arrays import build_damage_error, hash_array
 from flexsid.storage.database import Database
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.tables import arrays, channels, flight_channels
@@ -28,21 +28,21 @@ def read_channels(
     Parameters
     ----------
     database
-        Where they are.
+        The database.
     maneuver_id
-        Of the maneuver.
+        Id of the maneuver.
     names
-        Which channels, all with None; a name that is not recorded is left out.
+        Names of channels, all with None; names that are not recorded are omitted.
 
     Returns
     -------
     dict
-        Channels with samples in native unit and precision, which cannot be written to.
+        Channels with samples in native unit and precision, read-only.
 
     Raises
     ------
     DamagedData
-        If samples are not those that were stored.
+        If samples do not match their hash.
     """
     return _read(database, Channel, channels.name, "maneuver_id", maneuver_id, names)
 
@@ -50,7 +50,7 @@ def read_channels(
 def read_flight_channels(
     database: Database, flight_id: int, names: Sequence[str] | None = None
 ) -> dict[str, tuple[FlightChannel, np.ndarray]]:
-    """Read channels of a whole flight as ``read_channels`` does those of a maneuver."""
+    """Read channels of a whole flight; see ``read_channels``."""
     return _read(database, FlightChannel, flight_channels.name, "flight_id", flight_id, names)
 
 
@@ -58,46 +58,46 @@ def _read(
     database: Database,
     kind: type[_Kind],
     table: str,
-    owner: str,
+    key: str,
     identity: int,
     names: Sequence[str] | None,
 ) -> dict[str, tuple[_Kind, np.ndarray]]:
-    asked = None if names is None else tuple(dict.fromkeys(names))
-    if asked == ():
+    requested = None if names is None else tuple(dict.fromkeys(names))
+    if requested == ():
         return {}
     fields = tuple(kind.__dataclass_fields__)
     with database.reading() as connection:
         mark = "?" if connection.dialect.paramstyle == "qmark" else "%s"
-        query = _query(table, owner, fields, mark, None if asked is None else len(asked))
+        query = _query(table, key, fields, mark, None if requested is None else len(requested))
         cursor = connection.connection.cursor()
         try:
-            cursor.execute(query, (identity, *(asked or ())))
+            cursor.execute(query, (identity, *(requested or ())))
             rows = cursor.fetchall()
         except connection.dialect.loaded_dbapi.Error as error:
-            raise DatabaseUnavailable(f"the database does not answer: {error}") from error
+            raise DatabaseUnavailable(f"the database does not respond: {error}") from error
         finally:
             cursor.close()
-    # Sorted here, for the database would sort the samples with their rows.
+    # Sorted here: the database would sort the samples with their rows.
     rows = sorted(rows, key=itemgetter(fields.index("id")))
     found: dict[str, tuple[_Kind, np.ndarray]] = {}
     for row in rows:
         channel, (unit, dtype, data) = _record(kind, fields, row), row[-3:]
-        if content_hash(dtype, (channel.n_samples,), unit, data) != channel.array:
+        if hash_array(dtype, (channel.n_samples,), unit, data) != channel.array:
             with database.reading() as connection:
-                raise damaged(connection, channel.array)
+                raise build_damage_error(connection, channel.array)
         found[channel.name] = channel, np.frombuffer(data, dtype)
     return found
 
 
 @lru_cache(maxsize=256)
-def _query(table: str, owner: str, fields: tuple[str, ...], mark: str, n_names: int | None) -> str:
-    """Plain SQL for the driver: SQLAlchemy around it takes as long as the answer of SQLite."""
-    # Quoted, for PostgreSQL keeps ``array`` to itself.
+def _query(table: str, key: str, fields: tuple[str, ...], mark: str, n_names: int | None) -> str:
+    """Return plain SQL for the driver: SQLAlchemy would double the time of the query."""
+    # Quoted: ``array`` is a reserved word of PostgreSQL.
     columns = ", ".join(f'{table}."{name}"' for name in fields)
-    chosen = "" if n_names is None else f" AND name IN ({', '.join([mark] * n_names)})"
+    selection = "" if n_names is None else f" AND name IN ({', '.join([mark] * n_names)})"
     return (
         f"SELECT {columns}, arrays.unit, dtype, data FROM {table} "
-        f'JOIN {arrays.name} ON hash = "array" WHERE {owner} = {mark}{chosen}'
+        f'JOIN {arrays.name} ON hash = "array" WHERE {key} = {mark}{selection}'
     )
 
 

@@ -1,4 +1,4 @@
-"""Content: what a run rests on, as hashes, read without samples."""
+"""Content: hashes of the inputs of a run, computed without reading samples."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ _ASSUMED = {"aircraft": aircraft, "modal table": modal_tables, "prediction": pre
 _AT_ONCE = 500  # maneuvers in one query
 
 
-def hash_of(content: Any) -> str:
-    """SHA-256 of plain values."""
+def hash_content(content: Any) -> str:
+    """Return the SHA-256 of plain values."""
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def maneuver_hashes(database: Database, ids: Sequence[int]) -> dict[int, tuple[int, str]]:
-    """Aircraft of each maneuver, and hash of what was recorded, corrected and flown.
+def hash_maneuvers(database: Database, ids: Sequence[int]) -> dict[int, tuple[int, str]]:
+    """Return the aircraft of each maneuver, and a hash of its data and corrections.
 
-    Sample arrays stand in it by their names, which are hashes of what they hold.
+    Sample arrays are included by their names, which are hashes of their content.
     """
     rows: dict[int, list[list[Any]]] = {}
     flew: dict[int, int] = {}
@@ -68,43 +68,43 @@ def maneuver_hashes(database: Database, ids: Sequence[int]) -> dict[int, tuple[i
             )
             for number, correction in connection.execute(corrected):
                 rows[number].append(correction)
-    return {number: (flew[number], hash_of(values)) for number, values in rows.items()}
+    return {number: (flew[number], hash_content(values)) for number, values in rows.items()}
 
 
-def contents_of(database: Database, names: Iterable[str]) -> dict[str, str]:
-    """Hash each record that is named, as "maneuver 3"; one that is gone is left out."""
-    wanted: dict[str, list[int]] = {}
+def hash_records(database: Database, names: Iterable[str]) -> dict[str, str]:
+    """Return the hash of each named record, e.g. "maneuver 3"; missing records are omitted."""
+    requested: dict[str, list[int]] = {}
     for name in dict.fromkeys(names):
         noun, _, number = name.rpartition(" ")
-        wanted.setdefault(noun, []).append(int(number))
+        requested.setdefault(noun, []).append(int(number))
     found = {
         f"maneuver {number}": content
-        for number, (_, content) in maneuver_hashes(database, wanted.pop("maneuver", [])).items()
+        for number, (_, content) in hash_maneuvers(database, requested.pop("maneuver", [])).items()
     }
     with database.reading() as connection:
-        for noun, numbers in wanted.items():
+        for noun, numbers in requested.items():
             table = _ASSUMED[noun]
             for row in connection.execute(sa.select(table).where(table.c.id.in_(numbers))):
-                # What is empty is left out: a later release may add columns.
-                kept = {name: value for name, value in row._mapping.items() if value is not None}
-                found[f"{noun} {row.id}"] = hash_of(kept)
+                # Empty columns are omitted: a later release may add columns.
+                values = {name: value for name, value in row._mapping.items() if value is not None}
+                found[f"{noun} {row.id}"] = hash_content(values)
     return found
 
 
-def changed_since(
+def find_changes(
     database: Database, rested_on: Sequence[Mapping[str, str] | None]
 ) -> list[tuple[str, ...]]:
-    """Return, for what each run rested on, the records that are not any more as they were."""
-    now = contents_of(database, [name for one in rested_on for name in one or ()])
+    """Return the input records of each run that changed since the run."""
+    now = hash_records(database, [name for one in rested_on for name in one or ()])
     return [
         tuple(name for name, content in (one or {}).items() if now.get(name) != content)
         for one in rested_on
     ]
 
 
-def record_hash(database: Database, table: str, ids: Iterable[int]) -> str:
-    """Hash of an aircraft, modal tables or predictions."""
-    kept = {"aircraft": aircraft, "modal_tables": modal_tables, "predictions": predictions}[table]
-    query = sa.select(kept).where(kept.c.id.in_(list(ids))).order_by(kept.c.id)
+def hash_record(database: Database, table: str, ids: Iterable[int]) -> str:
+    """Return the hash of an aircraft, modal tables or predictions."""
+    source = {"aircraft": aircraft, "modal_tables": modal_tables, "predictions": predictions}[table]
+    query = sa.select(source).where(source.c.id.in_(list(ids))).order_by(source.c.id)
     with database.reading() as connection:
-        return hash_of([list(row) for row in connection.execute(query)])
+        return hash_content([list(row) for row in connection.execute(query)])

@@ -1,7 +1,7 @@
-"""Engine and transactions: SQLite as it should be run, PostgreSQL by URL.
+"""Engine and transactions: SQLite in WAL mode, PostgreSQL by URL.
 
-What a transaction has written is on disk when it ends: a power cut takes nothing that was
-acknowledged. Only a ``lax`` transaction, of what is written again within seconds, may be lost.
+A transaction is on disk when it ends: a power failure loses no acknowledged data. Only a ``lax``
+transaction, of data that are written again within seconds, may be lost.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ from flexsid.storage.files import DatabaseUnavailable
 
 _WRITES = "flexsid_writes"
 _LAX = "flexsid_lax"
-_ALONE = 0x666C6578  # any number that nobody else takes
+_ALONE = 0x666C6578  # any number not used by other advisory locks
 
 
 class NotFinite(BadInput, DontWrapMixin):
-    """A number that is to be kept is NaN or infinite."""
+    """A number to be stored is NaN or infinite."""
 
     code = "not-finite"
 
 
 class NotText(BadInput, DontWrapMixin):
-    """A text that is to be kept holds what no database keeps."""
+    """A text to be stored holds characters that a database cannot store."""
 
     code = "bad-text"
 
@@ -60,7 +60,7 @@ def parse_url(url: str) -> URL:
         ) from error
     if parsed.get_backend_name() not in ("sqlite", "postgresql"):
         raise BadInput(
-            f"flexsid keeps its data in SQLite or PostgreSQL, not in {parsed.get_backend_name()}; "
+            f"flexsid stores its data in SQLite or PostgreSQL, not in {parsed.get_backend_name()}; "
             "name a database like sqlite:///var/flexsid.db or postgresql://user@host/flexsid"
         )
     if parsed.get_backend_name() == "sqlite" and parsed.database in (None, "", ":memory:"):
@@ -69,42 +69,42 @@ def parse_url(url: str) -> URL:
 
 
 def sqlite_file(url: URL) -> Path | None:
-    """File of an SQLite database, None for any other."""
+    """Return the file of an SQLite database, None for other databases."""
     if url.get_backend_name() != "sqlite" or url.database is None:
         return None
     return Path(url.database)
 
 
 @contextmanager
-def answering() -> Iterator[None]:
-    """Say in our words that a database is locked, damaged or no database at all."""
+def translate_errors() -> Iterator[None]:
+    """Raise DatabaseUnavailable where a database is locked, damaged or not a database."""
     try:
         yield
     except DatabaseError as error:
-        # Its other kinds mean that a statement is wrong, not that the database is.
+        # Other subclasses denote an invalid statement, not an unavailable database.
         if type(error) not in (DatabaseError, OperationalError):
             raise
-        raise DatabaseUnavailable(f"the database does not answer: {error.orig}") from error
+        raise DatabaseUnavailable(f"the database does not respond: {error.orig}") from error
 
 
 def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
-    """Make an engine; on SQLite in WAL mode, and no lost updates.
+    """Return an engine; on SQLite in WAL mode, without lost updates.
 
     ``foreign_keys`` is off only while migrations rebuild tables.
 
     Notes
     -----
-    Writers say BEGIN IMMEDIATE and wait for their turn; a deferred BEGIN fails
-    with "database is locked" as soon as two transactions that have read want to
-    write, and the driver's own default loses updates. With ``synchronous = NORMAL``
-    a commit in WAL mode waits for no disk, and a power cut takes it back.
+    Writers use BEGIN IMMEDIATE and wait for the lock; a deferred BEGIN fails
+    with "database is locked" as soon as two transactions that have read try to
+    write, and the default of the driver loses updates. With ``synchronous = NORMAL``
+    a commit in WAL mode does not wait for the disk, and a power failure reverts it.
     """
     file = sqlite_file(url)
     if file is None:
         return _make_postgresql_engine(url)
     if not file.parent.is_dir():
-        raise DatabaseUnavailable(f"the folder of the database {file} is not there")
-    # Never made by opening it: a file that is missing or empty is a loss to be reported.
+        raise DatabaseUnavailable(f"the folder of the database {file} does not exist")
+    # Never created on opening: a missing or empty file is a loss of data to be reported.
     address = f"{file.absolute().as_uri()}?mode=rw"
     engine = sa.create_engine(
         url,
@@ -115,7 +115,7 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
 
     @event.listens_for(engine, "connect")
     def _prepare(connection: sqlite3.Connection, _record: object) -> None:
-        connection.isolation_level = None  # we say BEGIN ourselves
+        connection.isolation_level = None  # transactions begin explicitly
         for pragma in (
             "busy_timeout = 30000",
             "journal_mode = WAL",
@@ -129,7 +129,7 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
     def _begin(connection: Connection) -> None:
         options = connection.get_execution_options()
         if options.get(_WRITES, False):
-            # Has no effect within a transaction, and stays with the connection after it.
+            # Has no effect within a transaction, and persists for the connection.
             level = "NORMAL" if options.get(_LAX, False) else "FULL"
             connection.exec_driver_sql(f"PRAGMA synchronous = {level}")
             connection.exec_driver_sql("BEGIN IMMEDIATE")
@@ -141,7 +141,7 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
 
 def _make_postgresql_engine(url: URL) -> Engine:
     try:
-        # Pinged before use, for the server may have been started again meanwhile.
+        # Pinged before use: the server may have been restarted.
         engine = sa.create_engine(url, pool_pre_ping=True, pool_size=10, **_JSON)
     except ModuleNotFoundError as error:
         raise BadInput(
@@ -151,7 +151,7 @@ def _make_postgresql_engine(url: URL) -> Engine:
 
     @event.listens_for(engine, "connect")
     def _prepare(connection: Any, _record: object) -> None:
-        # A server may be set up to acknowledge what is not on its disk yet.
+        # A server may be configured to acknowledge commits before they are on disk.
         with connection.cursor() as cursor:
             cursor.execute(
                 "SELECT set_config('synchronous_commit', 'on', false)"
@@ -168,7 +168,7 @@ def _make_postgresql_engine(url: URL) -> Engine:
 
 
 class Database:
-    """One engine, and for each thread the transaction or the reading that it is in."""
+    """One engine, and the current transaction or reading of each thread."""
 
     def __init__(self, url: str) -> None:
         self.url = parse_url(url)
@@ -183,7 +183,7 @@ class Database:
         self._of_thread = threading.local()
 
     def close(self) -> None:
-        """Give back all connections."""
+        """Close all connections."""
         self.engine.dispose()
 
     @contextmanager
@@ -193,38 +193,38 @@ class Database:
         Parameters
         ----------
         lax
-            A power cut may take what is written, as of beats and progress, which follow each
-            other within seconds and are waited for by nobody.
+            A power failure may revert the data, e.g. beats and progress, which are written
+            every few seconds.
         """
         current = self._writing
         if current is not None:
             if self._is_lax and not lax:
-                raise RuntimeError("what is acknowledged cannot be written in a lax transaction")
+                raise RuntimeError("a durable transaction cannot be nested in a lax transaction")
             yield current
             return
         if self._reading is not None:
-            raise RuntimeError("what is read here would not show what is written")
+            raise RuntimeError("a transaction cannot be nested in a reading")
         engine = self._lax_engine if lax else self._writing_engine
-        with answering(), engine.begin() as connection:
+        with translate_errors(), engine.begin() as connection:
             self._of_thread.writing, self._of_thread.lax = connection, lax
             try:
                 yield connection
             finally:
                 self._of_thread.writing = None
 
-    def alone(self, connection: Connection) -> None:
-        """Let no other transaction that asks for this go on before the present one ends."""
-        if connection.dialect.name == "postgresql":  # writers of SQLite are alone anyway
+    def lock_writers(self, connection: Connection) -> None:
+        """Block other transactions that take this lock until the present one ends."""
+        if connection.dialect.name == "postgresql":  # SQLite has one writer
             connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_ALONE)))
 
     @contextmanager
     def reading(self) -> Iterator[Connection]:
-        """Read one consistent state; inside another reading or a transaction, its own."""
+        """Read one consistent state; a nested reading uses the state of the outer one."""
         current = self._writing or self._reading
         if current is not None:
             yield current
             return
-        with answering(), self._reading_engine.connect() as connection:
+        with translate_errors(), self._reading_engine.connect() as connection:
             self._of_thread.reading = connection
             try:
                 yield connection
@@ -257,14 +257,16 @@ def _check_text(
     _context: object,
     many: bool,
 ) -> None:
-    """Refuse text that PostgreSQL cannot keep, on both databases and in every statement.
+    """Reject text that PostgreSQL cannot store, on both databases and in every statement.
 
-    What is entered is checked where it comes in; this is for what nobody thought of.
+    Input is checked at the entry points; this check covers all other text.
     """
     for row in parameters if many else (parameters,):
         for value in row.values() if isinstance(row, dict) else row or ():
             if isinstance(value, str) and ("\x00" in value or not _is_unicode(value)):
-                raise NotText("a text holds the character U+0000 or half of one; write it without")
+                raise NotText(
+                    "a text holds the character U+0000 or an unpaired surrogate; remove it"
+                )
 
 
 def _is_unicode(text: str) -> bool:
@@ -276,15 +278,15 @@ def _is_unicode(text: str) -> bool:
 
 
 def _to_json(value: Any) -> str:
-    """Write JSON; a NaN is refused here, so that it cannot be met later as a number."""
+    """Return JSON; NaN is rejected, so that it is never read as a number."""
     try:
         text = json.dumps(value, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
     except ValueError as error:
         raise NotFinite(
-            f"a record cannot be kept ({error}); numbers that are not known are None"
+            f"a record cannot be stored ({error}); unknown numbers must be None"
         ) from error
     if _ESCAPED_NUL.search(text):
-        raise NotText("a text holds the character U+0000; write it without")
+        raise NotText("a text holds the character U+0000; remove it")
     return text
 
 

@@ -1,4 +1,4 @@
-"""Which decisions rest on runs and maneuvers, so that these are not deleted below them."""
+"""Decisions that use runs and maneuvers as evidence, which must not be deleted."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ _STANDING = (DecisionState.OPEN, DecisionState.CHANGES_REQUESTED, DecisionState.
 
 
 def refuse_evidence(connection: Connection, noun: str, ids: Sequence[int]) -> None:
-    """Refuse to delete runs or maneuvers on which a decision that stands rests.
+    """Reject the deletion of runs or maneuvers that are evidence of a decision in force.
 
     Raises
     ------
     Conflict
-        Naming the first, and the decision.
+        If one of them is evidence; names the first, and the decision.
     """
     standing = [state.value for state in _STANDING]
     columns = (decisions.c.id, decisions.c.state, decisions.c.proposal)
@@ -37,8 +37,8 @@ def refuse_evidence(connection: Connection, noun: str, ids: Sequence[int]) -> No
         what = "is evidence of" if noun == "run" else "was estimated from for"
         raise Conflict(
             f"{noun} {used[0]} {what} decision {number}, '{proposal['title']}', which is {state};"
-            " it stays as long as that stands. Revise or withdraw the proposal, or approve one"
-            " that supersedes it",
+            " it cannot be deleted while the decision is in force. Revise or withdraw the"
+            " proposal, or approve one that supersedes it",
             code="is-evidence",
             id=used[0],
             decision_id=number,
@@ -50,5 +50,5 @@ def _maneuvers_of(connection: Connection, run_ids: set[int]) -> set[int]:
     return {
         number
         for first, settings in connection.execute(query)
-        for number in (first, *settings.get("together_with", ()))
+        for number in (first, *settings.get("additional_maneuver_ids", ()))
     }

@@ -1,4 +1,4 @@
-"""Facets: how many lines of a list each choice of a filter would leave."""
+"""Facets: number of list items that each choice of a filter selects."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
 MOST_CHOICES = 500
-"""Choices told per facet; a filter with more of them is searched, not picked from."""
+"""Largest number of choices listed per facet."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Choice:
-    """One choice of a filter, and the lines that it would leave beside the other filters."""
+    """One choice of a filter, and the number of items that it selects with the other filters."""
 
     value: str
     label: str
@@ -25,7 +25,7 @@ class Choice:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Facets:
-    """Lines that all filters together leave, and the choices of each filter by its name."""
+    """Number of items that all filters select, and the choices of each filter by its name."""
 
     total: int
     choices: dict[str, list[Choice]]
@@ -33,11 +33,11 @@ class Facets:
 
 @dataclass(frozen=True, slots=True)
 class Facet:
-    """A filter: the column that it narrows, what is shown of it, and what is chosen."""
+    """A filter: its column, its label, and the selected value."""
 
     value: sa.ColumnElement[Any]
     label: sa.ColumnElement[Any]
-    chosen: Any = None
+    selected: Any = None
 
 
 def count_facets(
@@ -57,13 +57,13 @@ def count_facets(
     conditions
         Filters of the list other than the facets.
     facets
-        By name of the filter. The choices of each are counted as if nothing were
-        chosen in it, and everything in the others.
+        By name of the filter. The choices of each are counted without its own selection,
+        with those of the others.
 
     Notes
     -----
-    The list is gone through once: lines are counted by all facets together, and
-    the few hundred combinations that occur are added up here.
+    The list is read once: items are counted by all facets together, and
+    the few hundred combinations that occur are summed here.
     """
     query = (
         sa.select(
@@ -80,14 +80,14 @@ def count_facets(
     total = 0
     for row in connection.execute(query):
         values, shown, count = row[: len(facets)], row[len(facets) : -1], row[-1]
-        missed = [
+        unmatched = [
             name
             for (name, facet), value in zip(facets.items(), values, strict=True)
-            if facet.chosen is not None and facet.chosen != value
+            if facet.selected is not None and facet.selected != value
         ]
-        total += 0 if missed else count
+        total += 0 if unmatched else count
         for name, value, label in zip(facets, values, shown, strict=True):
-            if value is not None and missed in ([], [name]):
+            if value is not None and unmatched in ([], [name]):
                 counts[name][value] += count
                 labels[name][value] = label
     return Facets(

@@ -1,4 +1,4 @@
-"""Files of an SQLite database: begun whole, on disk before they count, and read by nobody else."""
+"""Files of an SQLite database: created complete and synced, and private to one user."""
 
 from __future__ import annotations
 
@@ -15,54 +15,56 @@ from flexsid.errors import FlexsidError
 _log = logging.getLogger(__name__)
 
 _PRIVATE = 0o600
-_OTHERS = 0o077  # what group and others may do
-# Most of a database are samples, which larger pages write and read much faster.
+_OTHERS = 0o077  # permissions of group and others
+# Samples are most of a database; larger pages write and read them faster.
 _PAGE_BYTES = 32768
 
 
 class DatabaseUnavailable(FlexsidError):
-    """The database cannot be opened or does not answer."""
+    """The database cannot be opened or does not respond."""
 
     code = "database-unavailable"
 
 
-def begin_database(file: Path) -> None:
-    """Begin a database where there is none; let only its owner read what is there.
+def create_database(file: Path) -> None:
+    """Create a database if there is none, and make it private to its user.
 
     Raises
     ------
     DatabaseUnavailable
-        If the file is empty, or gone while its log is still there: both are damage.
+        If the file is empty, or missing while its log exists: both are damage.
     """
     log = file.with_name(f"{file.name}-wal")
     if file.exists():
         if file.stat().st_size == 0:
             raise DatabaseUnavailable(
-                f"the database {file} is empty (0 bytes), which flexsid never leaves: its content"
-                " is lost. Put a backup in its place with `flexsid restore`, or move the empty"
-                " file away to begin a new workbench",
+                f"the database {file} is empty (0 bytes): its content is lost."
+                " Restore a backup with `flexsid restore`, or move the empty"
+                " file away to create a new database",
                 code="database-empty",
             )
-        close_to_others(file)
+        restrict_access(file)
         return
     if log.exists() and log.stat().st_size > 0:
         raise DatabaseUnavailable(
-            f"the database {file} is gone, but its log {log.name} is there: its content is lost."
-            " Put a backup in its place with `flexsid restore`, or move the log away to begin a"
-            " new workbench",
+            f"the database {file} is missing, but its log {log.name} exists: its content is"
+            " lost. Restore a backup with `flexsid restore`, or move the log away to create a"
+            " new database",
             code="database-gone",
         )
     try:
         file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         with new_file(file) as partial, closing(sqlite3.connect(partial)) as begun:
-            # Later these would need the write lock for every connection, and have no effect.
+            # Without effect later, and they would need the write lock on every connection.
             begun.execute(f"PRAGMA page_size = {_PAGE_BYTES}")
             begun.execute("PRAGMA auto_vacuum = INCREMENTAL")
             begun.execute("PRAGMA journal_mode = WAL")
     except FileExistsError:
         if file.is_dir() or not file.exists():
-            raise DatabaseUnavailable(f"{file} is no file that a database can be in") from None
-        return  # another server has begun it
+            raise DatabaseUnavailable(
+                f"{file} is not a regular file; name a file for the database"
+            ) from None
+        return  # another server created it
     except OSError as error:
         raise DatabaseUnavailable(
             f"the folder of the database {file} cannot be written to: {error.strerror}"
@@ -71,12 +73,12 @@ def begin_database(file: Path) -> None:
 
 @contextmanager
 def new_file(target: Path) -> Iterator[Path]:
-    """Yield a file to be filled, which then stands under its name, wholly and on disk.
+    """Yield a temporary file, which is synced and then renamed to the target.
 
     Raises
     ------
     FileExistsError
-        If there is one of that name by then; it is left as it is.
+        If the target exists; it is not changed.
     """
     number, name = tempfile.mkstemp(prefix=f"{target.name}.", suffix=".partial", dir=target.parent)
     os.close(number)  # its mode is 0600
@@ -84,7 +86,7 @@ def new_file(target: Path) -> Iterator[Path]:
     try:
         yield partial
         sync(partial)
-        _give_name(partial, target)
+        _rename(partial, target)
         sync(target.parent)
     finally:
         partial.unlink(missing_ok=True)
@@ -92,7 +94,7 @@ def new_file(target: Path) -> Iterator[Path]:
 
 def sync(path: Path) -> None:
     """Wait until a file, or the names in a folder, are on disk."""
-    if path.is_dir() and os.name == "nt":  # has no such thing
+    if path.is_dir() and os.name == "nt":  # not supported
         return
     number = os.open(path, os.O_RDONLY if path.is_dir() else os.O_RDWR)
     try:
@@ -101,12 +103,12 @@ def sync(path: Path) -> None:
         os.close(number)
 
 
-def close_to_others(file: Path) -> None:
-    """Let only the owner read a database, its log and the copies beside it, and note it."""
+def restrict_access(file: Path) -> None:
+    """Make a database, its log and its copies private to their user, and log the change."""
     beside = (
         one
         for end in ("-wal", "-shm", ".backup-*", ".before-restore-*")
-        for one in file.parent.glob(f"{_literally(file.name)}{end}")
+        for one in file.parent.glob(f"{_escape_pattern(file.name)}{end}")
     )
     for one in (file, *beside):
         with suppress(FileNotFoundError):
@@ -117,38 +119,36 @@ def close_to_others(file: Path) -> None:
                 one.chmod(_PRIVATE)
             except PermissionError:
                 _log.warning(
-                    "%s can be read by others (mode %o); let its owner change it to 600", one, mode
+                    "%s is readable by other users (mode %o); change its mode to 600", one, mode
                 )
             else:
-                _log.warning(
-                    "%s could be read by others (mode %o); now only by its owner", one, mode
-                )
+                _log.warning("%s was readable by other users (mode %o); changed to 600", one, mode)
 
 
-def close_folder(folder: Path) -> None:
-    """Make a folder that only its owner reads, or take it if it is that.
+def make_private_folder(folder: Path) -> None:
+    """Create a private folder, or check an existing one.
 
     Raises
     ------
     DatabaseUnavailable
-        If it is another's, as anybody can make one in a folder for temporary files.
+        If it belongs to another user, as any user can create one in a temporary folder.
     """
     folder.mkdir(parents=True, exist_ok=True, mode=0o700)
     if os.name == "nt":
         return
     if folder.is_symlink() or folder.stat().st_uid != os.geteuid():
         raise DatabaseUnavailable(
-            f"{folder} belongs to somebody else; what is uploaded is not put there. Remove it",
+            f"{folder} belongs to another user; uploads are not stored there. Remove it",
             code="foreign-folder",
         )
     if folder.stat().st_mode & _OTHERS:
         folder.chmod(0o700)
-        _log.warning("%s could be entered by others; now only by its owner", folder)
+        _log.warning("%s was accessible to other users; changed to mode 700", folder)
 
 
-def _give_name(partial: Path, target: Path) -> None:
+def _rename(partial: Path, target: Path) -> None:
     try:
-        os.link(partial, target)  # unlike rename, never in place of another
+        os.link(partial, target)  # unlike rename, never replaces a file
     except FileExistsError:
         raise
     except OSError:  # a file system without links
@@ -157,5 +157,5 @@ def _give_name(partial: Path, target: Path) -> None:
         partial.rename(target)
 
 
-def _literally(name: str) -> str:
+def _escape_pattern(name: str) -> str:
     return "".join(f"[{letter}]" if letter in "*?[" else letter for letter in name)

@@ -1,4 +1,4 @@
-"""The list of jobs, newest first, and how fast the queue goes."""
+"""The list of jobs, newest first, and the throughput of the queue."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class JobError:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Job:
-    """How far a run is; a job has the id of its run."""
+    """Progress of a run; a job has the id of its run."""
 
     id: int
     run_id: int
@@ -56,7 +56,7 @@ _shown = (
 _jobs = sa.select(*_shown).join(maneuvers, maneuvers.c.id == runs.c.maneuver_id)
 
 
-def page(
+def read_page(
     store: Store,
     *,
     state: RunState | None = None,
@@ -89,14 +89,14 @@ def get(store: Store, run_id: int) -> Job:
     return found[0]
 
 
-def under_way(store: Store) -> list[Job]:
-    """Return the jobs that run now."""
+def list_running(store: Store) -> list[Job]:
+    """Return the running jobs."""
     return _read(store, _jobs.where(runs.c.state == RunState.RUNNING.value))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Throughput:
-    """How many runs are in each state, and how many ended in the last ``window_s`` seconds."""
+    """Number of runs by state, and of those that ended in the last ``window_s`` seconds."""
 
     states: dict[RunState, int]
     ended: int
@@ -104,15 +104,15 @@ class Throughput:
 
     @property
     def remaining_s(self) -> float | None:
-        """When the queue will be empty if it goes on so; None where nothing ended lately. [s]"""
+        """Time until the queue is empty at this rate; None if no run ended in the window. [s]"""
         left = self.states[RunState.QUEUED] + self.states[RunState.RUNNING]
         if left == 0:
             return 0.0
         return left * self.window_s / self.ended if self.ended else None
 
 
-def throughput(store: Store, window_s: float = 60.0) -> Throughput:
-    """Count runs by state, and those that ended lately."""
+def count_throughput(store: Store, window_s: float = 60.0) -> Throughput:
+    """Count runs by state, and those that ended in the window."""
     now = datetime.now(UTC)
     lately = runs.c.finished_at >= now - timedelta(seconds=window_s)
     query = sa.select(sa.func.count(), sa.func.min(runs.c.started_at)).where(lately)
@@ -121,13 +121,13 @@ def throughput(store: Store, window_s: float = 60.0) -> Throughput:
             sa.select(runs.c.state, sa.func.count()).group_by(runs.c.state)
         ).all()
         ended, first = connection.execute(query).one()
-    if first is not None:  # the queue may have begun less than the window ago
+    if first is not None:  # the first run may have started within the window
         window_s = max(1.0, min(window_s, (now - first).total_seconds()))
     return Throughput(states=count_states(states), ended=ended, window_s=window_s)
 
 
 def count_states(rows: Iterable[Any]) -> dict[RunState, int]:
-    """Counts by state, zero for those that no run is in."""
+    """Return counts by state, zero for states without runs."""
     found = {state: count for state, count in rows}
     return {state: found.get(state.value, 0) for state in RunState}
 

@@ -1,8 +1,8 @@
-"""The lease: which of several servers on one database hands out work.
+"""The lease: determines which of several servers on one database dispatches runs.
 
-No clocks are compared. Whoever holds the lease counts its ``beats`` up; who
-wants it watches that number, and takes the lease when it has stood still for
-long enough. ``epoch`` counts the holders, so that one who was asleep finds out.
+No clocks are compared. The holder increments ``beats``; other servers observe
+the number, and take the lease when it has not changed for the lease timeout.
+``epoch`` counts the holders, so that a former holder detects the change.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _DISPATCHER = leases.c.name == "dispatcher"
 
 @dataclass(frozen=True, slots=True)
 class Lease:
-    """Who holds it (None: nobody), for the how manieth time it was taken, and its beats."""
+    """Holder (None if free), number of times that it was taken, and beats."""
 
     holder: str | None
     epoch: int
@@ -28,7 +28,7 @@ class Lease:
 
 
 def read(store: Store) -> Lease:
-    """Return the lease as it stands."""
+    """Return the present lease."""
     query = sa.select(leases.c.holder, leases.c.epoch, leases.c.beats).where(_DISPATCHER)
     with store.database.reading() as connection:
         return Lease(*connection.execute(query).one())
@@ -41,24 +41,24 @@ def take(store: Store, seen: Lease, holder: str) -> Lease | None:
 
 
 def renew(store: Store, lease: Lease, status: dict[str, Any]) -> Lease | None:
-    """Count one beat and tell what the holder is doing; None where another has taken over."""
+    """Count one beat and store the status of the holder; None if another server has the lease."""
     if not _change(store, lease, lax=True, beats=lease.beats + 1, status=status):
         return None
     return Lease(lease.holder, lease.epoch, lease.beats + 1)
 
 
 def release(store: Store, lease: Lease) -> None:
-    """Give the lease back, so that the next holder need not wait."""
+    """Release the lease, so that the next holder need not wait."""
     _change(store, lease, holder=None, status=None)
 
 
-def holds(epoch: int) -> sa.ColumnElement[bool]:
-    """Condition that a statement changes something only for the holder."""
+def is_held(epoch: int) -> sa.ColumnElement[bool]:
+    """Return the SQL condition that the lease has this epoch."""
     return sa.exists().where(_DISPATCHER, leases.c.epoch == epoch)
 
 
 def status(store: Store) -> dict[str, Any] | None:
-    """Return what the holder last told of itself; None where nobody holds the lease."""
+    """Return the last status of the holder; None if the lease is free."""
     query = sa.select(leases.c.status).where(_DISPATCHER, leases.c.holder.is_not(None))
     with store.database.reading() as connection:
         return connection.scalar(query)

@@ -1,4 +1,4 @@
-"""The list of maneuvers that an analyst filters: one query, whatever the campaign's size."""
+"""The list of maneuvers that an analyst filters: one query for any size of campaign."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from flexsid.records.run import Method, RunState
 from flexsid.storage.facets import Choice, Facet, Facets, count_facets
 from flexsid.storage.paging import Page, read_cursor
 from flexsid.storage.tables import aircraft, flights, maneuver_tags, maneuvers, runs
-from flexsid.storage.tags import has_tag, tags_of
+from flexsid.storage.tags import has_tag, read_tags
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +30,7 @@ class LatestRun:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ManeuverItem:
-    """One line of the list."""
+    """One item of the list."""
 
     id: int
     label: str
@@ -54,12 +54,12 @@ class ManeuverItem:
 
 
 class ManeuverFilters(TypedDict, total=False):
-    """What the list can be narrowed to; None does not narrow.
+    """Filters of the list; None is no filter.
 
-    Records from the ground are not maneuvers of a flight and are listed only with
-    ``ground``. ``method`` alone asks for maneuvers with a run of this method; ``state``
-    looks at the newest run, of that method or of any. ``deleted`` asks for what was
-    deleted instead.
+    Ground records are not maneuvers of a flight and are listed only with
+    ``ground``. ``method`` alone selects maneuvers with a run of this method; ``state``
+    is that of the newest run, of that method or of any. ``deleted`` selects deleted
+    maneuvers.
     """
 
     aircraft_id: int | None
@@ -78,7 +78,7 @@ class ManeuverFilters(TypedDict, total=False):
 
 
 def _newest(method: Method, column: sa.Column[Any]) -> sa.ScalarSelect[Any]:
-    """Look one column of the newest run of a method up; the index alone answers."""
+    """Return one column of the newest run of a method, from the index alone."""
     return (
         sa.select(column)
         .where(
@@ -157,7 +157,7 @@ def select_maneuvers(
     connection
         A transaction to read in.
     filters
-        What to narrow it to.
+        Filters of the list.
     sort
         A field of ``SORT_FIELDS``, with ``-`` in front for falling order;
         maneuvers that lack the value come last.
@@ -170,17 +170,17 @@ def select_maneuvers(
     query = sa.select(*_shown, *_newest_columns).select_from(_joined)
     query = query.where(*_conditions(filters)).order_by(*_order(sort)).offset(offset)
     if limit is not None:
-        query = query.limit(limit + 1)  # one more tells whether there is a next page
+        query = query.limit(limit + 1)  # one more item shows that there is a next page
     rows = connection.execute(query).mappings().all()
     shown = rows if limit is None else rows[:limit]
-    tags = tags_of(connection, maneuver_tags, [row["id"] for row in shown])
+    tags = read_tags(connection, maneuver_tags, [row["id"] for row in shown])
     items = [_item(row, tags[row["id"]]) for row in shown]
     more = limit is not None and len(rows) > limit
     return Page(items=items, next=str(offset + len(items)) if more else None)
 
 
 def maneuver_facets(connection: Connection, filters: ManeuverFilters) -> Facets:
-    """Count the list, and what each choice of a filter would leave of it."""
+    """Return the number of items, and that of each choice of a filter."""
     facets = {
         "aircraft_id": Facet(maneuvers.c.aircraft_id, aircraft.c.name, filters.get("aircraft_id")),
         "flight_id": Facet(maneuvers.c.flight_id, flights.c.number, filters.get("flight_id")),
@@ -197,7 +197,7 @@ def maneuver_facets(connection: Connection, filters: ManeuverFilters) -> Facets:
 
 
 def _run_choices(connection: Connection, filters: ManeuverFilters) -> dict[str, list[Choice]]:
-    """Count by newest runs: a maneuver counts for every method and every state of them."""
+    """Count by newest runs: a maneuver counts for the method and the state of each."""
     asked = cast("ManeuverFilters", {**filters, "method": None, "state": None})
     query = (
         sa.select(*_newest_state.values(), sa.func.count())
@@ -205,15 +205,15 @@ def _run_choices(connection: Connection, filters: ManeuverFilters) -> dict[str, 
         .where(*_conditions(asked))
         .group_by(*_newest_state.values())
     )
-    wanted = (filters.get("method"), filters.get("state"))
+    requested = (filters.get("method"), filters.get("state"))
     methods: Counter[Method] = Counter()
     states: Counter[RunState] = Counter()
     for *newest, count in connection.execute(query):
         by_method = dict(zip(Method, newest, strict=True))
         for method, state in by_method.items():
-            if state is not None and wanted[1] in (None, state):
+            if state is not None and requested[1] in (None, state):
                 methods[method] += count
-        of_method = newest if wanted[0] is None else [by_method[wanted[0]]]
+        of_method = newest if requested[0] is None else [by_method[requested[0]]]
         for state in {one for one in of_method if one is not None}:
             states[RunState(state)] += count
     return {"method": _counted(Method, methods), "state": _counted(RunState, states)}

@@ -1,4 +1,4 @@
-"""Bring a database to the schema of this software; its file is copied first."""
+"""Migrate a database to the schema of this software, after a copy of its file."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from sqlalchemy.engine import Connection
 
 import flexsid
 from flexsid.errors import FlexsidError
-from flexsid.storage.database import answering, make_engine, parse_url, sqlite_file
-from flexsid.storage.files import DatabaseUnavailable, begin_database, new_file
+from flexsid.storage.database import make_engine, parse_url, sqlite_file, translate_errors
+from flexsid.storage.files import DatabaseUnavailable, create_database, new_file
 from flexsid.storage.tables.columns import metadata
 
 _log = logging.getLogger(__name__)
-_MIGRATING = 0x666C6D67  # any number that nobody else takes
+_MIGRATING = 0x666C6D67  # any number not used by other advisory locks
 
 
 class DatabaseTooNew(FlexsidError):
@@ -33,7 +33,7 @@ class DatabaseTooNew(FlexsidError):
 
 
 def upgrade(url: str) -> str:
-    """Bring a database to the newest schema.
+    """Migrate a database to the newest schema.
 
     A database of SQLite that holds an older schema is first copied to
     ``<name>.backup-<revision>`` beside it.
@@ -41,52 +41,52 @@ def upgrade(url: str) -> str:
     Parameters
     ----------
     url
-        Address of the database; an SQLite file is made where there is none.
+        Address of the database; a missing SQLite file is created.
 
     Returns
     -------
     str
-        The revision it is at now.
+        The present revision.
 
     Raises
     ------
     DatabaseTooNew
-        If a newer release has migrated it; nothing is changed then.
+        If a newer release has migrated it; nothing is changed.
     DatabaseUnavailable
         If it cannot be opened.
     """
-    return move(url, "head")
+    return migrate_to(url, "head")
 
 
-def move(url: str, target: str) -> str:
-    """Bring a database to one revision, up or down; else as ``upgrade``."""
+def migrate_to(url: str, target: str) -> str:
+    """Migrate a database to one revision, up or down; see ``upgrade``."""
     parsed = parse_url(url)
     config = Config()
     config.set_main_option("script_location", str(find_migrations()).replace("%", "%%"))
     scripts = ScriptDirectory.from_config(config)
     file = sqlite_file(parsed)
     if file is not None:
-        begin_database(file)
+        create_database(file)
     engine = make_engine(parsed, foreign_keys=False)
     writing = engine.execution_options(flexsid_writes=True)
     try:
-        # One transaction, taken for writing at once: of two servers that start
-        # together the second waits here and then finds nothing to do.
-        with answering(), writing.begin() as connection:
+        # One write transaction: of two servers that start at the same time
+        # the second waits here and then finds the newest schema.
+        with translate_errors(), writing.begin() as connection:
             if connection.dialect.name == "postgresql":
                 connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_MIGRATING)))
             present = _present_revision(connection, scripts)
-            wanted = scripts.get_current_head() if target == "head" else target
-            if present == wanted and present is not None:
+            requested = scripts.get_current_head() if target == "head" else target
+            if present == requested and present is not None:
                 return present
             if present is None:
-                _refuse_foreign(connection)
+                _reject_foreign(connection)
             else:
-                _keep_copy(file, present)
+                _copy_database(file, present)
             config.attributes["connection"] = connection
             going_down = target == "base" or (
                 present is not None
-                and wanted in {s.revision for s in scripts.iterate_revisions(present, "base")}
+                and requested in {s.revision for s in scripts.iterate_revisions(present, "base")}
             )
             (command.downgrade if going_down else command.upgrade)(config, target)
             return _present_revision(connection, scripts) or "base"
@@ -106,16 +106,16 @@ def find_migrations() -> Path:
     )
 
 
-def _refuse_foreign(connection: Connection) -> None:
-    """Refuse to put tables beside those of another program, or beside ours without their schema."""
+def _reject_foreign(connection: Connection) -> None:
+    """Reject a database with tables of another program, or without its alembic_version."""
     present = set(sa.inspect(connection).get_table_names()) - {"alembic_version"}
-    if connection.dialect.name == "postgresql":  # others may share a database there
+    if connection.dialect.name == "postgresql":  # may be shared with other programs
         present &= set(metadata.tables)
     if present:
         raise DatabaseUnavailable(
             f"the database has tables ({', '.join(sorted(present)[:3])}, ...) but no schema of"
-            " flexsid: it is another program's, or its table alembic_version was lost. Name"
-            " another database, or restore a backup",
+            " flexsid: it belongs to another program, or its table alembic_version is missing."
+            " Name another database, or restore a backup",
             code="foreign-database",
         )
 
@@ -129,13 +129,13 @@ def _present_revision(connection: Connection, scripts: ScriptDirectory) -> str |
     except (CommandError, ResolutionError) as error:
         raise DatabaseTooNew(
             f"the database has schema {revision}, which flexsid {flexsid.__version__} does not"
-            f" know (it knows up to {scripts.get_current_head()}); use a newer flexsid"
+            f" support (newest: {scripts.get_current_head()}); use a newer flexsid"
         ) from error
     return revision
 
 
-def _keep_copy(file: Path | None, revision: str) -> None:
-    """Copy an SQLite file; a copy by the file system would miss what lies in the log."""
+def _copy_database(file: Path | None, revision: str) -> None:
+    """Copy an SQLite file with its log, which a copy by the file system would miss."""
     if file is None:
         return
     copy = file.with_name(f"{file.name}.backup-{revision}")

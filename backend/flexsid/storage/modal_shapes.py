@@ -1,7 +1,7 @@
-"""Shapes at the nodes of large structures: one array per fuel weight and mode.
+"""Mode shapes at all nodes: one array per fuel weight and mode.
 
-A drawing needs one mode at up to four fuel weights; in one array of all it would be lost
-among a hundred megabytes.
+A figure needs one mode at up to four fuel weights; one array of all modes may have a hundred
+megabytes.
 """
 
 from __future__ import annotations
@@ -11,24 +11,24 @@ from collections.abc import Sequence
 import numpy as np
 import sqlalchemy as sa
 
-from flexsid.storage.arrays import Arrays, describe
+from flexsid.storage.arrays import Arrays, describe_array
 from flexsid.storage.database import Database
 from flexsid.storage.tables import modal_shapes
 
 
 class ModalShapes:
-    """Keeps shapes (n_nodes, 6) by table, row of fuel and place of the mode in that row."""
+    """Store of shapes (n_nodes, 6) by modal table, fuel index and mode index."""
 
     def __init__(self, database: Database, arrays: Arrays) -> None:
         self._database = database
         self._arrays = arrays
 
     def put(self, modal_table_id: int, shapes: np.ndarray) -> None:
-        """Keep all shapes of a table, (n_fuel, n_modes, n_nodes, 6)."""
+        """Store all shapes of a table, (n_fuel, n_modes, n_nodes, 6)."""
         n_fuel, n_modes = shapes.shape[:2]
         with self._database.transaction() as connection:
             for fuel in range(n_fuel):
-                content = [describe(shapes[fuel, mode]) for mode in range(n_modes)]
+                content = [describe_array(shapes[fuel, mode]) for mode in range(n_modes)]
                 names = self._arrays.put_many(content)
                 rows = [
                     {"modal_table_id": modal_table_id, "fuel": fuel, "mode": mode, "array": name}
@@ -37,7 +37,7 @@ class ModalShapes:
                 connection.execute(sa.insert(modal_shapes), rows)
 
     def has(self, modal_table_id: int) -> bool:
-        """Tell whether a table has shapes here."""
+        """Return whether a table has stored shapes."""
         query = sa.select(modal_shapes.c.mode).where(
             modal_shapes.c.modal_table_id == modal_table_id
         )
@@ -47,7 +47,7 @@ class ModalShapes:
     def get(
         self, modal_table_id: int, places: Sequence[tuple[int, int]]
     ) -> dict[tuple[int, int], np.ndarray]:
-        """Return shapes by (row of fuel, place of the mode)."""
+        """Return shapes by (fuel index, mode index)."""
         columns = modal_shapes.c
         query = sa.select(columns.fuel, columns.mode, columns.array).where(
             columns.modal_table_id == modal_table_id,

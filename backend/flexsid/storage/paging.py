@@ -1,4 +1,4 @@
-"""Page: some items of a list, and where to go on."""
+"""Page: some items of a list, and the cursor of the next page."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ class Page(Generic[T]):
 
 
 def read_cursor(after: str) -> int:
-    """Read ``next`` of the page before."""
+    """Return the position of a cursor, ``next`` of the previous page."""
     if not (after.isascii() and after.isdigit() and len(after) <= 18):
         raise BadInput(
-            f"after={after!r} is not a place in the list; give `next` of the page before",
+            f"after={after!r} is not a cursor; use `next` of the previous page",
             code="bad-cursor",
         )
     return int(after)

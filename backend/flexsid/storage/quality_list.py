@@ -1,4 +1,4 @@
-"""The quality of a campaign: every maneuver with its verdict, the worst first."""
+"""Data quality of a campaign: the maneuvers with their verdicts, worst first."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from flexsid.storage.paging import Page, read_cursor
 from flexsid.storage.tables import aircraft, flights, maneuver_quality, maneuvers
 
 MISSING = "missing"
-"""What stands for the verdict of a maneuver that was not looked at."""
+"""Verdict of a maneuver that is not checked."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class QualityItem:
-    """One line of the list; verdict, summary and figures are None until it was looked at."""
+    """One item of the list; verdict, summary and figures are None until it is checked."""
 
     maneuver_id: int
     label: str
@@ -38,7 +38,7 @@ class QualityItem:
 
 
 class QualityFilters(TypedDict, total=False):
-    """What the list can be narrowed to; None does not narrow."""
+    """Filters of the list; None is no filter."""
 
     aircraft_id: int | None
     flight_id: int | None
@@ -64,7 +64,7 @@ _shown = (
 )
 _severity = sa.case(
     (maneuver_quality.c.verdict == QualityVerdict.BAD.value, 0),
-    (maneuver_quality.c.verdict == QualityVerdict.DOUBTFUL.value, 1),
+    (maneuver_quality.c.verdict == QualityVerdict.QUESTIONABLE.value, 1),
     (maneuver_quality.c.verdict == QualityVerdict.UNCHECKED.value, 2),
     (maneuver_quality.c.verdict == QualityVerdict.GOOD.value, 4),
     else_=3,
@@ -102,7 +102,7 @@ def select_qualities(
     connection
         A transaction to read in.
     filters
-        What to narrow it to.
+        Filters of the list.
     sort
         A field of ``SORT_FIELDS``, with ``-`` in front for falling order; maneuvers that
         lack the value come last.
@@ -143,7 +143,7 @@ def select_qualities(
 
 
 def count_verdicts(connection: Connection, filters: QualityFilters) -> dict[str, int]:
-    """How many maneuvers have each verdict, and how many none."""
+    """Return the number of maneuvers by verdict, and without one."""
     rest: QualityFilters = {**filters, "verdict": None}
     query = (
         sa.select(maneuver_quality.c.verdict, sa.func.count())
@@ -155,8 +155,8 @@ def count_verdicts(connection: Connection, filters: QualityFilters) -> dict[str,
     return {name: found.get(name, 0) for name in (*(v.value for v in QualityVerdict), MISSING)}
 
 
-def unassessed(connection: Connection) -> list[int]:
-    """Maneuvers that nobody has looked at, in the order of the campaign."""
+def list_unassessed(connection: Connection) -> list[int]:
+    """Return the maneuvers that are not checked, in the order of the campaign."""
     query = (
         sa.select(maneuvers.c.id)
         .select_from(_joined)

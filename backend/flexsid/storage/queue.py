@@ -1,8 +1,8 @@
-"""The run table is the job queue: how a run passes from state to state.
+"""The run table is the job queue: state transitions of runs.
 
-Every passage is a conditional update, written to the log in the same
-transaction. ``attempt`` counts the starts of a run and fences it: what an
-earlier attempt still says, or says after the run was cancelled, changes nothing.
+Every transition is a conditional update, written to the log in the same
+transaction. ``attempt`` counts the starts of a run and fences it: messages of an
+earlier attempt, or of a cancelled run, have no effect.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from flexsid.storage.store import Store
 from flexsid.storage.tables import runs
 
 MOST_DEATHS = 3
-"""So many workers may die of a run before it is given up."""
+"""Number of worker deaths after which a run fails."""
 
 _QUEUED = runs.c.state == RunState.QUEUED.value
 _first = runs.alias("first")
@@ -34,7 +34,7 @@ _may_start = sa.or_(
 
 
 class StaleAttempt(Conflict):
-    """The run was cancelled or started again; this result comes too late."""
+    """The run was cancelled or started again before this result."""
 
     code = "stale-attempt"
 
@@ -42,27 +42,31 @@ class StaleAttempt(Conflict):
 def add(store: Store, run: EstimationRun) -> EstimationRun:
     """Queue a run."""
     with store.database.transaction() as connection:
-        kept = store.runs.add(run)
-        assert kept.id is not None
-        run_log.write(connection, [kept.id], "queued", message=_asked_by(run.author))
-        return kept
+        added = store.runs.add(run)
+        assert added.id is not None
+        run_log.write(connection, [added.id], "queued", message=_describe_request(run.author))
+        return added
 
 
 def claim(
-    store: Store, run_id: int | None = None, *, owner: str | None = None, epoch: int | None = None
+    store: Store,
+    run_id: int | None = None,
+    *,
+    process_id: str | None = None,
+    epoch: int | None = None,
 ) -> EstimationRun | None:
-    """Start a queued run: the one asked for, else the most urgent; None where none may start.
+    """Start a queued run: the given one, else that of highest priority; None if none may start.
 
     Parameters
     ----------
     store
-        Where runs are queued.
+        Store of the runs.
     run_id
-        Which one.
-    owner
-        The process that answers for it from now on.
+        Id of the run.
+    process_id
+        The process that executes it.
     epoch
-        Of the lease under which it is started; without the lease nothing starts.
+        Epoch of the lease; without the lease no run is started.
     """
     with store.database.transaction() as connection:
         query = sa.select(runs.c.id).where(_QUEUED, _may_start)
@@ -74,7 +78,7 @@ def claim(
             return None
         condition = sa.and_(runs.c.id == found, _QUEUED)
         if epoch is not None:
-            condition = sa.and_(condition, leases.holds(epoch))
+            condition = sa.and_(condition, leases.is_held(epoch))
         claimed = _change(
             store,
             condition,
@@ -82,7 +86,7 @@ def claim(
             attempt=runs.c.attempt + 1,
             started_at=_now(),
             progress=None,
-            owner=owner,
+            process_id=process_id,
         )
         if not claimed:
             return None
@@ -92,15 +96,15 @@ def claim(
 
 
 def note_progress(store: Store, run_id: int, attempt: int, progress: Progress) -> bool:
-    """Write how far a run is; False where this attempt no longer counts."""
+    """Store the progress of a run; False if this attempt is outdated."""
     return _change(store, _is_attempt(run_id, attempt), lax=True, progress=progress)
 
 
-def say(store: Store, run_id: int, attempt: int, message: str) -> None:
-    """Add a line to the log of a run."""
+def log_message(store: Store, run_id: int, attempt: int, message: str) -> None:
+    """Add a message to the log of a run."""
     with store.database.transaction(lax=True) as connection:
         if connection.scalar(sa.select(sa.exists().where(runs.c.id == run_id))):
-            run_log.write(connection, [run_id], "said", attempt, message)
+            run_log.write(connection, [run_id], "logged", attempt, message)
 
 
 def finish(
@@ -112,15 +116,15 @@ def finish(
     worker: str | None = None,
     provenance: Provenance | None = None,
 ) -> EstimationRun:
-    """Keep the result of a run, what it was computed from, and the hash of both.
+    """Store the result of a run, its provenance, and the hash of both.
 
     Raises
     ------
     StaleAttempt
-        If the run was cancelled or started again meanwhile.
+        If the run was cancelled or started again.
     """
     with store.database.transaction() as connection:
-        kept = _change(
+        is_stored = _change(
             store,
             _is_attempt(run_id, attempt),
             state=RunState.SUCCEEDED,
@@ -131,13 +135,13 @@ def finish(
             worker=worker,
             **({} if provenance is None else asdict(provenance)),
         )
-        if not kept:
+        if not is_stored:
             run = store.runs.get(run_id)
             raise StaleAttempt(
-                f"attempt {attempt} of run {run_id} comes too late: the run is {run.state.value}"
+                f"attempt {attempt} of run {run_id} is outdated: the run is {run.state.value}"
                 f" in attempt {run.attempt}"
             )
-        run_results.seal(connection, run_id)
+        run_results.store_hash(connection, run_id)
         run_log.write(connection, [run_id], "succeeded", attempt, worker or "")
         return store.runs.get(run_id)
 
@@ -145,7 +149,7 @@ def finish(
 def fail(
     store: Store, run_id: int, attempt: int, code: str, message: str, worker: str | None = None
 ) -> bool:
-    """Mark a run as failed, and those that wait for it; False where the attempt is over."""
+    """Mark a run and those that wait for it as failed; False if the attempt is outdated."""
     with store.database.transaction() as connection:
         failed = _change(
             store,
@@ -161,8 +165,8 @@ def fail(
         return failed
 
 
-def put_back(store: Store, run_id: int, attempt: int, why: str = "the server stopped") -> bool:
-    """Queue a started run again, as when the server stops."""
+def requeue(store: Store, run_id: int, attempt: int, why: str = "the server stopped") -> bool:
+    """Queue a started run again, e.g. when the server stops."""
     with store.database.transaction() as connection:
         done = _change(
             store,
@@ -170,7 +174,7 @@ def put_back(store: Store, run_id: int, attempt: int, why: str = "the server sto
             state=RunState.QUEUED,
             started_at=None,
             progress=None,
-            owner=None,
+            process_id=None,
         )
         if done:
             run_log.write(connection, [run_id], "queued", attempt, why)
@@ -178,9 +182,9 @@ def put_back(store: Store, run_id: int, attempt: int, why: str = "the server sto
 
 
 def retry_or_fail(store: Store, run_id: int, attempt: int, message: str) -> bool:
-    """Queue a run whose worker died again, or give it up after too many deaths.
+    """Queue a run again after its worker died, or fail it after ``MOST_DEATHS``.
 
-    ``message`` is told in the end; ``{deaths}`` in it is how many there were.
+    ``message`` is the reason; ``{deaths}`` in it is replaced by the number of deaths.
     """
     with store.database.transaction() as connection:
         died = _change(store, _is_attempt(run_id, attempt), deaths=runs.c.deaths + 1)
@@ -190,44 +194,46 @@ def retry_or_fail(store: Store, run_id: int, attempt: int, message: str) -> bool
         message = message.format(deaths=deaths)
         if deaths is None or deaths >= MOST_DEATHS:
             return fail(store, run_id, attempt, "worker-died", message)
-        return put_back(store, run_id, attempt, message)
+        return requeue(store, run_id, attempt, message)
 
 
-def take_over(store: Store, is_gone: Callable[[str | None], bool] = lambda owner: True) -> int:
-    """Queue again, or give up, what processes that are gone left running; returns how many."""
-    query = sa.select(runs.c.id, runs.c.attempt, runs.c.owner).where(
+def requeue_orphans(
+    store: Store, is_gone: Callable[[str | None], bool] = lambda process_id: True
+) -> int:
+    """Queue again, or fail, running runs of processes that ended; returns their number."""
+    query = sa.select(runs.c.id, runs.c.attempt, runs.c.process_id).where(
         runs.c.state == RunState.RUNNING.value
     )
     with store.database.transaction() as connection:
-        left = [row for row in connection.execute(query) if is_gone(row.owner)]
+        left = [row for row in connection.execute(query) if is_gone(row.process_id)]
         for row in left:
             retry_or_fail(
                 store,
                 row.id,
                 row.attempt,
-                "the server stopped {deaths} times while it carried this run out",
+                "the server stopped {deaths} times during this run",
             )
     return len(left)
 
 
-def put_back_strays(store: Store, owner: str, known: Iterable[int]) -> int:
-    """Queue again what stands as started by a process that knows nothing of it.
+def requeue_unknown(store: Store, process_id: str, known: Iterable[int]) -> int:
+    """Queue runs again that are stored as started by a process that does not execute them.
 
-    So it does where the database kept a start and went away before it said so.
+    This happens if the connection to the database fails after a start is stored.
     """
     query = sa.select(runs.c.id, runs.c.attempt).where(
-        runs.c.state == RunState.RUNNING.value, runs.c.owner == owner
+        runs.c.state == RunState.RUNNING.value, runs.c.process_id == process_id
     )
-    carried_out = set(known)
+    executed = set(known)
     with store.database.transaction() as connection:
-        strays = [row for row in connection.execute(query) if row.id not in carried_out]
+        strays = [row for row in connection.execute(query) if row.id not in executed]
         for row in strays:
-            put_back(store, row.id, row.attempt, "the database did not answer")
+            requeue(store, row.id, row.attempt, "the database did not respond")
     return len(strays)
 
 
 def request_cancel(store: Store, run_id: int) -> EstimationRun:
-    """Cancel a run that has not ended; whoever carries it out is to be stopped."""
+    """Cancel a queued or running run; its worker is stopped by the dispatcher."""
     with store.transaction():
         run = store.runs.get(run_id)
         if run.state is RunState.CANCELLED:
@@ -243,7 +249,7 @@ def request_cancel(store: Store, run_id: int) -> EstimationRun:
 
 
 def cancel(store: Store, run_ids: Sequence[int]) -> None:
-    """Cancel those of these runs that have not ended, and those that wait for them."""
+    """Cancel the queued and running runs of these, and the runs that wait for them."""
     active = (RunState.QUEUED.value, RunState.RUNNING.value)
     which = sa.and_(runs.c.id.in_(run_ids), runs.c.state.in_(active))
     with store.database.transaction() as connection:
@@ -254,25 +260,25 @@ def cancel(store: Store, run_ids: Sequence[int]) -> None:
 
 
 def request_retry(store: Store, run_id: int) -> None:
-    """Queue one run again that failed or was cancelled.
+    """Queue a failed or cancelled run again.
 
     Raises
     ------
     Conflict
-        If it did neither.
+        If the run is in another state.
     """
     with store.transaction():
         run = store.runs.get(run_id)
         if not retry(store, [run_id]):
             raise Conflict(
-                f"run {run_id} is {run.state.value}; only a failed or cancelled one can be asked"
-                " for again",
+                f"run {run_id} is {run.state.value}; only a failed or cancelled one can be"
+                " queued again",
                 code="run-not-over",
             )
 
 
 def retry(store: Store, run_ids: Sequence[int]) -> int:
-    """Queue again those of these runs that failed or were cancelled; returns how many."""
+    """Queue the failed and cancelled runs of these again; returns their number."""
     ended = (RunState.FAILED.value, RunState.CANCELLED.value)
     which = sa.and_(runs.c.id.in_(run_ids), runs.c.state.in_(ended))
     with store.database.transaction() as connection:
@@ -287,28 +293,28 @@ def retry(store: Store, run_ids: Sequence[int]) -> int:
             finished_at=None,
             deaths=0,
         )
-        run_log.write(connection, found, "queued", message="asked for again")
+        run_log.write(connection, found, "queued", message="requested again")
     return len(found)
 
 
-def still_running(store: Store, attempts: Iterable[tuple[int, int]]) -> set[int]:
-    """Return which of these (run, attempt) still count."""
-    wanted = dict(attempts)
+def find_running(store: Store, attempts: Iterable[tuple[int, int]]) -> set[int]:
+    """Return the runs of these (run, attempt) that are running in this attempt."""
+    requested = dict(attempts)
     query = sa.select(runs.c.id, runs.c.attempt).where(
-        runs.c.id.in_(wanted), runs.c.state == RunState.RUNNING.value
+        runs.c.id.in_(requested), runs.c.state == RunState.RUNNING.value
     )
     with store.database.reading() as connection:
         rows = connection.execute(query).all()
-    return {run_id for run_id, attempt in rows if wanted[run_id] == attempt}
+    return {run_id for run_id, attempt in rows if requested[run_id] == attempt}
 
 
 def _end_those_waiting(store: Store, run_ids: Sequence[int], state: RunState) -> None:
-    """End the queued runs that would have started after one that gives them nothing."""
+    """End the queued runs that start from the result of failed or cancelled runs."""
     waiting = sa.and_(runs.c.after_run_id.in_(run_ids), _QUEUED)
     which = f"run {run_ids[0]}" if len(run_ids) == 1 else "the run"
     message = f"{which}, whose result it starts from, was cancelled"
     if state is RunState.FAILED:
-        message = f"{which}, whose result it starts from, failed; ask for both again"
+        message = f"{which}, whose result it starts from, failed; queue both again"
     with store.database.transaction() as connection:
         found = list(connection.scalars(sa.select(runs.c.id).where(waiting)))
         if not found:
@@ -346,8 +352,8 @@ def _is_attempt(run_id: int, attempt: int) -> sa.ColumnElement[bool]:
     )
 
 
-def _asked_by(author: str) -> str:
-    return f"asked for by {author}" if author else "asked for"
+def _describe_request(author: str) -> str:
+    return f"requested by {author}" if author else "requested"
 
 
 def _now() -> datetime:

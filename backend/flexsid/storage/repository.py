@@ -1,4 +1,4 @@
-"""Repository: keeps one kind of record, whatever its fields."""
+"""Repository: storage of one kind of record."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LARGEST_ID = 2**63 - 1
 
 
 class Record(Protocol):
-    """A frozen dataclass with an identity that is None until it is kept."""
+    """A frozen dataclass with an id that is None until it is stored."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
 
@@ -34,18 +34,18 @@ R = TypeVar("R", bound=Record)
 
 
 class Repository(Generic[R]):
-    """Keeps records of one type in one table, column by field name.
+    """Stores records of one type in one table, with one column per field.
 
     Parameters
     ----------
     database
-        Where to keep them.
+        The database.
     table
         Has a column for every field; nested fields are JSON columns.
     record
         The dataclass.
     noun
-        What an analyst calls it, for messages.
+        Name of the record in messages.
     copied
         Further columns, computed from the record so that SQL can filter by them.
     derived
@@ -77,7 +77,7 @@ class Repository(Generic[R]):
         }
 
     def add(self, record: R) -> R:
-        """Keep a new record; the answer carries its id (and the time, if it has one)."""
+        """Store a new record; return it with its id (and its time, if it has one)."""
         row = self.encode(record)
         del row["id"]
         if "created_at" in row and row["created_at"] is None:
@@ -93,7 +93,7 @@ class Repository(Generic[R]):
         return replace(record, **{"id": primary_key[0]})
 
     def add_many(self, records: Sequence[R]) -> None:
-        """Keep new records in one statement; their ids are not told."""
+        """Store new records in one statement; their ids are not returned."""
         rows = [self.encode(record) for record in records]
         for row in rows:
             del row["id"]
@@ -105,7 +105,7 @@ class Repository(Generic[R]):
                     raise self._refused(error) from error
 
     def get(self, identity: int) -> R:
-        """Return the record with this id; inside a transaction nobody else changes it then."""
+        """Return the record with this id; a transaction locks it against changes."""
         found = self._select(self._is(identity), lock=self._database.in_transaction)
         if not found:
             raise self._unknown(identity)
@@ -118,7 +118,7 @@ class Repository(Generic[R]):
         )
 
     def advance(self, record: R) -> bool:
-        """Keep this in place of the version before it; False where another came first."""
+        """Replace the previous version; False if another replacement was earlier."""
         row = self.encode(record)
         before = sa.and_(self._is(row.pop("id")), self.table.c.version == row["version"] - 1)
         with self._database.transaction() as connection:
@@ -126,7 +126,7 @@ class Repository(Generic[R]):
         return done.rowcount == 1
 
     def replace(self, record: R) -> R:
-        """Keep this in place of the record with the same id."""
+        """Replace the record with the same id."""
         row = self.encode(record)
         identity = row.pop("id")
         with self._database.transaction() as connection:
@@ -141,7 +141,7 @@ class Repository(Generic[R]):
         return record
 
     def delete(self, identity: int) -> None:
-        """Forget a record; refused while others refer to it."""
+        """Delete a record; rejected while others refer to it."""
         with self._database.transaction() as connection:
             try:
                 result = connection.execute(sa.delete(self.table).where(self._is(identity)))
@@ -161,15 +161,13 @@ class Repository(Generic[R]):
         return row
 
     def encode_field(self, name: str, value: Any) -> Any:
-        """Return what stands in the column of one field."""
+        """Return the column value of one field."""
         if name in self._nested:
             if value is None:
                 return None
             return self._nested[name].dump_python(value, mode="json", warnings="error")
         if isinstance(value, float) and not math.isfinite(value):
-            raise NotFinite(
-                f"{name} of {self._noun} is {value}; a number that is not known is None"
-            )
+            raise NotFinite(f"{name} of {self._noun} is {value}; an unknown number must be None")
         return _plain(value)
 
     def decode(self, rows: Sequence[sa.RowMapping]) -> list[R]:
@@ -177,13 +175,13 @@ class Repository(Generic[R]):
         return [self._adapter.validate_python(self._values(row)) for row in rows]
 
     def _values(self, row: sa.RowMapping) -> dict[str, Any]:
-        kept = {name: row[name] for name in self.fields}
-        return kept | {name: derive(kept) for name, derive in self._derived.items()}
+        values = {name: row[name] for name in self.fields}
+        return values | {name: derive(values) for name, derive in self._derived.items()}
 
     def _select(self, *conditions: sa.ColumnElement[bool], lock: bool = False) -> list[R]:
         columns = [self.table.c[name] for name in self.fields]
         query = sa.select(*columns).where(*conditions).order_by(self.table.c.id)
-        if lock:  # SQLite has one writer anyway
+        if lock:  # SQLite has one writer
             query = query.with_for_update(key_share=True)
         with self._database.reading() as connection:
             return self.decode(connection.execute(query).mappings().all())
@@ -203,7 +201,7 @@ class Repository(Generic[R]):
             return UnknownRecord(f"the {self._noun} refers to a record that does not exist")
         if "unique" in reason.lower():
             return Conflict(f"this {self._noun} already exists", code="already-exists")
-        return Conflict(f"the {self._noun} cannot be kept: {reason}")
+        return Conflict(f"the {self._noun} cannot be stored: {reason}")
 
 
 def _plain(value: Any) -> Any:

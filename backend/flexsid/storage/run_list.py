@@ -1,4 +1,4 @@
-"""The list of runs: light lines, whatever the results weigh."""
+"""The list of runs: summaries without the full results."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from sqlalchemy.engine import Connection
 
 from flexsid.errors import BadInput
 from flexsid.records.run import Method, RunState
-from flexsid.storage.content import changed_since
+from flexsid.storage.content import find_changes
 from flexsid.storage.database import Database
 from flexsid.storage.facets import Facet, Facets, count_facets
 from flexsid.storage.paging import Page, read_cursor
 from flexsid.storage.tables import aircraft, flights, maneuvers, run_tags, runs
-from flexsid.storage.tags import has_tag, tags_of
+from flexsid.storage.tags import has_tag, read_tags
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunItem:
-    """One line of the list of runs.
+    """One item of the list of runs.
 
-    ``worst_r_squared`` is that of the output fitted worst; ``has_model`` tells that the
-    estimates make a whole model, which has poles.
+    ``worst_r_squared`` is the lowest R2 of all outputs; ``has_model`` is true if the
+    estimates form a complete model, which has poles.
     """
 
     id: int
@@ -61,9 +61,9 @@ class RunItem:
 
 
 class RunFilters(TypedDict, total=False):
-    """What the list can be narrowed to; None does not narrow.
+    """Filters of the list; None is no filter.
 
-    ``deleted`` asks for what was deleted instead.
+    ``deleted`` selects deleted runs.
     """
 
     aircraft_id: int | None
@@ -143,9 +143,9 @@ def select_runs(
     Parameters
     ----------
     database
-        Where they are.
+        The database.
     filters
-        What to narrow it to.
+        Filters of the list.
     sort
         A field of ``RUN_SORT_FIELDS``, with ``-`` in front for falling order;
         runs that lack the value come last.
@@ -156,25 +156,25 @@ def select_runs(
 
     Notes
     -----
-    The ids of a page are found in an index alone; only the lines that are shown
-    are read from the rows, whose results weigh tens of kilobytes each.
+    The ids of a page are found in an index alone; only the rows of the page are
+    read, as each result has tens of kilobytes.
     """
     offset = 0 if after is None else read_cursor(after)
-    chosen = (
+    selection = (
         sa.select(runs.c.id)
         .select_from(_joined)
         .where(*_conditions(filters))
         .order_by(*_order(sort))
         .offset(offset)
-        .limit(limit + 1)  # one more tells whether there is a next page
+        .limit(limit + 1)  # one more item shows that there is a next page
     )
     with database.reading() as connection:
-        found = connection.scalars(chosen).all()
+        found = connection.scalars(selection).all()
         ids = found[:limit]
         query = sa.select(*_shown, *_read).select_from(_joined).where(runs.c.id.in_(ids))
         rows = {row["id"]: row for row in connection.execute(query).mappings()}
-        tags = tags_of(connection, run_tags, ids)
-        changed = changed_since(database, [rows[identity]["rests_on"] for identity in ids])
+        tags = read_tags(connection, run_tags, ids)
+        changed = find_changes(database, [rows[identity]["rests_on"] for identity in ids])
     return Page(
         items=[
             _item(rows[identity], tags[identity], since)
@@ -185,7 +185,7 @@ def select_runs(
 
 
 def run_facets(connection: Connection, filters: RunFilters) -> Facets:
-    """Count the list, and what each choice of a filter would leave of it."""
+    """Return the number of items, and that of each choice of a filter."""
     method, state = filters.get("method"), filters.get("state")
     facets = {
         "aircraft_id": Facet(maneuvers.c.aircraft_id, aircraft.c.name, filters.get("aircraft_id")),
@@ -215,7 +215,7 @@ def _conditions(filters: RunFilters) -> list[sa.ColumnElement[bool]]:
         ("min_fuel", lambda value: maneuvers.c.fuel_fraction >= value),
         ("max_fuel", lambda value: maneuvers.c.fuel_fraction <= value),
         ("method", lambda value: runs.c.method == value.value),
-        # The index of states would be taken, and every row be read for what it lacks.
+        # Prevents the use of the index of states, which would read every row.
         ("state", lambda value: sa.func.coalesce(runs.c.state, "") == value.value),
         ("tag", lambda value: has_tag(run_tags, runs.c.id, value)),
         ("search", _mentions),

@@ -1,4 +1,4 @@
-"""The log of runs: one table that only grows, read from where a reader stopped."""
+"""The log of runs: an append-only table, read from the last event of a reader."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from flexsid.storage.tables import run_events
 def write(
     connection: Connection, run_ids: Sequence[int], kind: str, attempt: int = 0, message: str = ""
 ) -> None:
-    """Add a line to the log of each of these runs, in the caller's transaction."""
+    """Add an entry to the log of each of these runs, in the transaction of the caller."""
     row: dict[str, Any] = {
         "at": datetime.now(UTC),
         "kind": kind,
@@ -28,18 +28,18 @@ def write(
         connection.execute(sa.insert(run_events), [{"run_id": number, **row} for number in run_ids])
 
 
-def of_run(store: Store, run_id: int) -> list[RunEvent]:
+def read_log(store: Store, run_id: int) -> list[RunEvent]:
     """Return the log of one run, oldest first."""
     return _read(store, run_events.c.run_id == run_id)
 
 
-def since(store: Store, event_id: int, limit: int = 1000) -> list[RunEvent]:
-    """Return what was written after an event, oldest first."""
+def read_since(store: Store, event_id: int, limit: int = 1000) -> list[RunEvent]:
+    """Return the events after an event, oldest first."""
     return _read(store, run_events.c.id > event_id, limit)
 
 
-def newest(store: Store) -> int:
-    """Return the id of the last event; zero where there is none."""
+def find_newest(store: Store) -> int:
+    """Return the id of the last event; zero if there is none."""
     with store.database.reading() as connection:
         return connection.scalar(sa.select(sa.func.max(run_events.c.id))) or 0
 

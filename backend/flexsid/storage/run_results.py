@@ -1,4 +1,4 @@
-"""Results of runs: kept with a hash, so that one that is altered later is noticed."""
+"""Results of runs: stored with a hash, so that later alterations are detected."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from sqlalchemy.engine import Connection
 from flexsid.storage.tables import runs
 
 SEALED: tuple[str, ...] = ("maneuver_id", "method", "structure", "settings", "result", "versions")
-"""Columns that the hash covers: what was asked for, what came out, and of which software.
+"""Columns that the hash covers: the request, the result, and the software versions.
 
-A migration that rewrites one of them must seal the runs again.
+A migration that rewrites one of them must update the hashes.
 """
 
 
-def result_hash(row: Mapping[str, Any]) -> str:
+def hash_result(row: Mapping[str, Any]) -> str:
     """SHA-256 of the sealed columns as JSON, keys sorted and no blanks."""
     content = [row[name] for name in SEALED]
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
@@ -27,15 +27,15 @@ def result_hash(row: Mapping[str, Any]) -> str:
 
 
 def is_altered(row: Mapping[str, Any]) -> bool:
-    """Whether a run is not what it was when its result was kept."""
-    kept = row["result_hash"]
-    return kept is not None and result_hash(row) != kept
+    """Return whether a run was altered after its result was stored."""
+    stored = row["result_hash"]
+    return stored is not None and hash_result(row) != stored
 
 
-def seal(connection: Connection, run_id: int) -> None:
-    """Keep the hash of a result that was just written."""
+def store_hash(connection: Connection, run_id: int) -> None:
+    """Store the hash of a new result."""
     this = runs.c.id == run_id
     query = sa.select(*(runs.c[name] for name in SEALED)).where(this)
     row = connection.execute(query).one()
-    kept = dict(zip(SEALED, row, strict=True))
-    connection.execute(sa.update(runs).where(this).values(result_hash=result_hash(kept)))
+    sealed = dict(zip(SEALED, row, strict=True))
+    connection.execute(sa.update(runs).where(this).values(result_hash=hash_result(sealed)))

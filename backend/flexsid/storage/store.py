@@ -1,4 +1,4 @@
-"""Store: the one door to everything kept."""
+"""Store: access to all stored data."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from flexsid.records.modal_table import (
 )
 from flexsid.records.model_structure import ModelStructure, StructureVersion
 from flexsid.records.prediction import DerivativePrediction
+from flexsid.records.preflight_simulation import PreflightSimulation
 from flexsid.records.quality import ManeuverQuality
-from flexsid.records.rehearsal import Rehearsal
 from flexsid.records.run import EstimationRun
 from flexsid.records.saved_view import SavedView
 from flexsid.records.search import StructureSearch
@@ -49,14 +49,14 @@ from flexsid.storage.paging import Page
 from flexsid.storage.repository import Repository
 from flexsid.storage.run_list import RunFilters, RunItem, run_facets, select_runs
 from flexsid.storage.run_results import is_altered
-from flexsid.storage.tags import tags_of
+from flexsid.storage.tags import read_tags
 
 
 class Store:
-    """Records by kind, arrays by content; opened on a database that has been migrated.
+    """Records by kind, arrays by content, in a migrated database.
 
-    May be used from several threads. Every call is one transaction of its own
-    unless it stands in ``with store.transaction():`` or, where it reads,
+    Safe for use from several threads. Every call is a separate transaction
+    unless it is in ``with store.transaction():`` or, where it reads,
     ``with store.reading():``.
     """
 
@@ -112,7 +112,9 @@ class Store:
         )
         self.looks = Repository(database, tables.looks, SeenEvents, "look")
         self.controllers = Repository(database, tables.controllers, Controller, "controller")
-        self.rehearsals = Repository(database, tables.rehearsals, Rehearsal, "rehearsal")
+        self.preflight_simulations = Repository(
+            database, tables.preflight_simulations, PreflightSimulation, "preflight simulation"
+        )
         self.runs = Repository(
             database, tables.runs, EstimationRun, "run", derived={"altered": is_altered}
         )
@@ -126,18 +128,18 @@ class Store:
         return cls(Database(url))
 
     def close(self) -> None:
-        """Give back all connections."""
+        """Close all connections."""
         self.database.close()
 
     @contextmanager
     def transaction(self) -> Iterator[None]:
-        """Keep everything inside, or nothing if it raises."""
+        """Commit all changes of the block, or none if it raises."""
         with self.database.transaction():
             yield
 
     @contextmanager
     def reading(self) -> Iterator[None]:
-        """Read one consistent state of everything inside; nothing can be written meanwhile."""
+        """Read one consistent state of everything inside; nothing can be written in the block."""
         with self.database.reading():
             yield
 
@@ -154,14 +156,14 @@ class Store:
             return select_maneuvers(connection, filters, sort, limit, after)
 
     def maneuver_facets(self, **filters: Unpack[ManeuverFilters]) -> Facets:
-        """Count the list of maneuvers, and what each choice of a filter would leave of it."""
+        """Count the list of maneuvers, and the items of each choice of a filter."""
         with self.database.reading() as connection:
             return maneuver_facets(connection, filters)
 
     def tags_of_maneuver(self, maneuver_id: int) -> list[str]:
         """Return the tags of one maneuver."""
         with self.database.reading() as connection:
-            return tags_of(connection, tables.maneuver_tags, [maneuver_id])[maneuver_id]
+            return read_tags(connection, tables.maneuver_tags, [maneuver_id])[maneuver_id]
 
     def run_page(
         self,
@@ -175,7 +177,7 @@ class Store:
         return select_runs(self.database, filters, sort, limit, after)
 
     def run_facets(self, **filters: Unpack[RunFilters]) -> Facets:
-        """Count the list of runs, and what each choice of a filter would leave of it."""
+        """Count the list of runs, and the items of each choice of a filter."""
         with self.database.reading() as connection:
             return run_facets(connection, filters)
 

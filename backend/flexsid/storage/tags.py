@@ -1,4 +1,4 @@
-"""Tags: short words that an analyst puts on maneuvers and runs to find them again."""
+"""Tags: short labels that an analyst assigns to maneuvers and runs."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
 
-def tags_of(connection: Connection, table: sa.Table, ids: Iterable[int]) -> dict[int, list[str]]:
-    """Read the tags of some records, in the order of the alphabet.
+def read_tags(connection: Connection, table: sa.Table, ids: Iterable[int]) -> dict[int, list[str]]:
+    """Return the tags of some records, in alphabetical order.
 
     Parameters
     ----------
@@ -20,44 +20,44 @@ def tags_of(connection: Connection, table: sa.Table, ids: Iterable[int]) -> dict
     ids
         Records on the page.
     """
-    owner = _owner(table)
-    wanted = list(ids)
-    found: dict[int, list[str]] = {identity: [] for identity in wanted}
-    query = sa.select(owner, table.c.tag).where(owner.in_(wanted)).order_by(table.c.tag)
+    key = _key_column(table)
+    requested = list(ids)
+    found: dict[int, list[str]] = {identity: [] for identity in requested}
+    query = sa.select(key, table.c.tag).where(key.in_(requested)).order_by(table.c.tag)
     for identity, tag in connection.execute(query):
         found[identity].append(tag)
     return found
 
 
 def has_tag(table: sa.Table, identity: sa.ColumnElement[int], tag: str) -> sa.ColumnElement[bool]:
-    """Ask for records with a tag."""
-    return identity.in_(sa.select(_owner(table)).where(table.c.tag == tag))
+    """Return the condition that a record has a tag."""
+    return identity.in_(sa.select(_key_column(table)).where(table.c.tag == tag))
 
 
-def put_tag(connection: Connection, table: sa.Table, ids: Iterable[int], tag: str) -> list[int]:
-    """Tag records; returns those that did not have the tag."""
-    wanted = list(ids)
-    had = _tagged(connection, table, wanted, tag)
-    new = [identity for identity in wanted if identity not in had]
+def add_tag(connection: Connection, table: sa.Table, ids: Iterable[int], tag: str) -> list[int]:
+    """Add a tag to records; returns those that did not have it."""
+    requested = list(ids)
+    had = _find_tagged(connection, table, requested, tag)
+    new = [identity for identity in requested if identity not in had]
     if new:
-        name = _owner(table).name
+        name = _key_column(table).name
         rows = [{name: identity, "tag": tag} for identity in new]
         connection.execute(sa.insert(table), rows)
     return new
 
 
-def take_tag(connection: Connection, table: sa.Table, ids: Iterable[int], tag: str) -> list[int]:
-    """Take a tag off records; returns those that had it."""
-    wanted = list(ids)
-    had = _tagged(connection, table, wanted, tag)
-    connection.execute(sa.delete(table).where(_owner(table).in_(had), table.c.tag == tag))
-    return [identity for identity in wanted if identity in had]
+def remove_tag(connection: Connection, table: sa.Table, ids: Iterable[int], tag: str) -> list[int]:
+    """Remove a tag from records; returns those that had it."""
+    requested = list(ids)
+    had = _find_tagged(connection, table, requested, tag)
+    connection.execute(sa.delete(table).where(_key_column(table).in_(had), table.c.tag == tag))
+    return [identity for identity in requested if identity in had]
 
 
-def _tagged(connection: Connection, table: sa.Table, ids: list[int], tag: str) -> set[int]:
-    query = sa.select(_owner(table)).where(_owner(table).in_(ids), table.c.tag == tag)
+def _find_tagged(connection: Connection, table: sa.Table, ids: list[int], tag: str) -> set[int]:
+    query = sa.select(_key_column(table)).where(_key_column(table).in_(ids), table.c.tag == tag)
     return set(connection.scalars(query))
 
 
-def _owner(table: sa.Table) -> sa.Column[int]:
+def _key_column(table: sa.Table) -> sa.Column[int]:
     return next(column for column in table.c if column.name != "tag")

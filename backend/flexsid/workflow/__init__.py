@@ -1,1 +1,1 @@
-"""The analyst's steps: load, compute, keep."""
+"""The analyst's steps: load, compute, store."""

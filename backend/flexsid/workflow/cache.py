@@ -1,4 +1,4 @@
-"""Memory: answers that take seconds, kept under the hash of all that they rest on."""
+"""Cache of results that take seconds, by the hash of their inputs."""
 
 from __future__ import annotations
 
@@ -10,58 +10,58 @@ from typing import TypeVar, cast
 
 from flexsid.storage.store import Store
 
-Answer = TypeVar("Answer")
+Result = TypeVar("Result")
 
-_MOST = 256  # answers kept, the least recently asked for forgotten first
+_MOST = 256  # cached results; the least recently used is dropped first
 
 
 class _Slot:
-    """One answer, and the lock under which it is found once, however many ask."""
+    """One result, and the lock under which it is computed once."""
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
-        self.found = False
-        self.answer: object = None
+        self.is_computed = False
+        self.result: object = None
 
 
 _slots: OrderedDict[str, _Slot] = OrderedDict()
 _guard = threading.Lock()
 
 
-def remembered(rests_on: tuple[object, ...], find: Callable[[], Answer]) -> Answer:
-    """Return the answer found before for the same contents, or find it.
+def load_or_compute(key: tuple[object, ...], compute: Callable[[], Result]) -> Result:
+    """Return the cached result of the same contents, or compute it.
 
     Parameters
     ----------
-    rests_on
-        Records and settings; their contents decide, not their identity.
-    find
-        Makes the answer, which must not be changed afterwards. What it raises is not kept.
+    key
+        Records and settings, compared by content.
+    compute
+        Computes the result, which must not be modified. Exceptions are not cached.
     """
-    key = hashlib.sha256(repr(rests_on).encode()).hexdigest()
+    digest = hashlib.sha256(repr(key).encode()).hexdigest()
     with _guard:
-        slot = _slots.setdefault(key, _Slot())
-        _slots.move_to_end(key)
+        slot = _slots.setdefault(digest, _Slot())
+        _slots.move_to_end(digest)
         while len(_slots) > _MOST:
             _slots.popitem(last=False)
     with slot.lock:
-        if not slot.found:
-            slot.answer = find()
-            slot.found = True
-        return cast(Answer, slot.answer)
+        if not slot.is_computed:
+            slot.result = compute()
+            slot.is_computed = True
+        return cast(Result, slot.result)
 
 
-def contents_of_runs(store: Store, run_ids: tuple[int, ...]) -> tuple[object, ...]:
-    """All records that models of these runs are put together from."""
+def list_run_contents(store: Store, run_ids: tuple[int, ...]) -> tuple[object, ...]:
+    """List all records on which models of these runs depend."""
     runs = [store.runs.get(number) for number in run_ids]
     maneuvers = [store.maneuvers.get(run.maneuver_id) for run in runs]
-    owners = sorted({maneuver.aircraft_id for maneuver in maneuvers})
+    aircraft_ids = sorted({maneuver.aircraft_id for maneuver in maneuvers})
     return (
         str(store.database.url),
         runs,
         maneuvers,
-        [store.aircraft.get(number) for number in owners],
-        [store.modal_tables.find(aircraft_id=number) for number in owners],
-        [store.predictions.find(aircraft_id=number) for number in owners],
+        [store.aircraft.get(number) for number in aircraft_ids],
+        [store.modal_tables.find(aircraft_id=number) for number in aircraft_ids],
+        [store.predictions.find(aircraft_id=number) for number in aircraft_ids],
         store.mode_corrections.find(),
     )

@@ -1,1 +1,1 @@
-"""One module per resource."""
+"""Routes of the REST API, one module per resource."""

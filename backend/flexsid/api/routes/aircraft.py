@@ -1,4 +1,4 @@
-"""Aircraft: geometry, mass, sensors."""
+"""Aircraft: geometry, mass, sensors, thrust table."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Annotated, Any
 from fastapi import APIRouter
 from pydantic import ConfigDict, Field
 
-from flexsid.api.answers import AircraftList
 from flexsid.api.context import TheStore
 from flexsid.api.requests import LONGEST_TEXT, Line, Name
-from flexsid.api.wire import Identity, Json
+from flexsid.api.responses import AircraftList
+from flexsid.api.serialization import Identity, Json
 from flexsid.records.aircraft import Aircraft
-from flexsid.workflow.aircraft.thrust import keep_thrust, parse_table
+from flexsid.workflow.aircraft.thrust import parse_thrust_table, set_thrust_table
 
 router = APIRouter(prefix="/aircraft", tags=["aircraft"])
 
@@ -23,10 +23,10 @@ _Name = Annotated[str, Field(min_length=1, max_length=100), Line]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ThrustRequest:
-    """Thrust of one engine as a table of text, and the channels of the rotation speeds.
+    """Thrust table of one engine as CSV text, and the channels of the rotation speeds.
 
-    The first row has a label and total temperatures; every other row has a rotation speed,
-    then thrust. Without temperatures, two columns are enough.
+    The first row has a label and total temperatures, every other row a rotation speed and the
+    thrust at each temperature. Without temperatures the table has two columns.
     """
 
     engines: Annotated[list[_Name], Field(min_length=1, max_length=16)]
@@ -52,18 +52,18 @@ def get_aircraft(store: TheStore, aircraft_id: Identity) -> Json:
 
 
 @router.put("/{aircraft_id}/thrust", response_model=Aircraft)
-def set_thrust(store: TheStore, aircraft_id: Identity, wanted: ThrustRequest) -> Json:
-    """Give an aircraft the thrust table that new maneuvers take their thrust from."""
-    table = parse_table(
-        wanted.text,
-        tuple(wanted.engines),
-        (wanted.speed_unit, wanted.temperature_unit, wanted.thrust_unit),
-        wanted.source,
+def set_thrust(store: TheStore, aircraft_id: Identity, body: ThrustRequest) -> Json:
+    """Set the thrust table of an aircraft, from which the thrust of new maneuvers is computed."""
+    table = parse_thrust_table(
+        body.text,
+        tuple(body.engines),
+        (body.speed_unit, body.temperature_unit, body.thrust_unit),
+        body.source,
     )
-    return Json(keep_thrust(store, aircraft_id, table))
+    return Json(set_thrust_table(store, aircraft_id, table))
 
 
 @router.delete("/{aircraft_id}/thrust", response_model=Aircraft)
 def remove_thrust(store: TheStore, aircraft_id: Identity) -> Json:
-    """Take the thrust table of an aircraft away; maneuvers keep the thrust that they have."""
-    return Json(keep_thrust(store, aircraft_id, None))
+    """Delete the thrust table of an aircraft; the thrust of existing maneuvers is unchanged."""
+    return Json(set_thrust_table(store, aircraft_id, None))

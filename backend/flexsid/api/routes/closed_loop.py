@@ -1,4 +1,4 @@
-"""Closed loop: a controller around what runs identified."""
+"""Closed-loop stability of identified models with a controller."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Annotated
 from fastapi import APIRouter, Query, status
 
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.routes.flutter import TheQuestion
-from flexsid.api.wire import Json
+from flexsid.api.routes.flutter import TheFlutterQuery
+from flexsid.api.serialization import Json
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow.background_tasks import Report, TaskProgress
 from flexsid.workflow.flutter import closed_loop as workflow
@@ -21,9 +21,10 @@ ControllerId = Annotated[int, Query(ge=1, le=LARGEST_ID)]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MarginRow:
-    """Margins of one surface's loop at one airspeed; None where unstable or not crossed.
+    """Stability margins of the loop of one surface at one airspeed.
 
-    A gain margin scatters as a factor: ``gain_std`` is the standard deviation of its logarithm.
+    A margin is null if the loop is unstable or has no crossover. ``gain_std`` is the standard
+    deviation of the natural logarithm of the gain margin.
     """
 
     surface: str
@@ -37,8 +38,8 @@ class MarginRow:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ClosedLoopAnswer:
-    """Where the closed loop loses stability, and its margins over airspeed."""
+class ClosedLoopStability:
+    """Airspeed at which the closed loop becomes unstable, and stability margins over airspeed."""
 
     sentence: str
     controller: str
@@ -52,27 +53,27 @@ class ClosedLoopAnswer:
     margins: list[MarginRow]
 
 
-@router.post("/answers", response_model=TaskProgress, status_code=status.HTTP_202_ACCEPTED)
-def find_closed_loop(
-    context: TheContext, question: TheQuestion, controller_id: ControllerId
+@router.post("/results", response_model=TaskProgress, status_code=status.HTTP_202_ACCEPTED)
+def start_closed_loop_analysis(
+    context: TheContext, query: TheFlutterQuery, controller_id: ControllerId
 ) -> Json:
-    """Begin to find the answer for many runs; then it is there at once."""
+    """Start the closed-loop analysis as a task; its result is cached."""
 
     def work(report: Report) -> None:
-        workflow.find_closed_loop(context.store, question, controller_id, report)
+        workflow.compute_closed_loop(context.store, query, controller_id, report)
 
-    known = len(question.run_ids)
-    title = f"{known} run{'' if known == 1 else 's'}"
-    begun = context.tasks.begin("closed-loop", title, work)
-    return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
+    n_runs = len(query.run_ids)
+    title = f"{n_runs} run{'' if n_runs == 1 else 's'}"
+    task = context.tasks.begin("closed-loop", title, work)
+    return Json(task, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{task.id}"})
 
 
-@router.get("", response_model=ClosedLoopAnswer)
-def get_closed_loop(store: TheStore, question: TheQuestion, controller_id: ControllerId) -> Json:
-    """Say how far a controller's loop around the identified aircraft is from instability."""
-    found = workflow.closed_loop(store, question, controller_id)
+@router.get("", response_model=ClosedLoopStability)
+def get_closed_loop(store: TheStore, query: TheFlutterQuery, controller_id: ControllerId) -> Json:
+    """Return the stability limit and margins of the identified aircraft with a controller."""
+    found = workflow.analyse_closed_loop(store, query, controller_id)
     return Json(
-        ClosedLoopAnswer(
+        ClosedLoopStability(
             sentence=found.sentence,
             controller=found.controller,
             fuel_fraction=found.fuel_fraction,
@@ -86,12 +87,12 @@ def get_closed_loop(store: TheStore, question: TheQuestion, controller_id: Contr
                 MarginRow(
                     surface=margin.surface,
                     airspeed_m_s=float(found.airspeed_m_s[k]),
-                    gain=_finite(margin.gain[k]),
-                    gain_std=_finite(margin.gain_std[k]),
-                    phase_rad=_finite(margin.phase_rad[k]),
-                    phase_std_rad=_finite(margin.phase_std_rad[k]),
-                    disk=_finite(margin.disk[k]),
-                    disk_std=_finite(margin.disk_std[k]),
+                    gain=_finite_or_none(margin.gain[k]),
+                    gain_std=_finite_or_none(margin.gain_std[k]),
+                    phase_rad=_finite_or_none(margin.phase_rad[k]),
+                    phase_std_rad=_finite_or_none(margin.phase_std_rad[k]),
+                    disk=_finite_or_none(margin.disk[k]),
+                    disk_std=_finite_or_none(margin.disk_std[k]),
                 )
                 for margin in found.margins
                 for k in range(found.airspeed_m_s.size)
@@ -100,5 +101,5 @@ def get_closed_loop(store: TheStore, question: TheQuestion, controller_id: Contr
     )
 
 
-def _finite(value: float) -> float | None:
+def _finite_or_none(value: float) -> float | None:
     return float(value) if abs(value) < float("inf") else None

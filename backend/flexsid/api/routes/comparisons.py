@@ -1,4 +1,4 @@
-"""Comparisons: derivatives of runs and predictions side by side, and over conditions."""
+"""Comparisons of derivatives between runs and predictions, and over flight conditions."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Query
 
 from flexsid.api.context import TheStore
-from flexsid.api.wire import Json, split_ids
+from flexsid.api.serialization import Json, split_ids
 from flexsid.records.comparison import Against, Comparison, DerivativeTrend
 from flexsid.workflow.comparison.derivative_comparison import compare
-from flexsid.workflow.comparison.trends import trend
+from flexsid.workflow.comparison.trends import fit_derivative_trend
 
 router = APIRouter(prefix="/comparisons", tags=["comparisons"])
 
@@ -20,7 +20,7 @@ _Predictions = Annotated[str | None, Query(description="Ids of predictions, sepa
 
 @router.get("", response_model=Comparison)
 def get_comparison(store: TheStore, run_ids: _Runs, prediction_ids: _Predictions = None) -> Json:
-    """Compare derivatives of runs and predictions, pair by pair too, and what differs in them."""
+    """Compare derivatives of runs and predictions, with the difference of every pair."""
     return Json(
         compare(store, split_ids(run_ids, "run_ids"), split_ids(prediction_ids, "prediction_ids"))
     )
@@ -32,10 +32,10 @@ def read_trend(
     name: Annotated[str, Query(max_length=64, description="Derivative, e.g. Cm_alpha.")],
     against: Against = Against.DYNAMIC_PRESSURE,
     prediction_ids: _Predictions = None,
-    degree: Annotated[int, Query(ge=0, le=3, description="Of the weighted polynomial.")] = 1,
+    degree: Annotated[int, Query(ge=0, le=3, description="Degree of the weighted polynomial.")] = 1,
 ) -> DerivativeTrend:
-    """Read a trend, for its numbers and for its figure."""
-    return trend(
+    """Return the trend of one derivative, for its data and its figure."""
+    return fit_derivative_trend(
         store,
         split_ids(run_ids, "run_ids"),
         name,
@@ -49,6 +49,6 @@ TheTrend = Annotated[DerivativeTrend, Depends(read_trend)]
 
 
 @router.get("/trend", response_model=DerivativeTrend)
-def get_trend(asked: TheTrend) -> Json:
-    """Lay one derivative out over the conditions that were flown, with a fit per method."""
-    return Json(asked)
+def get_trend(derivative_trend: TheTrend) -> Json:
+    """Return one derivative over the flight conditions, with a weighted fit per method."""
+    return Json(derivative_trend)

@@ -1,4 +1,4 @@
-"""Controllers: the laws that close the loops of an aircraft."""
+"""Controllers: control laws of an aircraft."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from fastapi import APIRouter, File, Form, Query, Response, UploadFile, status
 from pydantic import ConfigDict, Field
 
 from flexsid.api.context import TheStore
-from flexsid.api.received import receive
 from flexsid.api.requests import LONGEST_TEXT, Id, Text, Title
-from flexsid.api.wire import Identity, Json
+from flexsid.api.serialization import Identity, Json
+from flexsid.api.uploads import save_files
 from flexsid.errors import BadInput, Conflict
-from flexsid.importers import confined
+from flexsid.importers import sandbox
 from flexsid.records.controller import Controller
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow.flutter import controllers
@@ -28,7 +28,7 @@ _LARGEST = 1_000_000  # bytes of a file
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControllerRequest:
-    """A controller as JSON text: ``reads``, ``drives``, and matrices or transfer functions."""
+    """A controller as JSON: ``reads``, ``drives``, and matrices or transfer functions."""
 
     aircraft_id: Id
     name: Title
@@ -50,15 +50,15 @@ def list_controllers(
     store: TheStore, aircraft_id: Annotated[int | None, Query(ge=1, le=LARGEST_ID)] = None
 ) -> Json:
     """List controllers, of one aircraft or all."""
-    wanted = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
-    return Json(ControllerList(items=store.controllers.find(**wanted)))
+    body = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
+    return Json(ControllerList(items=store.controllers.find(**body)))
 
 
 @router.post("", response_model=Controller, status_code=status.HTTP_201_CREATED)
-def create_controller(store: TheStore, wanted: ControllerRequest) -> Json:
-    """Keep a controller given as text."""
-    read = controllers.read_controller(wanted.text, wanted.aircraft_id, wanted.name)
-    return _kept(controllers.add_controller(store, read))
+def create_controller(store: TheStore, body: ControllerRequest) -> Json:
+    """Store a controller given as text."""
+    controller = controllers.read_controller(body.text, body.aircraft_id, body.name)
+    return _respond_created(controllers.add_controller(store, controller))
 
 
 @router.post("/files", response_model=Controller, status_code=status.HTTP_201_CREATED)
@@ -67,22 +67,26 @@ def upload_controller(
     file: Annotated[UploadFile, File(description="JSON, or MATLAB with A, B, C and D.")],
     aircraft_id: Annotated[int, Form(ge=1, le=LARGEST_ID)],
     name: Annotated[Title, Form()],
-    reads: Annotated[Text, Form(description="For MATLAB: signals read, by commas.")] = "",
-    drives: Annotated[Text, Form(description="For MATLAB: surfaces driven, by commas.")] = "",
+    reads: Annotated[
+        Text, Form(description="For MATLAB: measured signals, separated by commas.")
+    ] = "",
+    drives: Annotated[
+        Text, Form(description="For MATLAB: driven surfaces, separated by commas.")
+    ] = "",
 ) -> Json:
-    """Keep a controller of a file."""
+    """Store a controller from a file."""
     if (file.filename or "").lower().endswith(".json"):
         text = file.file.read(_LARGEST + 1)
         if len(text) > _LARGEST:
-            raise BadInput(f"the file is larger than a controller may be, {_LARGEST} bytes")
-        read = controllers.read_controller(text.decode(errors="replace"), aircraft_id, name)
+            raise BadInput(f"the file is larger than {_LARGEST} bytes, the limit of a controller")
+        controller = controllers.read_controller(text.decode(errors="replace"), aircraft_id, name)
     else:
         with TemporaryDirectory(prefix="flexsid-") as folder:
-            sources = confined.read_all(*receive(Path(folder), [file]))
-        read = controllers.controller_of_matrices(
-            sources, aircraft_id, name, _split(reads, "reads"), _split(drives, "drives")
+            sources = sandbox.read_all(*save_files(Path(folder), [file]))
+        controller = controllers.read_matrices(
+            sources, aircraft_id, name, _split_names(reads, "reads"), _split_names(drives, "drives")
         )
-    return _kept(controllers.add_controller(store, read))
+    return _respond_created(controllers.add_controller(store, controller))
 
 
 @router.get("/{controller_id}", response_model=Controller)
@@ -93,24 +97,27 @@ def get_controller(store: TheStore, controller_id: Identity) -> Json:
 
 @router.delete("/{controller_id}", status_code=status.HTTP_204_NO_CONTENT)
 def delete_controller(store: TheStore, controller_id: Identity) -> Response:
-    """Forget a controller that no rehearsal was flown with."""
-    used = store.rehearsals.find(controller_id=controller_id)
+    """Delete a controller that no pre-flight simulation used."""
+    used = store.preflight_simulations.find(controller_id=controller_id)
     if used:
         raise Conflict(
-            f"{len(used)} rehearsals were flown with controller {controller_id}; it stays",
+            f"controller {controller_id} is used by {len(used)} pre-flight simulations"
+            " and cannot be deleted",
             code="controller-used",
         )
     store.controllers.delete(controller_id)
     return Response(status_code=status.HTTP_204_NO_CONTENT)
 
 
-def _split(text: str, field: str) -> list[str]:
+def _split_names(text: str, field: str) -> list[str]:
     names = [part.strip() for part in text.split(",") if part.strip()]
     if not names:
-        raise BadInput(f"say which names belong to the matrices: '{field}', by commas")
+        raise BadInput(
+            f"'{field}' is empty; give the signal names of the matrices, separated by commas"
+        )
     return names
 
 
-def _kept(kept: Controller) -> Json:
-    location = {"Location": f"/api/v1/controllers/{kept.id}"}
-    return Json(kept, status.HTTP_201_CREATED, location)
+def _respond_created(controller: Controller) -> Json:
+    location = {"Location": f"/api/v1/controllers/{controller.id}"}
+    return Json(controller, status.HTTP_201_CREATED, location)

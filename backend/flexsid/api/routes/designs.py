@@ -1,4 +1,4 @@
-"""Excitation designs: make one, look at it, check it, take it to the aircraft."""
+"""Excitation designs: design, checks, predicted accuracy, pre-flight simulation, export."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from pydantic import ConfigDict
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.design_requests import (
     DesignRequest,
+    PreflightSimulationRequest,
     RedesignRequest,
-    RehearsalRequest,
     RescaleRequest,
 )
-from flexsid.api.received import receive
 from flexsid.api.requests import Title
-from flexsid.api.wire import Identity, Json
-from flexsid.importers import confined
+from flexsid.api.serialization import Identity, Json
+from flexsid.api.uploads import save_files
+from flexsid.importers import sandbox
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.views import ExpectedMode, TargetModes
 from flexsid.storage.repository import LARGEST_ID
@@ -35,16 +35,16 @@ from flexsid.workflow.excitation import (
     predicted_accuracy,
     preflight_simulation,
 )
-from flexsid.workflow.excitation.target_modes import target_modes
+from flexsid.workflow.excitation.target_modes import compare_target_modes
 
 router = APIRouter(prefix="/designs", tags=["designs"])
 
 _STRICT: Any = ConfigDict(extra="forbid")
-_DIRECT_S = 20.0  # estimated processor time of a search that a request may wait for
+_DIRECT_S = 20.0  # longest estimated processor time of a phase search within a request
 
 Level = Annotated[int, Query(ge=0, le=2, description="Amplitude: 0 low, 1 medium, 2 high.")]
 Limit = Annotated[float | None, Query(ge=1e-6, le=1e9, allow_inf_nan=False)]
-# Larger ones are degrees given as radians: no surface turns by more than 60 deg, or 2900 deg/s.
+# Larger values are degrees given as radians: limits of 60 deg and 2900 deg/s.
 Deflection = Annotated[
     float | None,
     Query(ge=1e-6, le=1.05, allow_inf_nan=False, description="[rad], at most 1.05 (60 deg)."),
@@ -57,7 +57,10 @@ Rate = Annotated[
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExpectedSummary:
-    """Modes, correlation of the true deflections, parameters told by each input's lines."""
+    """Expected signal of the modes, correlation of the surface deflections, information by input.
+
+    ``worth`` is the information of the harmonics of each input, as a number of parameters.
+    """
 
     modes: list[ExpectedMode]
     surfaces: list[str]
@@ -66,10 +69,10 @@ class ExpectedSummary:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RehearsalList:
-    """Rehearsals of one design."""
+class PreflightSimulationList:
+    """Pre-flight simulations of one design."""
 
-    items: list[preflight_simulation.RehearsalResult]
+    items: list[preflight_simulation.SimulationResult]
     next: str | None = None
 
 
@@ -83,7 +86,7 @@ class DesignList:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CatalogueRow:
-    """One row of Table 1; counts are per input, ``periods`` the duration in units of T."""
+    """One row of Table 1; numbers of harmonics by input, ``periods``: duration in units of T."""
 
     number: int
     numbers: tuple[int, int, int]
@@ -112,52 +115,57 @@ def list_designs(store: TheStore) -> Json:
 
 
 @router.post("", response_model=ExcitationDesign, status_code=status.HTTP_201_CREATED)
-def create_design(store: TheStore, wanted: DesignRequest) -> Json:
-    """Search the phases of a design and keep it; a few seconds."""
-    wish = wanted.wish(store)
+def create_design(store: TheStore, body: DesignRequest) -> Json:
+    """Create a design and optimise its phases; takes a few seconds."""
+    specification = body.to_specification(store)
     excitation_designs.check_search(
-        wish, _DIRECT_S, ", or begin it as a task (POST /designs/searches)"
+        specification, _DIRECT_S, ", or start it as a task (POST /designs/searches)"
     )
-    kept = excitation_designs.create_design(store, wanted.name, wish, wanted.fta, wanted.note)
-    return Json(kept, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{kept.id}"})
+    stored = excitation_designs.create_design(store, body.name, specification, body.fta, body.note)
+    return Json(stored, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{stored.id}"})
 
 
 @router.post("/searches", response_model=TaskProgress, status_code=status.HTTP_202_ACCEPTED)
-def search_design(context: TheContext, wanted: DesignRequest) -> Json:
-    """Begin to search the phases of a design, as a task that can be followed and cancelled."""
-    wish = wanted.wish(context.store)
-    excitation_designs.check_search(wish)
+def start_design(context: TheContext, body: DesignRequest) -> Json:
+    """Create a design and optimise its phases, as a task."""
+    specification = body.to_specification(context.store)
+    excitation_designs.check_search(specification)
 
     def work(report: Report) -> int | None:
         return excitation_designs.create_design(
-            context.store, wanted.name, wish, wanted.fta, wanted.note, _teller(report)
+            context.store,
+            body.name,
+            specification,
+            body.fta,
+            body.note,
+            _report_phase_search(report),
         ).id
 
-    begun = context.tasks.begin("design", wanted.name, work)
-    return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
+    task = context.tasks.begin("design", body.name, work)
+    return Json(task, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{task.id}"})
 
 
 @router.post("/flown", response_model=DesignList, status_code=status.HTTP_201_CREATED)
-def import_flown(
+def import_multisines(
     store: TheStore,
     files: Annotated[list[UploadFile], File(description="Samples of exactly one period.")],
     name: Annotated[Title, Form()],
     rate_hz: Annotated[float, Form(gt=0.0, le=1e5, allow_inf_nan=False)],
     unit: Annotated[Literal["deg", "rad"], Form()] = "deg",
-    apart: Annotated[bool, Form(description="Each file is a design of its own.")] = False,
+    separate: Annotated[bool, Form(description="Each file is a separate design.")] = False,
 ) -> Json:
-    """Recognise multisines that were flown and keep them as they were."""
+    """Import flown multisines: harmonics, amplitudes and phases are identified from the samples."""
     with TemporaryDirectory(prefix="flexsid-") as folder:
-        sources = confined.read_all(*receive(Path(folder), files))
-    found = imported_multisines.flown_inputs(sources, unit)
-    kept = imported_multisines.keep_flown(store, found, name, rate_hz, apart=apart)
-    return Json(DesignList(items=list(kept)), status.HTTP_201_CREATED)
+        sources = sandbox.read_all(*save_files(Path(folder), files))
+    found = imported_multisines.recognise_inputs(sources, unit)
+    stored = imported_multisines.save_designs(store, found, name, rate_hz, separate=separate)
+    return Json(DesignList(items=list(stored)), status.HTTP_201_CREATED)
 
 
 @router.get("/catalogue", response_model=CatalogueList)
 def list_catalogue() -> Json:
     """List the 24 designs of Table 1."""
-    return Json({"items": excitation_designs.catalogue(), "next": None})
+    return Json({"items": excitation_designs.list_flight_test_aids(), "next": None})
 
 
 @router.get("/{design_id}", response_model=ExcitationDesign)
@@ -168,7 +176,7 @@ def get_design(store: TheStore, design_id: Identity) -> Json:
 
 @router.delete("/{design_id}", status_code=status.HTTP_204_NO_CONTENT)
 def delete_design(store: TheStore, design_id: Identity) -> Response:
-    """Forget a design."""
+    """Delete a design."""
     store.designs.delete(design_id)
     return Response(status_code=status.HTTP_204_NO_CONTENT)
 
@@ -177,7 +185,9 @@ def delete_design(store: TheStore, design_id: Identity) -> Response:
 def check_design(
     store: TheStore,
     design_id: Identity,
-    natural_frequency: Annotated[float, Query(ge=0.01, le=1e5, description="Actuator's. [rad/s]")],
+    natural_frequency: Annotated[
+        float, Query(ge=0.01, le=1e5, description="Natural frequency of the actuator. [rad/s]")
+    ],
     damping: Annotated[float, Query(ge=0.001, le=10.0)] = 0.7,
     delay_s: Annotated[float, Query(ge=0.0, le=10.0)] = 0.0,
     position: Deflection = None,
@@ -185,7 +195,7 @@ def check_design(
     acceleration: Limit = None,
     level: Level = 0,
 ) -> Json:
-    """Check orthogonality, peaks, and what moves behind an actuator.
+    """Check the orthogonality of the inputs, their peaks, and the response of an actuator.
 
     Limits: position [rad], rate [rad/s], acceleration [rad/s2].
     """
@@ -197,7 +207,7 @@ def check_design(
         rate=rate,
         acceleration=acceleration,
     )
-    return Json(excitation_designs.checks_of(store.designs.get(design_id), actuator, level))
+    return Json(excitation_designs.check_multisine(store.designs.get(design_id), actuator, level))
 
 
 @router.get("/{design_id}/target-modes", response_model=TargetModes)
@@ -206,32 +216,32 @@ def get_target_modes(
     design_id: Identity,
     aircraft_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
 ) -> Json:
-    """Compare the band of a design with the structural modes that it targets on an aircraft."""
-    return Json(target_modes(store, store.designs.get(design_id), aircraft_id))
+    """Compare the band of a design with its target modes on an aircraft."""
+    return Json(compare_target_modes(store, store.designs.get(design_id), aircraft_id))
 
 
 @router.get("/{design_id}/expected-errors", response_model=predicted_accuracy.ExpectedErrors)
-def expect_errors(
+def predict_errors(
     store: TheStore,
     design_id: Identity,
     run_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
     level: Level = 0,
 ) -> Json:
-    """Predict the standard errors of a run's derivatives, had this design been flown."""
+    """Predict the standard errors of the derivatives of a run for this excitation (Cramér-Rao)."""
     return Json(
-        predicted_accuracy.expected_errors(store, store.designs.get(design_id), run_id, level)
+        predicted_accuracy.predict_errors(store, store.designs.get(design_id), run_id, level)
     )
 
 
 @router.get("/{design_id}/expected-response", response_model=ExpectedSummary)
-def expect_response(
+def predict_response(
     store: TheStore,
     design_id: Identity,
     run_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
     level: Level = 0,
 ) -> Json:
-    """Tell how far modes stand out of the noise, and how surfaces would be correlated."""
-    found = predicted_accuracy.expected_response(store, store.designs.get(design_id), run_id, level)
+    """Predict the signal-to-noise ratio of the modes and the correlation of the surfaces."""
+    found = predicted_accuracy.predict_response(store, store.designs.get(design_id), run_id, level)
     return Json(
         ExpectedSummary(
             modes=list(found.modes),
@@ -249,12 +259,12 @@ def compare_classic_inputs(
     run_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
     level: Level = 0,
 ) -> Json:
-    """Compare a design with doublets, 3-2-1-1s and sweeps that keep its limits; seconds."""
+    """Compare a design with doublets, 3-2-1-1s and sweeps of equal limits; takes seconds."""
     return Json(classic_inputs.compare_inputs(store, store.designs.get(design_id), run_id, level))
 
 
-@router.get("/{design_id}/allocation", response_model=amplitude_optimisation.Allocation)
-def allocate_amplitudes(
+@router.get("/{design_id}/amplitudes", response_model=amplitude_optimisation.OptimisedAmplitudes)
+def optimise_amplitudes(
     store: TheStore,
     design_id: Identity,
     run_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
@@ -262,14 +272,16 @@ def allocate_amplitudes(
     load_factor: Limit = None,
     level: Level = 0,
 ) -> Json:
-    """Find amplitudes with the least worst relative standard error, and D-optimal ones.
+    """Optimise amplitudes: minimax relative standard error, and D-optimal.
 
-    Limits: largest deflection of any surface [rad] and load factor [g], feedback
-    included; the design's own where left out.
+    Limits: largest deflection of any surface [rad] and load factor [g], feedback included;
+    if omitted, those of the design.
     """
     design = store.designs.get(design_id)
     return Json(
-        amplitude_optimisation.allocate(store, design, run_id, level, deflection, load_factor)
+        amplitude_optimisation.optimise_amplitudes(
+            store, design, run_id, level, deflection, load_factor
+        )
     )
 
 
@@ -278,64 +290,68 @@ def allocate_amplitudes(
     response_model=ExcitationDesign,
     status_code=status.HTTP_201_CREATED,
 )
-def rescale_design(store: TheStore, design_id: Identity, wanted: RescaleRequest) -> Json:
-    """Keep a design with the same lines and phases and other amplitudes."""
+def rescale_design(store: TheStore, design_id: Identity, body: RescaleRequest) -> Json:
+    """Store a design with the same harmonics and phases, and scaled amplitudes."""
     design = store.designs.get(design_id)
-    kept = amplitude_optimisation.rescale_design(
-        store, design, wanted.name, wanted.gains, wanted.note
-    )
-    return Json(kept, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{kept.id}"})
+    stored = amplitude_optimisation.rescale_design(store, design, body.name, body.gains, body.note)
+    return Json(stored, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{stored.id}"})
 
 
 @router.post(
     "/{design_id}/redesign", response_model=TaskProgress, status_code=status.HTTP_202_ACCEPTED
 )
-def redesign(context: TheContext, design_id: Identity, wanted: RedesignRequest) -> Json:
-    """Begin to search phases anew for the lines of a design, as one that was flown."""
+def redesign_phases(context: TheContext, design_id: Identity, body: RedesignRequest) -> Json:
+    """Optimise new phases for the harmonics of a design, such as an imported one, as a task."""
     design = context.store.designs.get(design_id)
-    excitation_designs.check_search(replace(design.wish, effort=wanted.effort))
+    excitation_designs.check_search(replace(design.specification, effort=body.effort))
 
     def work(report: Report) -> int | None:
-        return imported_multisines.redesign(
-            context.store, design, wanted.name, wanted.effort, _teller(report)
+        return imported_multisines.search_phases(
+            context.store, design, body.name, body.effort, _report_phase_search(report)
         ).id
 
-    begun = context.tasks.begin("design", wanted.name, work)
-    return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
+    task = context.tasks.begin("design", body.name, work)
+    return Json(task, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{task.id}"})
 
 
-@router.get("/{design_id}/rehearsals", response_model=RehearsalList)
-def list_rehearsals(store: TheStore, design_id: Identity) -> Json:
-    """List the rehearsals of a design, newest first, with what their runs estimated."""
+@router.get("/{design_id}/preflight-simulations", response_model=PreflightSimulationList)
+def list_preflight_simulations(store: TheStore, design_id: Identity) -> Json:
+    """List the pre-flight simulations of a design, newest first, with their estimates."""
     design = store.designs.get(design_id)
-    return Json(RehearsalList(items=list(preflight_simulation.rehearsal_results(store, design))))
+    return Json(
+        PreflightSimulationList(items=list(preflight_simulation.list_simulations(store, design)))
+    )
 
 
 @router.post(
-    "/{design_id}/rehearsals", response_model=TaskProgress, status_code=status.HTTP_202_ACCEPTED
+    "/{design_id}/preflight-simulations",
+    response_model=TaskProgress,
+    status_code=status.HTTP_202_ACCEPTED,
 )
-def rehearse(context: TheContext, design_id: Identity, wanted: RehearsalRequest) -> Json:
-    """Begin to fly a design in simulation; the maneuver is kept and its estimation queued."""
+def simulate_design(
+    context: TheContext, design_id: Identity, body: PreflightSimulationRequest
+) -> Json:
+    """Simulate the flight of a design, as a task; stores the maneuver and queues its estimation."""
     design = context.store.designs.get(design_id)
-    if wanted.controller_id is not None:
-        context.store.controllers.get(wanted.controller_id)
+    if body.controller_id is not None:
+        context.store.controllers.get(body.controller_id)
 
     def work(report: Report) -> int | None:
-        kept = preflight_simulation.rehearse_design(
-            context.store, design, wanted.run_id, wanted.level, wanted.controller_id, report
+        stored = preflight_simulation.simulate_design(
+            context.store, design, body.run_id, body.level, body.controller_id, report
         )
         context.dispatcher.wake()
-        return kept.id
+        return stored.id
 
-    begun = context.tasks.begin("rehearsal", design.name, work)
-    return Json(begun, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{begun.id}"})
+    task = context.tasks.begin("preflight-simulation", design.name, work)
+    return Json(task, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{task.id}"})
 
 
-def _teller(report: Report) -> Callable[[str, float, float], None]:
-    def tell(name: str, best: float, fraction: float) -> None:
+def _report_phase_search(report: Report) -> Callable[[str, float, float], None]:
+    def report_best(name: str, best: float, fraction: float) -> None:
         report(fraction, f"{name} at a relative peak factor of {best:.4f}")
 
-    return tell
+    return report_best
 
 
 _FILE = {
@@ -351,7 +367,7 @@ def export_design(
     form: Literal["csv", "mat", "h", "json"] = "csv",
     level: Level = 0,
 ) -> Response:
-    """Return one period at the flight computer's rate, or the recipe."""
+    """Return one period at the rate of the flight computer, or the definition as JSON."""
     content = excitation_designs.export_design(store.designs.get(design_id), form, level)
     name = f"design-{design_id}.{form}"
     return Response(

@@ -1,4 +1,4 @@
-"""Events: a stream of what happens to runs."""
+"""Events: a stream of the state changes of runs."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from fastapi import APIRouter, Header, Query
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from flexsid.api.context import TheContext
-from flexsid.api.wire import dump
+from flexsid.api.serialization import dump_json
 
 router = APIRouter(prefix="/events", tags=["jobs"])
 
-_Event = Annotated[int | None, Query(ge=0, le=2**63 - 1, description="Last event known.")]
+_Event = Annotated[int | None, Query(ge=0, le=2**63 - 1, description="Id of the last known event.")]
 
 
 @router.get("", response_class=EventSourceResponse)
@@ -22,18 +22,18 @@ async def stream_events(
     after: _Event = None,
     last_event_id: Annotated[str | None, Header()] = None,
 ) -> AsyncIterable[ServerSentEvent]:
-    """Stream what happens to runs, as server-sent events.
+    """Stream the state changes of runs, as server-sent events.
 
-    `run` is a line of a log, with its id; `running` lists the jobs under way; `missed`
-    says that more happened meanwhile than is told: read the lists again. A browser that
-    connects again goes on by itself; others give the id of the last event they know.
+    `run` is an entry of the run log, with its id; `running` lists the running jobs; `missed` means
+    that events were dropped: reload the lists. Browsers resume after a reconnection (header
+    `Last-Event-ID`); other clients give the id of the last known event.
     """
     resumed = last_event_id is not None and last_event_id.isascii() and last_event_id.isdigit()
     known = int(last_event_id[:18]) if resumed and last_event_id else after
-    async for happened in context.live.listen(known):
-        if happened.missed:
+    async for update in context.live.listen(known):
+        if update.missed:
             yield ServerSentEvent(event="missed", raw_data="{}")
-        for event in happened.events:
-            yield ServerSentEvent(event="run", id=str(event.id), raw_data=dump(event).decode())
-        if happened.running is not None:
-            yield ServerSentEvent(event="running", raw_data=dump(happened.running).decode())
+        for event in update.events:
+            yield ServerSentEvent(event="run", id=str(event.id), raw_data=dump_json(event).decode())
+        if update.running is not None:
+            yield ServerSentEvent(event="running", raw_data=dump_json(update.running).decode())

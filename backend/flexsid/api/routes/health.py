@@ -1,13 +1,13 @@
-"""Health: does the server answer, the database, and whoever computes?"""
+"""Health of server, database, dispatcher and workers."""
 
 from __future__ import annotations
 
 from fastapi import APIRouter
 
 import flexsid
-from flexsid.api.answers import Health
 from flexsid.api.context import TheContext
-from flexsid.api.wire import Json
+from flexsid.api.responses import Health
+from flexsid.api.serialization import Json
 from flexsid.jobs.health import PartHealth, PartState
 from flexsid.workflow.review.clock import find_clock_error
 
@@ -16,26 +16,25 @@ router = APIRouter(tags=["health"])
 
 @router.get("/health", response_model=Health)
 def get_health(context: TheContext) -> Json:
-    """Ask server, database, dispatcher and workers whether they work.
+    """Return the state of server, database, dispatcher and workers.
 
-    The status is `degraded` where runs would wait for ever, or the clock is wrong: this server
-    answers all the same (200), and another one would be no better. Where the database does
-    not answer, nothing can be served (503).
+    The status is `degraded` (200) if runs cannot be processed or the clock is wrong: a restart of
+    the server would not help. If the database does not respond, the status code is 503.
     """
     database = context.store.database
     with database.reading() as connection:
         connection.exec_driver_sql("SELECT 1")
     name = database.url.get_backend_name()
-    late = find_clock_error(context.store)
+    clock_error = find_clock_error(context.store)
     parts = (
-        PartHealth(name="database", state=PartState.OK, text=f"{name} answers."),
-        *context.queue_health.look(),
+        PartHealth(name="database", state=PartState.OK, text=f"{name} responds."),
+        *context.queue_health.check(),
         PartHealth(
             name="clock",
-            state=PartState.OK if late is None else PartState.DEGRADED,
+            state=PartState.OK if clock_error is None else PartState.DEGRADED,
             text="Not behind the last stored event."
-            if late is None
-            else f"{late[:1].upper()}{late[1:]}.",
+            if clock_error is None
+            else f"{clock_error[:1].upper()}{clock_error[1:]}.",
         ),
     )
     degraded = any(part.state is PartState.DEGRADED for part in parts)

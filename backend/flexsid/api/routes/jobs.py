@@ -1,4 +1,4 @@
-"""Jobs: how far runs are, what happened to them, and a way to stop them."""
+"""Jobs: progress, log and cancellation of runs."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, status
 
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.wire import After, Identity, Json, Limit, Reference, split_ids
+from flexsid.api.serialization import After, Identity, Json, Limit, Reference, split_ids
 from flexsid.records.batch import RunEvent
 from flexsid.records.run import RunState
 from flexsid.storage import job_list, leases, queue, run_log
@@ -27,16 +27,16 @@ class JobList:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JobLog:
-    """The log of a job, oldest line first."""
+    """The log of a job, oldest entry first."""
 
     items: list[RunEvent]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Crew:
-    """The server that hands out work: who computes, and which runs they are at.
+class WorkerPool:
+    """The dispatching server, its number of workers, and their runs.
 
-    ``without_workers_s`` is how long no worker has been connected. [s]
+    ``without_workers_s`` is the time since the last worker was connected. [s]
     """
 
     server: str
@@ -48,13 +48,13 @@ class Crew:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class QueueStatus:
-    """How the queue goes: runs by state, ended lately, and when it will be empty at this rate."""
+    """The queue: runs by state, recently ended ones, and estimated time until it is empty."""
 
     states: dict[RunState, int]
     ended: int
     window_s: float
     remaining_s: float | None
-    crew: Crew | None
+    worker_pool: WorkerPool | None
 
 
 @router.get("", response_model=JobList)
@@ -67,7 +67,7 @@ def list_jobs(
         Query(
             max_length=20_000,
             pattern="^[0-9, ]*$",
-            description="Only these, separated by commas.",
+            description="Ids of jobs, separated by commas.",
         ),
     ] = None,
     limit: Limit = 100,
@@ -76,42 +76,44 @@ def list_jobs(
     """List jobs, newest first."""
     only = None if ids is None else split_ids(ids, "ids")
     return Json(
-        job_list.page(store, state=state, batch_id=batch_id, ids=only, limit=limit, after=after)
+        job_list.read_page(
+            store, state=state, batch_id=batch_id, ids=only, limit=limit, after=after
+        )
     )
 
 
 @router.get("/status", response_model=QueueStatus)
 def get_queue_status(store: TheStore) -> Json:
-    """Tell how the queue goes and who works."""
-    rate = job_list.throughput(store)
-    crew = leases.status(store)
+    """Return the state of the queue and its workers."""
+    rate = job_list.count_throughput(store)
+    pool = leases.status(store)
     return Json(
         QueueStatus(
             states=rate.states,
             ended=rate.ended,
             window_s=rate.window_s,
             remaining_s=rate.remaining_s,
-            crew=None if crew is None else Crew(**crew),
+            worker_pool=None if pool is None else WorkerPool(**pool),
         )
     )
 
 
 @router.get("/{job_id}", response_model=Job)
 def get_job(store: TheStore, job_id: Identity) -> Json:
-    """Tell how far a job is."""
+    """Return the progress of a job."""
     return Json(job_list.get(store, job_id))
 
 
 @router.get("/{job_id}/log", response_model=JobLog)
 def get_job_log(store: TheStore, job_id: Identity) -> Json:
-    """Tell what happened to a job so far."""
+    """Return the log of a job."""
     job_list.get(store, job_id)
-    return Json(JobLog(items=run_log.of_run(store, job_id)))
+    return Json(JobLog(items=run_log.read_log(store, job_id)))
 
 
 @router.post("/{job_id}/cancel", response_model=Job, status_code=status.HTTP_202_ACCEPTED)
 def cancel_job(context: TheContext, job_id: Identity) -> Json:
-    """Stop a job that has not ended."""
+    """Cancel a job that has not ended."""
     queue.request_cancel(context.store, job_id)
     context.dispatcher.wake()
     return Json(job_list.get(context.store, job_id), status.HTTP_202_ACCEPTED)
@@ -119,7 +121,7 @@ def cancel_job(context: TheContext, job_id: Identity) -> Json:
 
 @router.post("/{job_id}/retry", response_model=Job, status_code=status.HTTP_202_ACCEPTED)
 def retry_job(context: TheContext, job_id: Identity) -> Json:
-    """Queue a job again that failed or was cancelled."""
+    """Queue a failed or cancelled job again."""
     queue.request_retry(context.store, job_id)
     context.dispatcher.wake()
     return Json(job_list.get(context.store, job_id), status.HTTP_202_ACCEPTED)

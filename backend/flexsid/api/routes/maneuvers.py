@@ -1,4 +1,4 @@
-"""Maneuvers: the filtered list, one in detail, and the door through which files come in."""
+"""Maneuvers: filtered list, details, and import from files."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, File, Form, Query, Response, UploadFile, status
 
-from flexsid.api.answers import Changed, ManeuverDetail, ManeuverList, extend
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.received import receive
 from flexsid.api.requests import ChangeRequest
-from flexsid.api.wire import After, Identity, Json, Limit, split_ids
+from flexsid.api.responses import ChangedRecords, ManeuverDetail, ManeuverList, extend_record
+from flexsid.api.serialization import After, Identity, Json, Limit, split_ids
+from flexsid.api.uploads import save_files
 from flexsid.errors import BadInput
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import Method, RunState
@@ -22,7 +22,7 @@ from flexsid.storage.facets import Facets
 from flexsid.storage.maneuver_list import SORT_FIELDS, ManeuverFilters
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.flight_import import keep_upload, read_upload
+from flexsid.workflow.importing.flight_import import read_upload, store_upload
 from flexsid.workflow.runs.run_proposal import propose_run
 
 router = APIRouter(prefix="/maneuvers", tags=["maneuvers"])
@@ -46,7 +46,8 @@ async def read_filters(
     min_fuel: Annotated[float | None, Query(allow_inf_nan=False)] = None,
     max_fuel: Annotated[float | None, Query(allow_inf_nan=False)] = None,
     search: Annotated[
-        str | None, Query(max_length=200, description="Part of label, note, file or aircraft.")
+        str | None,
+        Query(max_length=200, description="Text contained in label, note, file or aircraft."),
     ] = None,
     method: Annotated[
         Method | None, Query(description="Only maneuvers with a run of this method.")
@@ -57,10 +58,12 @@ async def read_filters(
     ground: Annotated[
         bool, Query(description="Mini-GVT records on the runway instead of flown maneuvers.")
     ] = False,
-    tag: Annotated[str | None, Query(max_length=64, description="Only tagged so.")] = None,
-    deleted: Annotated[bool, Query(description="What was deleted instead.")] = False,
+    tag: Annotated[
+        str | None, Query(max_length=64, description="Only maneuvers with this tag.")
+    ] = None,
+    deleted: Annotated[bool, Query(description="Deleted maneuvers instead.")] = False,
 ) -> ManeuverFilters:
-    """Read what the list of maneuvers, and figures of it, are narrowed to."""
+    """Return the filters of the list of maneuvers and of its figures."""
     return {
         "aircraft_id": aircraft_id,
         "flight_id": flight_id,
@@ -87,7 +90,7 @@ def list_maneuvers(
     filters: Filters,
     sort: Annotated[
         str,
-        Query(description=f"`-` for falling order, then one of {', '.join(SORT_FIELDS)}."),
+        Query(description=f"`-` for descending order, then one of {', '.join(SORT_FIELDS)}."),
     ] = "id",
     limit: Limit = 100,
     after: After = None,
@@ -98,23 +101,23 @@ def list_maneuvers(
 
 @router.get("/facets", response_model=Facets)
 def list_maneuver_facets(store: TheStore, filters: Filters) -> Json:
-    """Count the list, and what each choice of a filter would leave of it."""
+    """Return the number of maneuvers, in total and for each value of each filter."""
     return Json(store.maneuver_facets(**filters))
 
 
-@router.post("/changes", response_model=Changed)
-def change_maneuvers(store: TheStore, wanted: ChangeRequest) -> Json:
+@router.post("/changes", response_model=ChangedRecords)
+def change_maneuvers(store: TheStore, body: ChangeRequest) -> Json:
     """Delete, restore, tag or untag many maneuvers; all of them, or none.
 
-    The answer names those that were changed: the opposite action on these is the way back.
+    The response lists the changed ids: the opposite action on them undoes the change.
     """
-    return Json(Changed(ids=bulk.change_maneuvers(store, wanted.ids, wanted.action, wanted.tag)))
+    return Json(ChangedRecords(ids=bulk.change_maneuvers(store, body.ids, body.action, body.tag)))
 
 
 @router.get("/{maneuver_id}", response_model=ManeuverDetail)
 def get_maneuver(store: TheStore, maneuver_id: Identity) -> Json:
     """Return one maneuver with its channels."""
-    return Json(detail_of(store, store.maneuvers.get(maneuver_id)))
+    return Json(build_maneuver_detail(store, store.maneuvers.get(maneuver_id)))
 
 
 @router.get("/{maneuver_id}/run-proposal", response_model=RunProposal)
@@ -123,18 +126,22 @@ def get_run_proposal(
     maneuver_id: Identity,
     low_hz: Frequency = None,
     high_hz: Frequency = None,
-    together_with: Annotated[
-        str | None, Query(description="Ids of maneuvers fitted together with it, by commas.")
+    additional_maneuver_ids: Annotated[
+        str | None, Query(description="Ids of maneuvers to be fitted together with this one.")
     ] = None,
 ) -> Json:
-    """Propose modes, inputs, outputs and band of a run, with what they ask of the data.
+    """Propose modes, inputs, outputs and band of a run, with their requirements on the data.
 
-    A run that is requested without a structure takes this proposal.
+    A run requested without a structure uses this proposal.
     """
     if (low_hz is None) != (high_hz is None):
         raise BadInput("give both low_hz and high_hz, or neither", code="bad-band")
     band = None if low_hz is None or high_hz is None else (low_hz, high_hz)
-    further = () if together_with is None else split_ids(together_with, "together_with")
+    further = (
+        ()
+        if additional_maneuver_ids is None
+        else split_ids(additional_maneuver_ids, "additional_maneuver_ids")
+    )
     return Json(propose_run(store, (maneuver_id, *further), band))
 
 
@@ -144,42 +151,42 @@ def upload_maneuver(
     files: Annotated[list[UploadFile], File(description="Recorder files and tables.")],
     mapping: Annotated[
         UploadFile | None,
-        File(description="TOML that names channels, units and roles; not for known forms."),
+        File(description="TOML with channels, units and roles; not needed for known formats."),
     ] = None,
     aircraft_id: Annotated[
-        int | None, Form(ge=1, le=LARGEST_ID, description="Where the mapping names none.")
+        int | None, Form(ge=1, le=LARGEST_ID, description="If the mapping names no aircraft.")
     ] = None,
     confirmed: Annotated[
-        bool, Form(description="What the mapping, or that of a known form, guesses is right.")
+        bool, Form(description="The guesses of the mapping are confirmed.")
     ] = False,
 ) -> Json:
-    """Import a maneuver from files; all of it is kept, or nothing."""
+    """Import a maneuver from files, completely or not at all."""
     with TemporaryDirectory(prefix="flexsid-") as folder:
-        paths, names = receive(Path(folder), files)
-        upload = read_upload(paths, None if mapping is None else _text_of(mapping), names)
+        paths, names = save_files(Path(folder), files)
+        upload = read_upload(paths, None if mapping is None else _read_text(mapping), names)
         if upload.mapping.maneuver is None:
             raise BadInput("the mapping describes no maneuver", code="bad-mapping", key="maneuver")
-        kept = keep_upload(
+        stored = store_upload(
             context.store,
             upload,
             aircraft_id,
-            bring_along=context.bring_along,
+            add_builtin_aircraft=context.add_builtin_aircraft,
             confirmed=confirmed,
         ).maneuver
-    assert kept is not None
-    location = {"Location": f"/api/v1/maneuvers/{kept.id}"}
-    return Json(detail_of(context.store, kept), status.HTTP_201_CREATED, location)
+    assert stored is not None
+    location = {"Location": f"/api/v1/maneuvers/{stored.id}"}
+    return Json(build_maneuver_detail(context.store, stored), status.HTTP_201_CREATED, location)
 
 
 @router.delete("/{maneuver_id}", status_code=status.HTTP_204_NO_CONTENT)
 def delete_maneuver(store: TheStore, maneuver_id: Identity) -> Response:
-    """Delete a maneuver with its runs; it leaves the lists and can be restored."""
+    """Delete a maneuver with its runs; it can be restored."""
     bulk.change_maneuvers(store, [maneuver_id], bulk.Action.DELETE)
     return Response(status_code=status.HTTP_204_NO_CONTENT)
 
 
-def detail_of(store: Store, maneuver: Maneuver) -> ManeuverDetail:
-    """Answer a maneuver with its channels."""
+def build_maneuver_detail(store: Store, maneuver: Maneuver) -> ManeuverDetail:
+    """Return a maneuver with its channels."""
     assert maneuver.id is not None
     more: dict[str, Any] = {
         "flight_number": store.flights.get(maneuver.flight_id).number,
@@ -187,10 +194,10 @@ def detail_of(store: Store, maneuver: Maneuver) -> ManeuverDetail:
         "channels": store.channels.find(maneuver_id=maneuver.id),
         "tags": store.tags_of_maneuver(maneuver.id),
     }
-    return extend(ManeuverDetail, maneuver, **more)
+    return extend_record(ManeuverDetail, maneuver, **more)
 
 
-def _text_of(mapping: UploadFile) -> str:
+def _read_text(mapping: UploadFile) -> str:
     content = mapping.file.read(_LARGEST_MAPPING + 1)
     try:
         if len(content) <= _LARGEST_MAPPING:

@@ -1,4 +1,4 @@
-"""Modal tables: frequencies, damping and shapes against fuel; how sources compare."""
+"""Modal tables: frequencies, damping and shapes over fuel; correlation of sources."""
 
 from __future__ import annotations
 
@@ -11,22 +11,28 @@ from fastapi.responses import StreamingResponse
 from pydantic import ConfigDict, Field
 
 from flexsid.api.analyst import TheAnalyst
-from flexsid.api.answers import ModalTableDetail, ModalTableList, ModeList, ShapeAnswer, extend
 from flexsid.api.context import TheStore
 from flexsid.api.requests import Text, Title
-from flexsid.api.wire import Identity, Json, Reference
+from flexsid.api.responses import (
+    ModalTableDetail,
+    ModalTableList,
+    ModeList,
+    ModeShape,
+    extend_record,
+)
+from flexsid.api.serialization import Identity, Json, Reference
 from flexsid.errors import BadInput
 from flexsid.importers.modal_files import write_csv, write_universal
 from flexsid.records.modal_table import ModalKind, ModeCorrection
 from flexsid.records.modal_views import Correlation, ModelOrder, Observability
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow.modal_data.aligned_modes import corrected
-from flexsid.workflow.modal_data.modal_export import modes_to_write
+from flexsid.workflow.modal_data.modal_export import gather_modes
+from flexsid.workflow.modal_data.mode_corrections import apply_corrections
 from flexsid.workflow.views import model_order
 from flexsid.workflow.views.correlation import correlate
-from flexsid.workflow.views.fuel import modes_at
-from flexsid.workflow.views.observability import observability
-from flexsid.workflow.views.shape import drawn_shape
+from flexsid.workflow.views.fuel import list_modes_at
+from flexsid.workflow.views.observability import compute_observability
+from flexsid.workflow.views.shape import read_shape
 
 router = APIRouter(prefix="/modal-tables", tags=["modal-tables"])
 
@@ -36,7 +42,7 @@ Fuel = Annotated[float, Query(ge=0.0, le=1.0, description="Fuel fraction.")]
 Mode = Annotated[int, Query(ge=0, le=10**9, description="Number of the mode.")]
 
 
-def _order_question(
+def _read_order_query(
     aircraft_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
     airspeed_m_s: Annotated[float, Query(ge=1.0, le=1000.0)],
     fuel: Fuel = 0.5,
@@ -45,10 +51,13 @@ def _order_question(
     prediction_id: Reference = None,
     low_hz: Annotated[float, Query(ge=0.01, le=100.0)] = model_order.BAND_HZ[0],
     high_hz: Annotated[float, Query(gt=0.01, le=1000.0)] = model_order.BAND_HZ[1],
-) -> model_order.OrderQuestion:
+) -> model_order.OrderQuery:
     if high_hz <= low_hz:
-        raise BadInput("the band must end above where it begins", code="bad-band")
-    return model_order.OrderQuestion(
+        raise BadInput(
+            f"the band is {low_hz:g} to {high_hz:g} Hz; expected low_hz below high_hz",
+            code="bad-band",
+        )
+    return model_order.OrderQuery(
         aircraft_id=aircraft_id,
         airspeed_m_s=airspeed_m_s,
         fuel=fuel,
@@ -59,12 +68,12 @@ def _order_question(
     )
 
 
-TheOrderQuestion = Annotated[model_order.OrderQuestion, Depends(_order_question)]
+TheOrderQuery = Annotated[model_order.OrderQuery, Depends(_read_order_query)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CorrectionRequest:
-    """What a mode is to be called, whether it is symmetric, and why the rule was wrong."""
+    """A corrected name and symmetry of a mode, with the reason."""
 
     number: Annotated[int, Field(strict=True, ge=0, le=10**9)]
     name: Title
@@ -78,54 +87,54 @@ class CorrectionRequest:
 def list_modal_tables(
     store: TheStore, aircraft_id: Reference = None, kind: ModalKind | None = None
 ) -> Json:
-    """List modal tables; versions of one name stand side by side."""
-    chosen: dict[str, Any] = {"aircraft_id": aircraft_id, "kind": kind}
-    wanted = {name: value for name, value in chosen.items() if value is not None}
-    tables = [corrected(store, table) for table in store.modal_tables.find(**wanted)]
+    """List modal tables, in all versions."""
+    values: dict[str, Any] = {"aircraft_id": aircraft_id, "kind": kind}
+    filters = {name: value for name, value in values.items() if value is not None}
+    tables = [apply_corrections(store, table) for table in store.modal_tables.find(**filters)]
     return Json(ModalTableList(items=tables))
 
 
 @router.get("/order", response_model=ModelOrder)
-def get_model_order(store: TheStore, question: TheOrderQuestion) -> Json:
-    """Reduce the predicted model to every order at a condition, and say how many modes it needs."""
-    return Json(model_order.model_order(store, question))
+def get_model_order(store: TheStore, query: TheOrderQuery) -> Json:
+    """Reduce the predicted model at a condition, and return the number of modes needed."""
+    return Json(model_order.study_model_order(store, query))
 
 
 @router.get("/{modal_table_id}", response_model=ModalTableDetail)
 def get_modal_table(store: TheStore, modal_table_id: Identity) -> Json:
-    """Return one modal table with its numbers, in the order of its source."""
-    table = corrected(store, store.modal_tables.get(modal_table_id))
+    """Return one modal table with frequencies and damping, in the order of its source."""
+    table = apply_corrections(store, store.modal_tables.get(modal_table_id))
     numbers = {
         name: store.arrays.get(table.arrays[name]).tolist() if name in table.arrays else None
         for name in ("omega", "zeta")
     }
-    return Json(extend(ModalTableDetail, table, **numbers))
+    return Json(extend_record(ModalTableDetail, table, **numbers))
 
 
 @router.get("/{modal_table_id}/modes", response_model=ModeList)
 def list_modes(store: TheStore, modal_table_id: Identity, fuel: Fuel = 0.5) -> Json:
-    """List the modes at a fuel fraction, followed over fuel by their shapes."""
-    items = list(modes_at(store, modal_table_id, fuel))
+    """List the modes at a fuel fraction, tracked over fuel by their shapes."""
+    items = list(list_modes_at(store, modal_table_id, fuel))
     return Json(ModeList(modal_table_id=modal_table_id, fuel=fuel, items=items))
 
 
-@router.get("/{modal_table_id}/shape", response_model=ShapeAnswer)
+@router.get("/{modal_table_id}/shape", response_model=ModeShape)
 def get_shape(
     store: TheStore,
     modal_table_id: Identity,
     number: Mode,
     fuel: Fuel = 0.5,
-    every_node: Annotated[bool, Query(description="All nodes, not what can be seen.")] = False,
+    every_node: Annotated[bool, Query(description="All nodes, instead of a thinned set.")] = False,
 ) -> Json:
-    """Return one mode at a fuel fraction, thinned to what can be seen, with the sensors in it."""
-    shape = drawn_shape(store, modal_table_id, number, fuel, every_node)
-    seen = replace(
+    """Return one mode shape at a fuel fraction, on a thinned set of nodes, with the sensors."""
+    shape = read_shape(store, modal_table_id, number, fuel, every_node)
+    compact = replace(
         shape,
         nodes_m=shape.nodes_m.astype(np.float32),
         displacement_m=shape.displacement_m.astype(np.float32),
         lines=np.ascontiguousarray(shape.lines, dtype=np.int32),
     )
-    return Json(seen)
+    return Json(compact)
 
 
 @router.get("/{modal_table_id}/correlation", response_model=Correlation)
@@ -136,7 +145,7 @@ def get_correlation(
     fuel: Fuel = 0.5,
     other_fuel: Annotated[float | None, Query(ge=0.0, le=1.0)] = None,
 ) -> Json:
-    """Compare two sources: modes paired by MAC, frequency, damping, and COMAC by point."""
+    """Correlate two modal tables: MAC pairs, frequency and damping differences, COMAC by point."""
     at_other = fuel if other_fuel is None else other_fuel
     return Json(correlate(store, modal_table_id, fuel, other_id, at_other))
 
@@ -149,9 +158,9 @@ def get_observability(
     symmetry: Literal["symmetric", "antisymmetric", "all"] = "symmetric",
     up_to_hz: Annotated[float, Query(gt=0.0, le=10_000.0)] = 20.0,
 ) -> Json:
-    """Say which sensor sees which mode, and where a further accelerometer would help most."""
-    wanted = None if symmetry == "all" else symmetry == "symmetric"
-    return Json(observability(store, modal_table_id, fuel, wanted, up_to_hz))
+    """Return the observability of the modes by sensor, and the best further accelerometers."""
+    symmetric = None if symmetry == "all" else symmetry == "symmetric"
+    return Json(compute_observability(store, modal_table_id, fuel, symmetric, up_to_hz))
 
 
 @router.get(
@@ -165,8 +174,8 @@ def download_modes(
     form: Literal["uff", "csv"] = "uff",
     fuel: Fuel = 0.5,
 ) -> StreamingResponse:
-    """Write the modes at one fuel weight as a universal file or as CSV, in SI."""
-    modes = modes_to_write(store, modal_table_id, fuel)
+    """Return the modes at one fuel fraction as a universal file or CSV, in SI units."""
+    modes = gather_modes(store, modal_table_id, fuel)
     text = write_universal(modes) if form == "uff" else write_csv(modes)
     name = f"modes-{modal_table_id}-fuel-{fuel:g}.{form}"
     return StreamingResponse(
@@ -182,20 +191,20 @@ def download_modes(
     status_code=status.HTTP_201_CREATED,
 )
 def correct_mode(
-    store: TheStore, analyst: TheAnalyst, modal_table_id: Identity, wanted: CorrectionRequest
+    store: TheStore, analyst: TheAnalyst, modal_table_id: Identity, body: CorrectionRequest
 ) -> Json:
-    """Name a mode otherwise than the rule does; the reason is kept."""
+    """Correct the name and symmetry of a mode, with a reason."""
     table = store.modal_tables.get(modal_table_id)
-    if wanted.number not in table.numbers:
-        raise BadInput(f"table '{table.name}' has no mode {wanted.number}", code="unknown-mode")
-    if not wanted.reason.strip():
-        raise BadInput("say why the mode is to be called otherwise", code="no-reason")
+    if body.number not in table.numbers:
+        raise BadInput(f"table '{table.name}' has no mode {body.number}", code="unknown-mode")
+    if not body.reason.strip():
+        raise BadInput("the reason is empty; give the reason of the correction", code="no-reason")
     correction = ModeCorrection(
         modal_table_id=modal_table_id,
-        number=wanted.number,
-        name=wanted.name,
-        symmetric=wanted.symmetric,
-        reason=wanted.reason.strip(),
+        number=body.number,
+        name=body.name,
+        symmetric=body.symmetric,
+        reason=body.reason.strip(),
         author=analyst,
     )
     return Json(store.mode_corrections.add(correction), status.HTTP_201_CREATED)
@@ -203,6 +212,6 @@ def correct_mode(
 
 @router.delete("/{modal_table_id}", status_code=status.HTTP_204_NO_CONTENT)
 def delete_modal_table(store: TheStore, modal_table_id: Identity) -> Response:
-    """Forget a modal table; refused while runs refer to it."""
+    """Delete a modal table; refused if runs refer to it."""
     store.modal_tables.delete(modal_table_id)
     return Response(status_code=status.HTTP_204_NO_CONTENT)

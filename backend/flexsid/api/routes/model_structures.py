@@ -1,4 +1,4 @@
-"""Model structures that runs can share, each edit a new version."""
+"""Model structures shared by runs; each edit is a new version."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Annotated
 from fastapi import APIRouter, Header, Path, status
 
 from flexsid.api.analyst import TheAnalyst
-from flexsid.api.answers import ModelStructureList, StaleStructure, StructureVersionList
 from flexsid.api.context import TheStore
 from flexsid.api.errors import Problem
+from flexsid.api.responses import ModelStructureList, StaleStructure, StructureVersionList
 from flexsid.api.run_requests import ModelStructureRequest, StructureEditRequest
-from flexsid.api.wire import Identity, Json, Reference
+from flexsid.api.serialization import Identity, Json, Reference
 from flexsid.errors import BadInput
 from flexsid.records.model_structure import ModelStructure, StructureVersion
 from flexsid.workflow.model_structures import model_structures
@@ -25,15 +25,15 @@ IfMatch = Annotated[str | None, Header(description='Version that was edited, e.g
 
 @router.get("", response_model=ModelStructureList)
 def list_model_structures(store: TheStore, aircraft_id: Reference = None) -> Json:
-    """List model structures in their newest version, of one aircraft or of all."""
-    chosen = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
-    return Json(ModelStructureList(items=store.model_structures.find(**chosen)))
+    """List the newest versions of the model structures of one aircraft, or of all."""
+    filters = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
+    return Json(ModelStructureList(items=store.model_structures.find(**filters)))
 
 
 @router.get("/{structure_id}", response_model=ModelStructure)
 def get_model_structure(store: TheStore, structure_id: Identity) -> Json:
-    """Return the newest version of one model structure; ``ETag`` names it."""
-    return _tagged(store.model_structures.get(structure_id))
+    """Return the newest version of one model structure; its number is the ``ETag``."""
+    return _respond_with_etag(store.model_structures.get(structure_id))
 
 
 @router.get("/{structure_id}/versions", response_model=StructureVersionList)
@@ -51,21 +51,19 @@ def get_structure_version(store: TheStore, structure_id: Identity, version: Vers
 
 
 @router.post("", response_model=ModelStructure, status_code=status.HTTP_201_CREATED)
-def add_model_structure(
-    store: TheStore, wanted: ModelStructureRequest, analyst: TheAnalyst
-) -> Json:
-    """Keep a model structure under a name."""
-    kept = model_structures.add_structure(
+def add_model_structure(store: TheStore, body: ModelStructureRequest, analyst: TheAnalyst) -> Json:
+    """Store a model structure under a name."""
+    stored = model_structures.add_structure(
         store,
         ModelStructure(
-            aircraft_id=wanted.aircraft_id,
-            name=wanted.name,
-            structure=wanted.structure.record(),
-            note=wanted.note,
+            aircraft_id=body.aircraft_id,
+            name=body.name,
+            structure=body.structure.to_record(),
+            note=body.note,
             author=analyst,
         ),
     )
-    return _tagged(kept, status.HTTP_201_CREATED)
+    return _respond_with_etag(stored, status.HTTP_201_CREATED)
 
 
 @router.put(
@@ -76,30 +74,30 @@ def add_model_structure(
 def edit_model_structure(
     store: TheStore,
     structure_id: Identity,
-    wanted: StructureEditRequest,
+    body: StructureEditRequest,
     analyst: TheAnalyst,
     if_match: IfMatch = None,
 ) -> Json:
-    """Keep a new version; refused with both versions where another came first."""
+    """Store a new version; refused (409, with both versions) if the edited one is outdated."""
     edited = model_structures.edit_structure(
         store,
         structure_id,
-        edited_version(wanted.version, if_match),
-        name=wanted.name,
-        structure=wanted.structure.record(),
-        note=wanted.note,
+        read_edited_version(body.version, if_match),
+        name=body.name,
+        structure=body.structure.to_record(),
+        note=body.note,
         author=analyst,
     )
-    return _tagged(edited)
+    return _respond_with_etag(edited)
 
 
-def edited_version(in_body: int | None, if_match: str | None) -> int:
-    """Read which version was edited, from the body or the header ``If-Match``.
+def read_edited_version(in_body: int | None, if_match: str | None) -> int:
+    """Return the edited version, from the body or the header ``If-Match``.
 
     Raises
     ------
     BadInput
-        If neither says it, or both do and differ.
+        If neither is given, or both are given and differ.
     """
     found = None
     if if_match is not None:
@@ -113,12 +111,13 @@ def edited_version(in_body: int | None, if_match: str | None) -> int:
     versions = {version for version in (in_body, found) if version is not None}
     if len(versions) != 1:
         raise BadInput(
-            "say which version was edited, as version or as If-Match", code="bad-version"
+            "the edited version is missing or ambiguous; give it as version or as If-Match",
+            code="bad-version",
         )
     return versions.pop()
 
 
-def _tagged(record: ModelStructure, code: int = status.HTTP_200_OK) -> Json:
+def _respond_with_etag(record: ModelStructure, code: int = status.HTTP_200_OK) -> Json:
     headers = {"ETag": f'"{record.version}"'}
     if code == status.HTTP_201_CREATED:
         headers["Location"] = f"/api/v1/model-structures/{record.id}"

@@ -6,8 +6,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from flexsid.api.answers import Glossary, GlossaryEntry
-from flexsid.api.wire import Json, split_names
+from flexsid.api.responses import Glossary, GlossaryEntry
+from flexsid.api.serialization import Json, split_names
 from flexsid.nomenclature import GLOSSARY, Symbol, describe
 
 router = APIRouter(prefix="/nomenclature", tags=["nomenclature"])
@@ -19,17 +19,17 @@ async def list_nomenclature(
         str | None,
         Query(
             max_length=4_000,
-            description="Channels, derivatives or symbols, separated by commas; else the glossary.",
+            description="Channels, derivatives or symbols, separated by commas; all if omitted.",
         ),
     ] = None,
 ) -> Json:
-    """List every quantity with its unit and meaning, or describe names by what they follow."""
-    asked = split_names(names)
-    symbols = GLOSSARY if asked is None else tuple(describe(name) for name in asked)
-    return Json(Glossary(items=[_entry(symbol) for symbol in symbols]))
+    """List all quantities with unit and meaning, or those of the given names."""
+    requested = split_names(names)
+    symbols = GLOSSARY if requested is None else tuple(describe(name) for name in requested)
+    return Json(Glossary(items=[_make_entry(symbol) for symbol in symbols]))
 
 
-def _entry(symbol: Symbol) -> GlossaryEntry:
+def _make_entry(symbol: Symbol) -> GlossaryEntry:
     return GlossaryEntry(
         symbol=symbol.symbol,
         unit=symbol.unit,

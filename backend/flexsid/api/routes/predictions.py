@@ -1,4 +1,4 @@
-"""Predictions: derivatives from sources other than flight."""
+"""Predicted derivatives, from sources other than flight test."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from flexsid.api.answers import DerivativeValue, PredictionDetail, PredictionList, extend
 from flexsid.api.context import TheStore
-from flexsid.api.wire import Identity, Json, Reference
-from flexsid.workflow.aircraft.derivative_predictions import prediction_at
+from flexsid.api.responses import DerivativeValue, PredictionDetail, PredictionList, extend_record
+from flexsid.api.serialization import Identity, Json, Reference
+from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
 
 router = APIRouter(prefix="/predictions", tags=["predictions"])
 
@@ -17,8 +17,8 @@ router = APIRouter(prefix="/predictions", tags=["predictions"])
 @router.get("", response_model=PredictionList)
 def list_predictions(store: TheStore, aircraft_id: Reference = None) -> Json:
     """List predictions, of one aircraft or of all."""
-    chosen = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
-    return Json(PredictionList(items=store.predictions.find(**chosen)))
+    filters = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
+    return Json(PredictionList(items=store.predictions.find(**filters)))
 
 
 @router.get("/{prediction_id}", response_model=PredictionDetail)
@@ -34,6 +34,8 @@ def get_prediction(
     at_fuel = prediction.fuel[0] if fuel is None else fuel
     derivatives = [
         DerivativeValue(name=name, value=value, std_error=std_error)
-        for name, (value, std_error) in prediction_at(store, prediction, at_fuel).items()
+        for name, (value, std_error) in interpolate_prediction(store, prediction, at_fuel).items()
     ]
-    return Json(extend(PredictionDetail, prediction, at_fuel=at_fuel, derivatives=derivatives))
+    return Json(
+        extend_record(PredictionDetail, prediction, at_fuel=at_fuel, derivatives=derivatives)
+    )

@@ -1,4 +1,4 @@
-"""Quality of a campaign: the list that finds bad maneuvers, and looking at what is new."""
+"""Data quality of the maneuvers of a campaign: list and assessment."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, status
 
-from flexsid.api.answers import QualityList
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import AssessRequest
-from flexsid.api.wire import After, Json, Limit
+from flexsid.api.responses import QualityList
+from flexsid.api.serialization import After, Json, Limit
 from flexsid.storage.quality_list import (
     SORT_FIELDS,
     QualityFilters,
@@ -21,7 +21,7 @@ from flexsid.workflow.quality.campaign_quality import Assessing
 
 router = APIRouter(prefix="/quality", tags=["quality"])
 
-_Verdict = Literal["good", "doubtful", "bad", "unchecked", "missing"]
+_Verdict = Literal["good", "questionable", "bad", "unchecked", "missing"]
 
 
 @router.get("", response_model=QualityList)
@@ -30,16 +30,16 @@ def list_qualities(
     aircraft_id: Annotated[int | None, Query(ge=1, le=LARGEST_ID)] = None,
     flight_id: Annotated[int | None, Query(ge=1, le=LARGEST_ID)] = None,
     verdict: Annotated[
-        _Verdict | None, Query(description="`missing` for maneuvers nobody has looked at.")
+        _Verdict | None, Query(description="`missing`: maneuvers not assessed yet.")
     ] = None,
     search: Annotated[str | None, Query(max_length=200)] = None,
     sort: Annotated[
-        str, Query(description=f"`-` for falling order, then one of {', '.join(SORT_FIELDS)}.")
+        str, Query(description=f"`-` for descending order, then one of {', '.join(SORT_FIELDS)}.")
     ] = "verdict",
     limit: Limit = 100,
     after: After = None,
 ) -> Json:
-    """List maneuvers with their verdict, the worst first; nothing is computed here."""
+    """List maneuvers with their stored verdict, by default the worst first."""
     filters: QualityFilters = {
         "aircraft_id": aircraft_id,
         "flight_id": flight_id,
@@ -54,15 +54,15 @@ def list_qualities(
 
 
 @router.post("/assess", response_model=Assessing, status_code=status.HTTP_202_ACCEPTED)
-def assess_maneuvers(context: TheContext, store: TheStore, wanted: AssessRequest) -> Json:
-    """Begin to look at maneuvers: at these, or at all that nobody has looked at."""
-    for number in wanted.maneuver_ids or ():
+def assess_maneuvers(context: TheContext, store: TheStore, body: AssessRequest) -> Json:
+    """Start assessing the data quality of the given maneuvers, or of all unassessed ones."""
+    for number in body.maneuver_ids or ():
         store.maneuvers.get(number)
-    return Json(context.assessments.begin(wanted.maneuver_ids), status.HTTP_202_ACCEPTED)
+    return Json(context.assessments.start(body.maneuver_ids), status.HTTP_202_ACCEPTED)
 
 
 @router.delete("/assess", response_model=Assessing)
-def stop_assessing(context: TheContext) -> Json:
-    """Leave the maneuvers that were not looked at yet for another time."""
-    context.assessments.leave()
+def stop_assessment(context: TheContext) -> Json:
+    """Stop the assessment; remaining maneuvers stay unassessed."""
+    context.assessments.cancel()
     return Json(context.assessments.state())

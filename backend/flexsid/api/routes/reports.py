@@ -1,4 +1,4 @@
-"""Reports: a run, a comparison, a decision or a campaign as one HTML file, or as PDF."""
+"""Reports of runs, comparisons, decisions and campaigns, as HTML or PDF."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from fastapi import APIRouter, Query, Response
 from flexsid import reports
 from flexsid.api.context import Context, TheContext
 from flexsid.api.routes.maneuvers import Filters
-from flexsid.api.wire import Identity, split_ids
+from flexsid.api.serialization import Identity, split_ids
 
 _FILE = {media: {"schema": {"type": "string"}} for media in ("text/html", "application/pdf")}
 router = APIRouter(prefix="/reports", tags=["reports"], responses={200: {"content": _FILE}})
 
 Form = Annotated[
     Literal["html", "pdf"],
-    Query(alias="format", description="`pdf` where the server has Chromium."),
+    Query(alias="format", description="`pdf` requires Chromium on the server."),
 ]
 
-# The page may run its own script and nothing else, and has no part in the workbench.
+# The report may run its own script only, and is isolated from the workbench.
 _POLICY = (
     "sandbox allow-scripts allow-downloads allow-modals; default-src 'none'; "
     "script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
@@ -29,8 +29,8 @@ _POLICY = (
 
 @router.get("/run/{run_id}", response_class=Response)
 def report_run(context: TheContext, run_id: Identity, form: Form = "html") -> Response:
-    """Report a run: structure, derivatives, fit, uncertainty, poles and provenance."""
-    return _sent(context, reports.run_report(context.store, run_id), form)
+    """Return the report of a run: structure, derivatives, fit, uncertainty, poles, provenance."""
+    return _respond_with_report(context, reports.run_report(context.store, run_id), form)
 
 
 @router.get("/comparison", response_class=Response)
@@ -42,25 +42,27 @@ def report_comparison(
     ] = None,
     form: Form = "html",
 ) -> Response:
-    """Report how runs and predictions agree, derivative by derivative."""
+    """Return the report of a comparison of runs and predictions, by derivative."""
     runs = split_ids(run_ids, "run_ids")
     predictions = split_ids(prediction_ids, "prediction_ids")
-    return _sent(context, reports.comparison_report(context.store, runs, predictions), form)
+    return _respond_with_report(
+        context, reports.comparison_report(context.store, runs, predictions), form
+    )
 
 
 @router.get("/decision/{decision_id}", response_class=Response)
 def report_decision(context: TheContext, decision_id: Identity, form: Form = "html") -> Response:
-    """Report a decision: range, structure, evidence, votes and history."""
-    return _sent(context, reports.decision_report(context.store, decision_id), form)
+    """Return the report of a decision: range, structure, evidence, votes and history."""
+    return _respond_with_report(context, reports.decision_report(context.store, decision_id), form)
 
 
 @router.get("/campaign", response_class=Response)
 def report_campaign(context: TheContext, filters: Filters, form: Form = "html") -> Response:
-    """Report the maneuvers that a list is narrowed to, and the ground tests around them."""
-    return _sent(context, reports.campaign_report(context.store, **filters), form)
+    """Return the report of the filtered maneuvers and their ground tests."""
+    return _respond_with_report(context, reports.campaign_report(context.store, **filters), form)
 
 
-def _sent(context: Context, report: reports.Report, form: Form) -> Response:
+def _respond_with_report(context: Context, report: reports.Report, form: Form) -> Response:
     html = reports.to_html(report, datetime.now(UTC), context.report_template)
     headers: dict[str, Any] = {
         "Content-Disposition": f'inline; filename="{report.name}.{form}"',

@@ -1,4 +1,4 @@
-"""What stands around decisions: rules, baselines, frozen figures, notifications."""
+"""Review rules, baselines, frozen figures and notifications."""
 
 from __future__ import annotations
 
@@ -11,33 +11,33 @@ import orjson
 from fastapi import APIRouter, Query, Request, Response, status
 
 from flexsid.api.analyst import NamedAnalyst
-from flexsid.api.asking import ask
 from flexsid.api.context import TheStore
-from flexsid.api.decision_answers import (
+from flexsid.api.decision_requests import FreezeRequest, RulesRequest
+from flexsid.api.decision_responses import (
     BaselineList,
     ManeuverBaseline,
     ManeuverBaselineList,
     RulesHistory,
 )
-from flexsid.api.decision_requests import FreezeRequest, RulesRequest
-from flexsid.api.wire import Identity, Json, split_ids
+from flexsid.api.serialization import Identity, Json, split_ids
+from flexsid.api.subrequests import get_internally
 from flexsid.errors import BadInput
 from flexsid.records.decision import FrozenFigure, ReviewRules
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
-from flexsid.workflow.model_structures.baselines import baseline_of, list_baselines
+from flexsid.workflow.model_structures.baselines import find_baseline, list_baselines
 from flexsid.workflow.review import decision_review, notifications
 
 router = APIRouter(tags=["review"])
 
-_MOST_MANEUVERS = 200
+_MAX_MANEUVERS = 200
 _UNIT = "application/json"
 
 
 @router.get("/review-rules/{aircraft_id}", response_model=RulesHistory)
 def get_review_rules(store: TheStore, aircraft_id: Identity) -> Json:
-    """Return the rules of review of a campaign, and what they were."""
-    current = decision_review.rules_of(store, aircraft_id)
+    """Return the review rules of a campaign, current and earlier ones."""
+    current = decision_review.get_rules(store, aircraft_id)
     return Json(
         RulesHistory(current=current, items=store.review_rules.find(aircraft_id=aircraft_id))
     )
@@ -45,17 +45,17 @@ def get_review_rules(store: TheStore, aircraft_id: Identity) -> Json:
 
 @router.put("/review-rules/{aircraft_id}", response_model=ReviewRules)
 def change_review_rules(
-    store: TheStore, aircraft_id: Identity, wanted: RulesRequest, analyst: NamedAnalyst
+    store: TheStore, aircraft_id: Identity, body: RulesRequest, analyst: NamedAnalyst
 ) -> Json:
-    """Change the rules of review of a campaign; the ones before stay readable."""
-    return Json(decision_review.change_rules(store, wanted.record(aircraft_id, analyst)))
+    """Change the review rules of a campaign; earlier ones remain readable."""
+    return Json(decision_review.change_rules(store, body.to_record(aircraft_id, analyst)))
 
 
 @router.get("/baselines", response_model=BaselineList)
 def list_campaign_baselines(
     store: TheStore, aircraft_id: Annotated[int, Query(ge=1, le=LARGEST_ID)]
 ) -> Json:
-    """List the approved structures of a campaign, the one approved last first."""
+    """List the approved model structures of a campaign, most recently approved first."""
     store.aircraft.get(aircraft_id)
     return Json(BaselineList(items=list_baselines(store, aircraft_id)))
 
@@ -65,13 +65,13 @@ def list_maneuver_baselines(
     store: TheStore,
     maneuver_ids: Annotated[str, Query(description="Ids of maneuvers, separated by commas.")],
 ) -> Json:
-    """Tell for each maneuver which approved structure its runs take by default."""
+    """Return the approved model structure that runs of each maneuver use by default."""
     ids = split_ids(maneuver_ids, "maneuver_ids")
-    if not 1 <= len(ids) <= _MOST_MANEUVERS:
-        raise BadInput(f"maneuver_ids: name one to {_MOST_MANEUVERS} maneuvers")
+    if not 1 <= len(ids) <= _MAX_MANEUVERS:
+        raise BadInput(f"maneuver_ids has {len(ids)} ids; expected 1 to {_MAX_MANEUVERS}")
     items = [
         ManeuverBaseline(
-            maneuver_id=number, baseline=baseline_of(store, store.maneuvers.get(number))
+            maneuver_id=number, baseline=find_baseline(store, store.maneuvers.get(number))
         )
         for number in ids
     ]
@@ -80,30 +80,30 @@ def list_maneuver_baselines(
 
 @router.post("/frozen-figures", response_model=FrozenFigure, status_code=status.HTTP_201_CREATED)
 async def freeze_figure(
-    request: Request, store: TheStore, wanted: FreezeRequest, analyst: NamedAnalyst
+    request: Request, store: TheStore, body: FreezeRequest, analyst: NamedAnalyst
 ) -> Response:
-    """Keep a figure as it is now, whatever becomes of the data behind it."""
-    answer, content = await ask(request, f"/api/v1/figures/{wanted.kind}", wanted.query)
-    if answer != status.HTTP_200_OK:
-        return Response(content, answer, media_type="application/problem+json")
-    kept = await anyio.to_thread.run_sync(partial(_freeze, store, wanted, analyst, content))
-    return Json(kept, status.HTTP_201_CREATED)
+    """Store a figure in its current state, independent of later changes of the data."""
+    code, content = await get_internally(request, f"/api/v1/figures/{body.kind}", body.query)
+    if code != status.HTTP_200_OK:
+        return Response(content, code, media_type="application/problem+json")
+    stored = await anyio.to_thread.run_sync(partial(_store_figure, store, body, analyst, content))
+    return Json(stored, status.HTTP_201_CREATED)
 
 
-def _freeze(store: Store, wanted: FreezeRequest, analyst: str, content: bytes) -> FrozenFigure:
+def _store_figure(store: Store, body: FreezeRequest, analyst: str, content: bytes) -> FrozenFigure:
     try:
         spec = orjson.loads(content)
     except orjson.JSONDecodeError:
         spec = None
     if not isinstance(spec, dict) or "data" not in spec:
-        raise BadInput(f"figure '{wanted.kind}' was not drawn as a figure; leave format out")
+        raise BadInput(f"the response of '{body.kind}' is not a figure; omit format")
     with store.transaction():
         array = store.arrays.put(np.frombuffer(content, dtype=np.uint8), _UNIT)
         return store.frozen_figures.add(
             FrozenFigure(
-                kind=wanted.kind,
-                query=wanted.query,
-                title=wanted.title,
+                kind=body.kind,
+                query=body.query,
+                title=body.title,
                 array=array,
                 author=analyst,
             )
@@ -112,26 +112,26 @@ def _freeze(store: Store, wanted: FreezeRequest, analyst: str, content: bytes) -
 
 @router.get("/frozen-figures/{figure_id}", response_model=FrozenFigure)
 def get_frozen_figure(store: TheStore, figure_id: Identity) -> Json:
-    """Return what is known of a frozen figure; ``figures/frozen`` shows it."""
+    """Return kind, query, title and author of a frozen figure; `GET /figures/frozen` draws it."""
     return Json(store.frozen_figures.get(figure_id))
 
 
 @router.get("/notifications", response_model=notifications.Notifications)
 def get_notifications(store: TheStore, analyst: NamedAnalyst) -> Json:
-    """Tell an analyst what waits for them, and what changed since they looked."""
-    return Json(notifications.notifications(store, analyst))
+    """Return the decisions awaiting an analyst, and the changes since their last visit."""
+    return Json(notifications.list_notifications(store, analyst))
 
 
 @router.post("/notifications/seen", status_code=status.HTTP_204_NO_CONTENT)
 def mark_notifications_seen(store: TheStore, analyst: NamedAnalyst) -> Response:
-    """Note that an analyst has seen everything there is now."""
+    """Mark all notifications of an analyst as seen."""
     notifications.mark_all_seen(store, analyst)
     return Response(status_code=status.HTTP_204_NO_CONTENT)
 
 
 @router.post("/decisions/{decision_id}/seen", status_code=status.HTTP_204_NO_CONTENT)
 def mark_decision_seen(store: TheStore, decision_id: Identity, analyst: NamedAnalyst) -> Response:
-    """Note that an analyst has seen a decision as it stands."""
+    """Mark a decision as seen by an analyst."""
     decision = store.decisions.get(decision_id)
     notifications.mark_seen(store, analyst, f"decision {decision_id}", decision.version)
     return Response(status_code=status.HTTP_204_NO_CONTENT)
@@ -139,7 +139,7 @@ def mark_decision_seen(store: TheStore, decision_id: Identity, analyst: NamedAna
 
 @router.post("/model-structures/{structure_id}/seen", status_code=status.HTTP_204_NO_CONTENT)
 def mark_structure_seen(store: TheStore, structure_id: Identity, analyst: NamedAnalyst) -> Response:
-    """Note that an analyst has seen the newest version of a model structure."""
+    """Mark the newest version of a model structure as seen by an analyst."""
     structure = store.model_structures.get(structure_id)
     notifications.mark_seen(store, analyst, f"structure {structure_id}", structure.version)
     return Response(status_code=status.HTTP_204_NO_CONTENT)

@@ -1,4 +1,4 @@
-"""Estimation runs: ask for one, read what came out."""
+"""Estimation runs: requests, results, lists and exports."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Depends, Query, Response, status
 
 from flexsid.api.analyst import TheAnalyst
-from flexsid.api.answers import Changed
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import ChangeRequest
-from flexsid.api.run_answers import Run, RunList, run_answer
+from flexsid.api.responses import ChangedRecords
 from flexsid.api.run_requests import RunRequest
-from flexsid.api.wire import After, Identity, Json, Limit, Reference
+from flexsid.api.run_responses import Run, RunList, build_run_response
+from flexsid.api.serialization import After, Identity, Json, Limit, Reference
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import Method, RunState
 from flexsid.storage import batches, bulk
@@ -20,10 +20,10 @@ from flexsid.storage.facets import Facets
 from flexsid.storage.run_list import RUN_SORT_FIELDS, RunFilters
 from flexsid.workflow.model_structures import model_structures
 from flexsid.workflow.runs import estimation
-from flexsid.workflow.runs.model_export import ModelExport, export_model, matlab_model
+from flexsid.workflow.runs.model_export import ModelExport, export_model, write_matlab_model
 from flexsid.workflow.runs.run_export import RunExport, export_run
-from flexsid.workflow.runs.run_identity import identified
-from flexsid.workflow.runs.run_proposal import with_basis, with_proposal
+from flexsid.workflow.runs.run_identity import add_hashes
+from flexsid.workflow.runs.run_proposal import apply_proposal, attach_proposal_basis
 
 router = APIRouter(prefix="/runs", tags=["runs"])
 
@@ -37,33 +37,33 @@ _MATLAB: dict[int | str, dict[str, Any]] = {
     "",
     response_model=Run,
     status_code=status.HTTP_202_ACCEPTED,
-    responses={200: {"model": Run, "description": "The same run had been asked for before"}},
+    responses={200: {"model": Run, "description": "The same run had been requested before"}},
 )
-def request_run(context: TheContext, wanted: RunRequest, analyst: TheAnalyst) -> Json:
-    """Queue an estimation run; follow it at the answer's ``Location``.
+def request_run(context: TheContext, body: RunRequest, analyst: TheAnalyst) -> Json:
+    """Queue an estimation run; ``Location`` is the address of its job.
 
-    Without a structure it takes what `GET /maneuvers/{maneuver_id}/run-proposal` proposes: the
-    structure that was approved for the condition, else the saved one of this FTA, else the modes
-    in the excited band; `proposal` of the run records which. What cannot be estimated (an unknown
-    mode, input or output) is refused at once. A run with the same inputs as one that waits, runs
-    or succeeded is that run (200, ``repeated``).
+    Without a structure, the run uses the proposal of `GET /maneuvers/{maneuver_id}/run-proposal`:
+    the structure approved for the condition, else the stored one of this FTA, else the modes in
+    the excited band; the field `proposal` records which. Unknown modes, inputs and outputs are
+    refused immediately. A request equal to a queued, running or succeeded run returns that run
+    (200, ``repeated``).
     """
     store = context.store
-    given = None if wanted.structure is None else wanted.structure.record()
-    reference = (wanted.structure_id, wanted.structure_version)
+    given = None if body.structure is None else body.structure.to_record()
+    reference = (body.structure_id, body.structure_version)
     if given is None and reference == (None, None):
-        run = with_proposal(store, wanted.record(Structure(fixed={}), None, analyst))
+        run = apply_proposal(store, body.to_record(Structure(fixed={}), None, analyst))
     else:
-        structure, version = model_structures.structure_of_run(store, given, *reference)
-        run = with_basis(store, wanted.record(structure, version, analyst))
+        structure, version = model_structures.get_structure_of_run(store, given, *reference)
+        run = attach_proposal_basis(store, body.to_record(structure, version, analyst))
     task = estimation.prepare(store, run)
-    kept, is_new = batches.add_once(store, identified(store, run))
-    assert kept.id is not None
+    stored, is_new = batches.add_once(store, add_hashes(store, run))
+    assert stored.id is not None
     if is_new:
-        context.dispatcher.expect(kept.id, task)
-    location = {"Location": f"/api/v1/jobs/{kept.id}"}
+        context.dispatcher.reuse_task(stored.id, task)
+    location = {"Location": f"/api/v1/jobs/{stored.id}"}
     code = status.HTTP_202_ACCEPTED if is_new else status.HTTP_200_OK
-    return Json(run_answer(store, kept, repeated=not is_new), code, location)
+    return Json(build_run_response(store, stored, repeated=not is_new), code, location)
 
 
 async def read_filters(
@@ -78,13 +78,14 @@ async def read_filters(
     max_fuel: _Finite = None,
     method: Method | None = None,
     state: RunState | None = None,
-    tag: Annotated[str | None, Query(max_length=64, description="Only tagged so.")] = None,
+    tag: Annotated[str | None, Query(max_length=64, description="Only runs with this tag.")] = None,
     search: Annotated[
-        str | None, Query(max_length=200, description="Part of maneuver or author, or an id.")
+        str | None,
+        Query(max_length=200, description="Text contained in maneuver or author, or an id."),
     ] = None,
-    deleted: Annotated[bool, Query(description="What was deleted instead.")] = False,
+    deleted: Annotated[bool, Query(description="Deleted runs instead.")] = False,
 ) -> RunFilters:
-    """Read what the list of runs is narrowed to."""
+    """Return the filters of the list of runs."""
     return {
         "aircraft_id": aircraft_id,
         "flight_id": flight_id,
@@ -112,39 +113,39 @@ def list_runs(
     filters: Filters,
     sort: Annotated[
         str,
-        Query(description=f"`-` for falling order, then one of {', '.join(RUN_SORT_FIELDS)}."),
+        Query(description=f"`-` for descending order, then one of {', '.join(RUN_SORT_FIELDS)}."),
     ] = "-id",
     limit: Limit = 100,
     after: After = None,
 ) -> Json:
-    """List runs with their key figures; `GET /runs/{run_id}` has the rest of each."""
+    """List runs with their key figures; `GET /runs/{run_id}` returns the details."""
     return Json(store.run_page(sort=sort, limit=limit, after=after, **filters))
 
 
 @router.get("/facets", response_model=Facets)
 def list_run_facets(store: TheStore, filters: Filters) -> Json:
-    """Count the list, and what each choice of a filter would leave of it."""
+    """Return the number of runs, in total and for each value of each filter."""
     return Json(store.run_facets(**filters))
 
 
-@router.post("/changes", response_model=Changed)
-def change_runs(store: TheStore, wanted: ChangeRequest) -> Json:
+@router.post("/changes", response_model=ChangedRecords)
+def change_runs(store: TheStore, body: ChangeRequest) -> Json:
     """Delete, restore, tag or untag many runs; all of them, or none.
 
-    The answer names those that were changed: the opposite action on these is the way back.
+    The response lists the changed ids: the opposite action on them undoes the change.
     """
-    return Json(Changed(ids=bulk.change_runs(store, wanted.ids, wanted.action, wanted.tag)))
+    return Json(ChangedRecords(ids=bulk.change_runs(store, body.ids, body.action, body.tag)))
 
 
 @router.get("/{run_id}", response_model=Run)
 def get_run(store: TheStore, run_id: Identity) -> Json:
-    """Return one run; its parameters once it succeeded."""
-    return Json(run_answer(store, store.runs.get(run_id)))
+    """Return one run, with its parameters once it succeeded."""
+    return Json(build_run_response(store, store.runs.get(run_id)))
 
 
 @router.get("/{run_id}/export", response_model=RunExport)
 def get_run_export(store: TheStore, run_id: Identity) -> Json:
-    """Return everything a run rests on and gave, with covariance and fitted lines."""
+    """Return the inputs and results of a run, with covariance matrix and fitted data points."""
     name = {"Content-Disposition": f'attachment; filename="run-{run_id}.json"'}
     return Json(export_run(store, run_id), headers=name)
 
@@ -157,17 +158,17 @@ def get_run_model(
         Literal["json", "mat"], Query(alias="format", description="`mat` for MATLAB.")
     ] = "json",
 ) -> Response:
-    """Return the identified model as matrices with names and units."""
+    """Return the identified model as state-space matrices with names and units."""
     model = export_model(store, run_id)
     name = {"Content-Disposition": f'attachment; filename="model-{run_id}.{form}"'}
     if form == "mat":
-        content = matlab_model(model)
+        content = write_matlab_model(model)
         return Response(content, media_type="application/octet-stream", headers=name)
     return Json(model, headers=name)
 
 
 @router.delete("/{run_id}", status_code=status.HTTP_204_NO_CONTENT)
 def delete_run(store: TheStore, run_id: Identity) -> Response:
-    """Delete a run that has ended; it leaves the lists and can be restored."""
+    """Delete a run that has ended; it can be restored."""
     bulk.change_runs(store, [run_id], bulk.Action.DELETE)
     return Response(status_code=status.HTTP_204_NO_CONTENT)

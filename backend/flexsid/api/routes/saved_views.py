@@ -1,4 +1,4 @@
-"""Saved views: addresses under names, shared by everybody who uses the workbench."""
+"""Saved views: named filters of pages, shared by all users of the workbench."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Response, status
 
-from flexsid.api.answers import SavedViewList
 from flexsid.api.context import TheStore
 from flexsid.api.requests import SavedViewRequest
-from flexsid.api.wire import Identity, Json
+from flexsid.api.responses import SavedViewList
+from flexsid.api.serialization import Identity, Json
 from flexsid.records.saved_view import SavedView
 
 router = APIRouter(prefix="/saved-views", tags=["saved views"])
@@ -25,13 +25,13 @@ def list_saved_views(
 
 
 @router.post("", response_model=SavedView, status_code=status.HTTP_201_CREATED)
-def add_saved_view(store: TheStore, wanted: SavedViewRequest) -> Json:
-    """Keep what a page shows under a name; one of the same name is not replaced."""
-    return Json(store.saved_views.add(wanted.record()), status.HTTP_201_CREATED)
+def add_saved_view(store: TheStore, body: SavedViewRequest) -> Json:
+    """Store the filters of a page under a name; refused if the name is in use."""
+    return Json(store.saved_views.add(body.to_record()), status.HTTP_201_CREATED)
 
 
 @router.delete("/{view_id}", status_code=status.HTTP_204_NO_CONTENT)
 def delete_saved_view(store: TheStore, view_id: Identity) -> Response:
-    """Forget a saved view."""
+    """Delete a saved view."""
     store.saved_views.delete(view_id)
     return Response(status_code=status.HTTP_204_NO_CONTENT)

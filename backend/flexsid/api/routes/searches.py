@@ -1,4 +1,4 @@
-"""Searches for model structure: ask for one, follow it, open what it found as runs."""
+"""Model structure determination: searches, their progress, and candidates as runs."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from pydantic import ConfigDict, Field
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import Id
-from flexsid.api.run_answers import Run, run_answer
 from flexsid.api.run_requests import Frequency, StructureRequest
-from flexsid.api.wire import Identity, Json, Reference
+from flexsid.api.run_responses import Run, build_run_response
+from flexsid.api.serialization import Identity, Json, Reference
 from flexsid.records.run import Method, RunState
 from flexsid.records.search import (
     Algorithm,
@@ -28,12 +28,12 @@ router = APIRouter(prefix="/searches", tags=["searches"])
 
 _STRICT: Any = ConfigDict(extra="forbid")
 Threshold = Annotated[float, Field(strict=True, gt=0.0, le=1e6, allow_inf_nan=False)]
-Place = Annotated[int, Path(ge=0, le=10_000, description="Place among the candidates, from 0.")]
+Index = Annotated[int, Path(ge=0, le=10_000, description="Index of the candidate, from 0.")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchSettingsRequest:
-    """What a term must show, and how that is tried; see ``SearchSettings``."""
+    """Criteria and algorithm of the search; see ``SearchSettings``."""
 
     algorithm: Algorithm = Algorithm.STEPWISE
     begin: SearchStart = SearchStart.ALL
@@ -48,8 +48,8 @@ class SearchSettingsRequest:
 
     __pydantic_config__ = _STRICT
 
-    def record(self) -> SearchSettings:
-        """Return what is kept."""
+    def to_record(self) -> SearchSettings:
+        """Return the record to be stored."""
         return SearchSettings(
             algorithm=self.algorithm,
             begin=self.begin,
@@ -66,7 +66,7 @@ class SearchSettingsRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchRequest:
-    """Maneuvers to search over, and a structure whose free derivatives are the candidates."""
+    """Maneuvers of a search, and a structure whose free derivatives are the candidate terms."""
 
     maneuver_ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=200)]
     method: Method
@@ -81,7 +81,7 @@ class SearchRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchItem:
-    """One line of the list: a search without what it found."""
+    """A search without its result."""
 
     id: int
     aircraft_id: int
@@ -102,69 +102,71 @@ class SearchList:
 
 
 @router.post("", response_model=StructureSearch, status_code=status.HTTP_202_ACCEPTED)
-def request_search(context: TheContext, wanted: SearchRequest, analyst: TheAnalyst) -> Json:
-    """Queue a search for the terms of a model; follow it at the answer's ``Location``."""
+def request_search(context: TheContext, body: SearchRequest, analyst: TheAnalyst) -> Json:
+    """Queue a model structure determination; ``Location`` is the address of the search."""
     store = context.store
-    first = store.maneuvers.get(wanted.maneuver_ids[0])
-    kept = searches.add_search(
+    first = store.maneuvers.get(body.maneuver_ids[0])
+    stored = searches.add_search(
         store,
         StructureSearch(
             aircraft_id=first.aircraft_id,
-            maneuver_ids=wanted.maneuver_ids,
-            method=wanted.method,
-            structure=wanted.structure.record(),
-            settings=wanted.settings.record(),
-            modal_table_id=wanted.modal_table_id,
-            damping_table_id=wanted.damping_table_id,
-            prediction_id=wanted.prediction_id,
+            maneuver_ids=body.maneuver_ids,
+            method=body.method,
+            structure=body.structure.to_record(),
+            settings=body.settings.to_record(),
+            modal_table_id=body.modal_table_id,
+            damping_table_id=body.damping_table_id,
+            prediction_id=body.prediction_id,
             author=analyst,
         ),
     )
-    context.searches.begin(kept)
-    location = {"Location": f"/api/v1/searches/{kept.id}"}
-    return Json(kept, status.HTTP_202_ACCEPTED, location)
+    context.searches.submit(stored)
+    location = {"Location": f"/api/v1/searches/{stored.id}"}
+    return Json(stored, status.HTTP_202_ACCEPTED, location)
 
 
 @router.get("", response_model=SearchList)
 def list_searches(store: TheStore, aircraft_id: Reference = None) -> Json:
     """List searches, newest first."""
-    chosen = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
-    found = store.searches.find(**chosen)
-    return Json(SearchList(items=[_line(one) for one in reversed(found)]))
+    filters = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
+    found = store.searches.find(**filters)
+    return Json(SearchList(items=[_make_item(one) for one in reversed(found)]))
 
 
 @router.get("/{search_id}", response_model=StructureSearch)
 def get_search(store: TheStore, search_id: Identity) -> Json:
-    """Return one search: how far it is, or all that it found."""
+    """Return one search with its progress or result."""
     return Json(store.searches.get(search_id))
 
 
 @router.post("/{search_id}/cancel", response_model=StructureSearch)
 def cancel_search(store: TheStore, search_id: Identity) -> Json:
-    """Stop a search that has not ended."""
+    """Cancel a search that has not ended."""
     return Json(searches.cancel_search(store, search_id))
 
 
 @router.post("/{search_id}/candidates/{place}/run", response_model=Run)
-def open_candidate(
-    context: TheContext, search_id: Identity, place: Place, analyst: TheAnalyst
+def create_candidate_run(
+    context: TheContext, search_id: Identity, place: Index, analyst: TheAnalyst
 ) -> Json:
-    """Open a candidate as a run; it is queued when first opened, and the same ever after."""
-    run = searches.open_as_run(context.store, search_id, place, analyst)
+    """Return the run of a candidate; it is queued by the first request."""
+    run = searches.create_candidate_run(context.store, search_id, place, analyst)
     context.dispatcher.wake()
-    return Json(run_answer(context.store, run), headers={"Location": f"/api/v1/runs/{run.id}"})
+    return Json(
+        build_run_response(context.store, run), headers={"Location": f"/api/v1/runs/{run.id}"}
+    )
 
 
-def _line(found: StructureSearch) -> SearchItem:
-    assert found.id is not None
+def _make_item(search: StructureSearch) -> SearchItem:
+    assert search.id is not None
     return SearchItem(
-        id=found.id,
-        aircraft_id=found.aircraft_id,
-        maneuver_ids=found.maneuver_ids,
-        method=found.method,
-        modes=found.structure.modes,
-        state=found.state,
-        sentence=None if found.result is None else found.result.sentence,
-        author=found.author,
-        created_at=found.created_at,
+        id=search.id,
+        aircraft_id=search.aircraft_id,
+        maneuver_ids=search.maneuver_ids,
+        method=search.method,
+        modes=search.structure.modes,
+        state=search.state,
+        sentence=None if search.result is None else search.result.sentence,
+        author=search.author,
+        created_at=search.created_at,
     )

@@ -1,4 +1,4 @@
-"""Tasks: how far what takes longer is, and an end to it."""
+"""Tasks: progress and cancellation of long computations."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from fastapi import APIRouter
 from fastapi import Path as InPath
 
 from flexsid.api.context import TheContext
-from flexsid.api.wire import Json
+from flexsid.api.serialization import Json
 from flexsid.workflow.background_tasks import TaskProgress
 
 router = APIRouter(prefix="/tasks", tags=["tasks"])
@@ -19,24 +19,24 @@ _Id = Annotated[str, InPath(pattern="^t[0-9a-f]{16}$")]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TaskList:
-    """Tasks of this server since it was started."""
+    """Tasks of this server since its start."""
 
     items: list[TaskProgress]
 
 
 @router.get("", response_model=TaskList)
 def list_tasks(context: TheContext) -> Json:
-    """List what is under way beside the runs and what has ended lately, newest first."""
+    """List current and recently ended tasks other than runs, newest first."""
     return Json(TaskList(items=context.tasks.all()))
 
 
 @router.get("/{task_id}", response_model=TaskProgress)
 def get_task(context: TheContext, task_id: _Id) -> Json:
-    """Return how far a task is."""
+    """Return the progress of a task."""
     return Json(context.tasks.get(task_id))
 
 
 @router.post("/{task_id}/cancel", response_model=TaskProgress)
 def cancel_task(context: TheContext, task_id: _Id) -> Json:
-    """Ask a task to stop; nothing of it is kept."""
+    """Cancel a task; its results are discarded."""
     return Json(context.tasks.cancel(task_id))

@@ -1,4 +1,4 @@
-"""Uploads: files are read, described by a mapping, looked at, and then imported."""
+"""Uploads: files are read, described by a mapping, previewed and imported."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from fastapi import APIRouter, File, Response, UploadFile, status
 from fastapi import Path as InPath
 
 from flexsid import figures
-from flexsid.api.answers import UploadDetail
 from flexsid.api.context import TheContext
-from flexsid.api.received import receive
 from flexsid.api.requests import PreviewRequest, UploadMappingRequest
-from flexsid.api.routes.figures.answer import Figure
-from flexsid.api.wire import Json
+from flexsid.api.responses import UploadDetail
+from flexsid.api.routes.figures.figure import Figure
+from flexsid.api.serialization import Json
+from flexsid.api.uploads import save_files
 from flexsid.workflow import views
 from flexsid.workflow.importing import preview
 from flexsid.workflow.importing.uploads import UploadProgress
@@ -28,15 +28,15 @@ _Id = Annotated[str, InPath(min_length=1, max_length=64, description="Id of the 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UploadList:
-    """Uploads that are being imported."""
+    """Uploads being imported."""
 
     items: list[UploadProgress]
 
 
 @router.get("", response_model=UploadList)
 def list_imports(context: TheContext) -> Json:
-    """List the uploads that are being imported, or wait for it."""
-    return Json(UploadList(items=context.uploads.under_way()))
+    """List the uploads that are being imported or queued."""
+    return Json(UploadList(items=context.uploads.list_active()))
 
 
 @router.post("", response_model=UploadDetail, status_code=status.HTTP_201_CREATED)
@@ -44,61 +44,61 @@ def upload_files(
     context: TheContext,
     files: Annotated[list[UploadFile], File(description="Recorder files of one flight.")],
 ) -> Json:
-    """Read files and propose a mapping for them; nothing is stored yet."""
+    """Read files and propose a mapping; nothing is stored in the database."""
     with TemporaryDirectory(prefix="flexsid-") as folder:
-        paths, names = receive(Path(folder), files)
+        paths, names = save_files(Path(folder), files)
         upload = context.uploads.read(paths, names)
     location = {"Location": f"/api/v1/uploads/{upload.id}"}
-    return Json(_detail(context, upload), status.HTTP_201_CREATED, location)
+    return Json(_describe_upload(context, upload), status.HTTP_201_CREATED, location)
 
 
 @router.get("/{upload_id}", response_model=UploadDetail)
 def get_upload(context: TheContext, upload_id: _Id) -> Json:
-    """Return what the files of an upload hold and the mapping proposed for them."""
-    return Json(_detail(context, context.uploads.get(upload_id)))
+    """Return the contents of the files of an upload, and the proposed mapping."""
+    return Json(_describe_upload(context, context.uploads.get(upload_id)))
 
 
 @router.get("/{upload_id}/state", response_model=UploadProgress)
 def get_upload_state(context: TheContext, upload_id: _Id) -> Json:
-    """Return how far an import has come."""
+    """Return the progress of an import."""
     return Json(context.uploads.get(upload_id))
 
 
 @router.post("/{upload_id}/check", response_model=preview.Checked)
-def check_upload(context: TheContext, upload_id: _Id, wanted: UploadMappingRequest) -> Json:
-    """Say what a mapping makes of the files; nothing is stored."""
+def check_upload(context: TheContext, upload_id: _Id, body: UploadMappingRequest) -> Json:
+    """Check a mapping against the files; nothing is stored."""
     return Json(
-        preview.check_mapping(context.store, context.uploads.sources(upload_id), wanted.mapping)
+        preview.check_mapping(context.store, context.uploads.sources(upload_id), body.mapping)
     )
 
 
 @router.post("/{upload_id}/preview", response_model=Figure)
-def preview_upload(context: TheContext, upload_id: _Id, wanted: PreviewRequest) -> Json:
-    """Draw channels as a mapping makes them."""
+def preview_upload(context: TheContext, upload_id: _Id, body: PreviewRequest) -> Json:
+    """Draw channels as read by a mapping."""
     sources = context.uploads.sources(upload_id)
-    value = preview.preview_channels(sources, wanted.mapping, wanted.channels, views.POINTS)
+    value = preview.preview_channels(sources, body.mapping, body.channels, views.POINTS)
     return Json(figures.time_history(value))
 
 
 @router.post(
     "/{upload_id}/import", response_model=UploadProgress, status_code=status.HTTP_202_ACCEPTED
 )
-def import_upload(context: TheContext, upload_id: _Id, wanted: UploadMappingRequest) -> Json:
-    """Begin to import the files through a mapping, all of them or nothing."""
-    begun = context.uploads.import_later(
-        upload_id, wanted.mapping, wanted.aircraft_id, confirmed=wanted.confirmed
+def import_upload(context: TheContext, upload_id: _Id, body: UploadMappingRequest) -> Json:
+    """Start importing the files with a mapping, completely or not at all."""
+    progress = context.uploads.import_later(
+        upload_id, body.mapping, body.aircraft_id, confirmed=body.confirmed
     )
-    return Json(begun, status.HTTP_202_ACCEPTED)
+    return Json(progress, status.HTTP_202_ACCEPTED)
 
 
 @router.delete("/{upload_id}", status_code=status.HTTP_204_NO_CONTENT)
 def delete_upload(context: TheContext, upload_id: _Id) -> Response:
-    """Cancel an import, or forget the files; what was imported stays."""
-    context.uploads.forget(upload_id)
+    """Cancel an import, or delete the files; imported data remain."""
+    context.uploads.delete(upload_id)
     return Response(status_code=status.HTTP_204_NO_CONTENT)
 
 
-def _detail(context: TheContext, upload: UploadProgress) -> UploadDetail:
+def _describe_upload(context: TheContext, upload: UploadProgress) -> UploadDetail:
     sources = context.uploads.sources(upload.id)
     return UploadDetail(
         upload=upload,

@@ -1,4 +1,4 @@
-"""Ground vibration tests: measured responses, the modes in them, mass orthogonality."""
+"""Ground vibration tests: measured frequency responses, modal identification, orthogonality."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from pydantic import ConfigDict, Field
 
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import Line, Title
-from flexsid.api.wire import Identity, Json, Reference
-from flexsid.importers.responses import ResponseAnswers, extract_responses
+from flexsid.api.serialization import Identity, Json, Reference
+from flexsid.importers.responses import ResponseOptions, extract_responses
 from flexsid.records.modal_table import MeasuredResponses, ModalTable
 from flexsid.records.modal_views import FoundModes, Orthogonality
 from flexsid.storage.repository import LARGEST_ID
@@ -33,7 +33,7 @@ _Order = Annotated[int, Field(strict=True, ge=4, le=80)]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResponsesRequest:
-    """What an analyst says of measured responses; see ``ResponseAnswers``."""
+    """Units, axes and fuel fraction of measured frequency responses; see ``ResponseOptions``."""
 
     aircraft_id: _Id
     name: Title
@@ -48,27 +48,27 @@ class ResponsesRequest:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FoundModesRequest:
-    """Which modes found in responses are to be kept, and under which name."""
+class IdentifiedModesRequest:
+    """Identified modes to store, and the name of their modal table."""
 
     name: Title
     low_hz: _Hz = None
     high_hz: _Hz = None
     order: _Order = 30
-    keep: (
+    selected: (
         Annotated[
             tuple[Annotated[int, Field(strict=True, ge=0, le=1000)], ...], Field(max_length=500)
         ]
         | None
     ) = None
-    like_id: _Id | None = None
+    template_id: _Id | None = None
 
     __pydantic_config__ = _STRICT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OrthogonalityRequest:
-    """Which field of the files is the mass matrix, and whose shapes are taken."""
+    """Field of the mass matrix in the files, and modal table of the shapes."""
 
     modal_table_id: _Id
     field: Annotated[str, Field(min_length=1, max_length=LONGEST_FIELD), Line]
@@ -79,21 +79,21 @@ class OrthogonalityRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeasuredResponsesList:
-    """Sets of measured responses."""
+    """Sets of measured frequency responses."""
 
     items: list[MeasuredResponses]
     next: str | None = None
 
 
-def _mode_search(
+def _read_mode_search(
     low_hz: Annotated[float | None, Query(gt=0.0, le=100_000.0)] = None,
     high_hz: Annotated[float | None, Query(gt=0.0, le=100_000.0)] = None,
-    order: Annotated[int, Query(ge=4, le=80, description="Highest order of the models.")] = 30,
+    order: Annotated[int, Query(ge=4, le=80, description="Highest model order.")] = 30,
 ) -> ground_vibration_test.ModeSearch:
     return ground_vibration_test.ModeSearch(low_hz=low_hz, high_hz=high_hz, order=order)
 
 
-TheModeSearch = Annotated[ground_vibration_test.ModeSearch, Depends(_mode_search)]
+TheModeSearch = Annotated[ground_vibration_test.ModeSearch, Depends(_read_mode_search)]
 
 
 @router.post(
@@ -101,39 +101,39 @@ TheModeSearch = Annotated[ground_vibration_test.ModeSearch, Depends(_mode_search
     response_model=MeasuredResponses,
     status_code=status.HTTP_201_CREATED,
 )
-def import_responses(context: TheContext, upload_id: _UploadId, wanted: ResponsesRequest) -> Json:
-    """Keep the frequency responses of uploaded files."""
-    aircraft = context.store.aircraft.get(wanted.aircraft_id)
-    answers = ResponseAnswers(
-        name=wanted.name,
-        response_unit=wanted.response_unit,
-        force_unit=wanted.force_unit,
-        fuel=wanted.fuel,
-        length_unit=wanted.length_unit,
-        axes=wanted.axes,
-        origin=wanted.origin,
+def import_responses(context: TheContext, upload_id: _UploadId, body: ResponsesRequest) -> Json:
+    """Import the frequency responses of uploaded files."""
+    aircraft = context.store.aircraft.get(body.aircraft_id)
+    settings = ResponseOptions(
+        name=body.name,
+        response_unit=body.response_unit,
+        force_unit=body.force_unit,
+        fuel=body.fuel,
+        length_unit=body.length_unit,
+        axes=body.axes,
+        origin=body.origin,
     )
-    raw = extract_responses(context.uploads.sources(upload_id), answers)
-    kept = ground_vibration_test.keep_responses(context.store, aircraft, raw)
-    return Json(kept, status.HTTP_201_CREATED)
+    raw = extract_responses(context.uploads.sources(upload_id), settings)
+    stored = ground_vibration_test.store_responses(context.store, aircraft, raw)
+    return Json(stored, status.HTTP_201_CREATED)
 
 
 @router.get("/measured-responses", response_model=MeasuredResponsesList)
 def list_measured_responses(store: TheStore, aircraft_id: Reference = None) -> Json:
-    """List the measured responses of an aircraft or of all."""
-    chosen = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
-    return Json(MeasuredResponsesList(items=store.measured_responses.find(**chosen)))
+    """List the measured frequency responses of one aircraft, or of all."""
+    filters = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
+    return Json(MeasuredResponsesList(items=store.measured_responses.find(**filters)))
 
 
 @router.get("/measured-responses/{responses_id}", response_model=MeasuredResponses)
 def get_measured_responses(store: TheStore, responses_id: Identity) -> Json:
-    """Return one set of measured responses."""
+    """Return one set of measured frequency responses."""
     return Json(store.measured_responses.get(responses_id))
 
 
 @router.get("/measured-responses/{responses_id}/modes", response_model=FoundModes)
-def find_modes(store: TheStore, responses_id: Identity, search: TheModeSearch) -> Json:
-    """Find the modes in measured responses that are stable over the orders of models."""
+def identify_modes(store: TheStore, responses_id: Identity, search: TheModeSearch) -> Json:
+    """Identify modes from measured frequency responses; stable over the model order."""
     return Json(ground_vibration_test.find_modes(store, responses_id, search))
 
 
@@ -142,24 +142,26 @@ def find_modes(store: TheStore, responses_id: Identity, search: TheModeSearch) -
     response_model=ModalTable,
     status_code=status.HTTP_201_CREATED,
 )
-def keep_found_modes(store: TheStore, responses_id: Identity, wanted: FoundModesRequest) -> Json:
-    """Keep the modes found as a table of a GVT, named like those of another table."""
+def save_identified_modes(
+    store: TheStore, responses_id: Identity, body: IdentifiedModesRequest
+) -> Json:
+    """Store identified modes as a GVT modal table, with the mode names of another table (MAC)."""
     search = ground_vibration_test.ModeSearch(
-        low_hz=wanted.low_hz, high_hz=wanted.high_hz, order=wanted.order
+        low_hz=body.low_hz, high_hz=body.high_hz, order=body.order
     )
-    table = ground_vibration_test.keep_found_modes(
-        store, responses_id, search, wanted.name, wanted.keep, wanted.like_id
+    table = ground_vibration_test.store_found_modes(
+        store, responses_id, search, body.name, body.selected, body.template_id
     )
     return Json(table, status.HTTP_201_CREATED)
 
 
 @router.post("/uploads/{upload_id}/orthogonality", response_model=Orthogonality)
 def check_orthogonality(
-    context: TheContext, upload_id: _UploadId, wanted: OrthogonalityRequest
+    context: TheContext, upload_id: _UploadId, body: OrthogonalityRequest
 ) -> Json:
-    """Check the shapes of a table over a mass matrix in an uploaded file."""
+    """Check the orthogonality of mode shapes with a mass matrix of an uploaded file."""
     sources = context.uploads.sources(upload_id)
-    told = ground_vibration_test.orthogonality(
-        context.store, wanted.modal_table_id, wanted.fuel, sources, wanted.field
+    orthogonality = ground_vibration_test.compute_orthogonality(
+        context.store, body.modal_table_id, body.fuel, sources, body.field
     )
-    return Json(told)
+    return Json(orthogonality)

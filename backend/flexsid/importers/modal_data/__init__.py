@@ -1,18 +1,18 @@
-"""Structures out of files: what they hold, what has to be asked, and modes in SI and body axes.
+"""Modal data from files: their content, the options they require, modes in SI and body axes.
 
-A file seldom says in which unit a length is, and never what a generalised mass of one is in.
-Both are asked for where a file does not say, and kept: unit generalised mass in one system of
-units is not unit in another, and generalised force coefficients depend on it.
+A file seldom states its unit of length, and never the unit of a generalised mass of one.
+Both are required as options where no file states them, and stored: unit generalised mass in one
+system of units is not unit in another, and generalised force coefficients depend on it.
 """
 
-from flexsid.importers.modal_data.answers import StructureAnswers
-from flexsid.importers.modal_data.extraction import RawStructure, extract_structure
-from flexsid.importers.modal_data.found import ModalFiles, look_at_structure
+from flexsid.importers.modal_data.extraction import RawModalData, extract_modal_data
+from flexsid.importers.modal_data.inspection import ModalFiles, inspect_modal_data
+from flexsid.importers.modal_data.options import ModalDataOptions
 
 __all__ = [
+    "ModalDataOptions",
     "ModalFiles",
-    "RawStructure",
-    "StructureAnswers",
-    "extract_structure",
-    "look_at_structure",
+    "RawModalData",
+    "extract_modal_data",
+    "inspect_modal_data",
 ]

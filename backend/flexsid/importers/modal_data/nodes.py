@@ -1,4 +1,4 @@
-"""Nodes of all files together: their coordinate systems, and the lines between them."""
+"""Nodes of all files: their coordinate systems, and the trace lines between them."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from flexsid.importers.nastran.frames import Frames
 from flexsid.importers.source import SourceFile, Sources
 
 _LARGEST = 1e50
-_SAME = 1e-4  # of the size of the structure: single precision, and decks of eight characters
+_SAME = 1e-4  # of the extent of the nodes: single precision, and fields of eight characters
 
 
 def check_finite(values: np.ndarray, what: str) -> None:
-    """Refuse what is no number of a possible size; a damaged file may hold anything."""
+    """Reject values that are not finite or larger than ``_LARGEST``, as from a damaged file."""
     if not (np.abs(values) < _LARGEST).all():
         raise BadInput(f"{what} are not all finite; the file is damaged", code="not-finite")
 
 
-def frames_of(files: Sequence[SourceFile]) -> tuple[Frames, np.ndarray, np.ndarray]:
-    """Coordinate systems, ids and places of all nodes of these files.
+def join_frames(files: Sequence[SourceFile]) -> tuple[Frames, np.ndarray, np.ndarray]:
+    """Return coordinate systems, ids and basic coordinates of all nodes of these files.
 
     Raises
     ------
     BadInput
-        If there are no nodes, or two files define a node or a coordinate system otherwise.
+        If there are no nodes, or two files define a node or a coordinate system differently.
     """
     default = _grdset(files)
     grids: dict[str, list[np.ndarray]] = {name: [] for name in ("id", "cp", "xyz", "cd")}
@@ -47,8 +47,8 @@ def frames_of(files: Sequence[SourceFile]) -> tuple[Frames, np.ndarray, np.ndarr
                 frames.setdefault(path.removeprefix("frame/"), []).append(np.asarray(values))
     if not names:
         raise BadInput(
-            "the files do not say where the nodes are; import the deck (.bdf) with all that it "
-            "includes, or the file with the geometry",
+            "no file gives the coordinates of the nodes; import the deck (.bdf) with all files "
+            "that it includes, or the file with the geometry",
             code="no-nodes",
         )
     joined = {name: np.concatenate(values) for name, values in grids.items()}
@@ -65,7 +65,7 @@ def frames_of(files: Sequence[SourceFile]) -> tuple[Frames, np.ndarray, np.ndarr
 
 
 def _grdset(files: Sequence[SourceFile]) -> tuple[int, int] | None:
-    """Systems that GRDSET gives to nodes which name none, in whichever file it stands."""
+    """Return the default coordinate systems of GRDSET, from any of the files."""
     found: dict[tuple[int, int], str] = {}
     for source in files:
         if "deck/grdset" in source.arrays:
@@ -81,7 +81,7 @@ def _grdset(files: Sequence[SourceFile]) -> tuple[int, int] | None:
 
 
 def _check_frames(defined: Mapping[str, np.ndarray]) -> None:
-    """Refuse a coordinate system that two files define otherwise."""
+    """Reject a coordinate system that two files define differently."""
     known: dict[int, np.ndarray] = {}
     if "id" in defined:
         columns = [defined[name].reshape(-1, 1) for name in ("id", "kind", "reference")]
@@ -99,8 +99,7 @@ def _check_frames(defined: Mapping[str, np.ndarray]) -> None:
 
 def _defined_twice(number: int) -> BadInput:
     return BadInput(
-        f"coordinate system {number} is defined twice, and otherwise; import the files of one "
-        "model",
+        f"coordinate system {number} has two different definitions; import the files of one model",
         code="two-definitions",
         frame=number,
     )
@@ -113,7 +112,7 @@ def _check_repeated(
     first: np.ndarray,
     places: np.ndarray,
 ) -> None:
-    """Refuse a node that comes again in another place, or with another displacement system."""
+    """Reject a repeated node with other coordinates, or another displacement system."""
     again = np.flatnonzero(first != np.arange(first.size))
     if not again.size:
         return
@@ -132,8 +131,8 @@ def _check_repeated(
             )
 
 
-def lines_between(sources: Sources, ids: np.ndarray) -> np.ndarray:
-    """Lines between nodes as pairs of rows; those of nodes without shape are left out."""
+def collect_trace_lines(sources: Sources, ids: np.ndarray) -> np.ndarray:
+    """Return trace lines as pairs of node rows; lines to nodes without shape are omitted."""
     row = {int(node): place for place, node in enumerate(ids)}
     pairs = [
         (row[int(a)], row[int(b)])

@@ -1,4 +1,4 @@
-"""The units of the files: as an analyst says, or else a file."""
+"""Units of the files: as given by the options, else as stated by a file."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
-from flexsid.importers.modal_data.answers import StructureAnswers
-from flexsid.importers.modal_data.at_fuel import masses_of
+from flexsid.importers.modal_data.fuel_states import read_masses
+from flexsid.importers.modal_data.options import ModalDataOptions
 from flexsid.importers.source import SourceFile, Sources
 
 LENGTHS = ("m", "mm", "in", "ft")
@@ -15,54 +15,58 @@ _SAME_UNIT = 1e-6  # relative
 MASSES = ("kg", "t", "lb", "slug", "slinch")
 
 
-def units_of(sources: Sources, answers: StructureAnswers) -> tuple[float, float, list[str]]:
-    """Metres and kilograms in the files' units, and what was said of them."""
+def resolve_units(sources: Sources, options: ModalDataOptions) -> tuple[float, float, list[str]]:
+    """Return metres and kilograms per unit of the files, and notes on their source."""
     stating = [s for s in sources.items if "unit/length" in s.arrays]
     _check_one_system(stating)
-    said = stating[0].arrays if stating else None
+    stated = stating[0].arrays if stating else None
     notes: list[str] = []
-    if stating and answers.length_unit is None:
+    if stating and options.length_unit is None:
         notes += [
-            f"{s.name} states no units: taken in those of {stating[0].name}."
+            f"{s.name} states no units; the units of {stating[0].name} are used."
             for s in sources.items
             if "unit/length" not in s.arrays
             and ("grid/id" in s.arrays or "shape/values" in s.arrays)
         ]
-    if said is not None and answers.length_unit is None:
-        length, force = (float(said[f"unit/{name}"][0]) for name in ("length", "force"))
-        notes.append(f"The file says that its length is {length:g} m and its force {force:g} N.")
+    if stated is not None and options.length_unit is None:
+        length, force = (float(stated[f"unit/{name}"][0]) for name in ("length", "force"))
+        notes.append(
+            f"The file states its unit of length as {length:g} m, of force as {force:g} N."
+        )
         return length, force / length, notes
-    length = length_of(sources, answers.length_unit)
-    notes.append(f"Lengths are in {answers.length_unit}.")
-    if said is not None:
-        own = float(said["unit/length"][0])
+    length = resolve_length_unit(sources, options.length_unit)
+    notes.append(f"Lengths are in {options.length_unit}.")
+    if stated is not None:
+        own = float(stated["unit/length"][0])
         if not np.isclose(own, length, rtol=_SAME_UNIT):
-            notes.append(f"{stating[0].name} states a length of {own:g} m: not used, as answered.")
-    has_mass = any(masses_of(source) is not None for source in sources.items)
-    if answers.generalized_mass is None and not has_mass:
+            notes.append(
+                f"{stating[0].name} states a unit of length of {own:g} m, which is not used."
+            )
+    has_mass = any(read_masses(source) is not None for source in sources.items)
+    if options.generalized_mass is None and not has_mass:
         raise BadInput(
-            "say whether the shapes are scaled to unit generalised mass: unit or unknown",
+            "the scaling of the shapes is not given; expected generalised mass unit or unknown",
             code="mass-needed",
             field="generalized_mass",
         )
-    if answers.generalized_mass == "unknown":
+    if options.generalized_mass == "unknown":
         notes.append("Generalised masses are not known.")
         return length, 1.0, notes
-    if answers.mass_unit is None:
+    if options.mass_unit is None:
         raise BadInput(
-            f"say in which unit of mass generalised masses are: {', '.join(MASSES)}",
+            f"the unit of mass of generalised masses is not given; expected {', '.join(MASSES)}",
             code="unit-needed",
             field="mass_unit",
         )
-    scaled = "are all one" if answers.generalized_mass == "unit" else "are those of the file"
+    scaled = "are all one" if options.generalized_mass == "unit" else "are those of the file"
     notes.append(
-        f"Generalised masses {scaled}, in {answers.mass_unit} times {answers.length_unit} squared."
+        f"Generalised masses {scaled}, in {options.mass_unit} times {options.length_unit} squared."
     )
-    return length, units.factor(answers.mass_unit, "mass"), notes
+    return length, units.factor(options.mass_unit, "mass"), notes
 
 
 def _check_one_system(stating: list[SourceFile]) -> None:
-    """Refuse files that state different units of length or force."""
+    """Reject files that state different units of length or force."""
     for other in stating[1:]:
         for name in ("length", "force"):
             one, two = (float(s.arrays[f"unit/{name}"][0]) for s in (stating[0], other))
@@ -74,13 +78,13 @@ def _check_one_system(stating: list[SourceFile]) -> None:
                 )
 
 
-def length_of(sources: Sources, unit: str | None) -> float:
-    """Metres per length of the files, as an analyst or else the file says.
+def resolve_length_unit(sources: Sources, unit: str | None) -> float:
+    """Return metres per unit of length, from the option or else from a file.
 
     Raises
     ------
     BadInput
-        If neither does.
+        If neither gives it.
     """
     if unit is not None:
         return units.factor(unit, "length")
@@ -88,7 +92,7 @@ def length_of(sources: Sources, unit: str | None) -> float:
         if "unit/length" in source.arrays:
             return float(source.arrays["unit/length"][0])
     raise BadInput(
-        f"say in which unit coordinates and displacements are: {', '.join(LENGTHS)}",
+        f"the unit of coordinates and displacements is not given; expected {', '.join(LENGTHS)}",
         code="unit-needed",
         field="length_unit",
     )

@@ -1,8 +1,8 @@
-"""Nastran: what its files hold of a structure, one reader per kind of file.
+"""Nastran: modal data and geometry of its files, one reader per kind of file.
 
-Every reader gives the same raw fields, in the file's own numbers; ``frames`` turns them
-into basic coordinates once all files of an import are known, as a deck may define in one
-file the coordinate systems that another uses.
+Every reader returns the same raw fields, in the units and frames of the file; ``frames``
+transforms them to basic coordinates once all files of an import are read, as a deck may define
+in one file the coordinate systems that another uses.
 
     grid/id cp cd (K,), grid/xyz (K, 3)            nodes, in the frames ``cp`` and ``cd``
     frame/id kind reference (C,), frame/points (C, 9)   CORD2R, CORD2C, CORD2S

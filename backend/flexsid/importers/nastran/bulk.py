@@ -1,8 +1,8 @@
-"""Nastran bulk data (.bdf, .nas, .dat, .pch): GRID and coordinate systems, whatever the format.
+"""Nastran bulk data (.bdf, .nas, .dat, .pch): GRID and coordinate systems, in all field formats.
 
-INCLUDE is not followed, as a deck from somewhere may name any file of the server; the files
-it names are imported beside it. What a field leaves to GRDSET stays open here where this file
-has no GRDSET: that entry may stand in another file of the deck.
+INCLUDE is not followed, as a deck may name any file of the server; the included files are
+imported with it. A field that defaults to GRDSET stays open if this file has no GRDSET, as that
+entry may be in another file of the deck.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _EXPONENT = re.compile(r"(?<=[\d.])([+-]\d+)$")
 
 
 def recognises(head: bytes) -> bool:
-    """Tell whether the beginning of a file looks like a deck."""
+    """Return whether the beginning of a file is that of a deck."""
     return _CARD.search(head) is not None and b"\0" not in head
 
 
@@ -50,7 +50,7 @@ class _Deck:
 
 
 def read_text(text: str) -> Iterator[Field]:
-    """Fields of a deck that is in memory."""
+    """Yield the fields of a deck in memory."""
     deck = _Deck()
     for line, entries in _cards(text, deck):
         try:
@@ -91,7 +91,7 @@ def read_text(text: str) -> Iterator[Field]:
 
 
 def _cards(text: str, deck: _Deck) -> Iterator[tuple[int, list[str]]]:
-    """Entries with their continuations, as lists of fields, and the line where each begins."""
+    """Yield entries with their continuations as lists of fields, and their first line."""
     current: list[str] = []
     begun = 0
     pattern: list[str] = []  # of a replication, which may be repeated
@@ -110,33 +110,33 @@ def _cards(text: str, deck: _Deck) -> Iterator[tuple[int, list[str]]]:
                 current.extend(rest)
             continue
         if head[0] == "=":
-            if current and not _wanted(current[0]):
-                continue  # of an entry that is of no use here
-            for made in _replicated(line, number, head, rest, current, pattern):
+            if current and not _is_read(current[0]):
+                continue  # of an entry that is not read
+            for made in _replicate(line, number, head, rest, current, pattern):
                 yield begun, current
                 current, begun = made, number
             continue
-        if current and _wanted(current[0]):
+        if current and _is_read(current[0]):
             yield begun, current
         current, begun, pattern[:] = [head.rstrip("*").upper(), *rest], number, []
-        if _wanted(current[0]) and any(part.strip() for part in line.split(",")[len(rest) + 2 :]):
+        if _is_read(current[0]) and any(part.strip() for part in line.split(",")[len(rest) + 2 :]):
             raise UnreadableFile(
-                f"line {number}: '{line[:60]}' has more fields than a line can hold; "
-                "continue it on a further line.",
+                f"line {number}: '{line[:60]}' has more fields than one line may have; "
+                "continue it on the next line.",
                 row=number,
             )
-    if current and _wanted(current[0]):
+    if current and _is_read(current[0]):
         yield begun, current
 
 
-def _wanted(name: str) -> bool:
+def _is_read(name: str) -> bool:
     return name in ("GRID", "GRDSET", "PARAM") or re.fullmatch(r"CORD[12][RCS]", name) is not None
 
 
-def _replicated(
+def _replicate(
     line: str, number: int, head: str, rest: list[str], current: list[str], pattern: list[str]
 ) -> Iterator[list[str]]:
-    """Entries that a replication makes of the one before: ``=``, ``==``, ``*(step)``, ``=(n)``."""
+    """Yield entries replicated from the one before: ``=``, ``==``, ``*(step)``, ``=(n)``."""
     repeat = _REPEAT.fullmatch(head)
     if not current or (repeat is not None and (any(rest) or not pattern)):
         raise UnreadableFile(f"line {number}: '{line[:60]}' has no entry to repeat.", row=number)
@@ -152,12 +152,12 @@ def _replicated(
         for place, value in enumerate(before):
             asked = pattern[place] if place < len(pattern) else ""
             whole = whole or asked == "=="
-            made.append(value if whole or asked == "=" else _stepped(asked, value, line, number))
+            made.append(value if whole or asked == "=" else _add_step(asked, value, line, number))
         current = made
         yield made
 
 
-def _stepped(asked: str, value: str, line: str, number: int) -> str:
+def _add_step(asked: str, value: str, line: str, number: int) -> str:
     if not asked.startswith(("*", "=", "%")):
         return asked
     step = _STEP.fullmatch(asked)
@@ -176,7 +176,7 @@ def _stepped(asked: str, value: str, line: str, number: int) -> str:
 
 
 def _split(line: str) -> tuple[str, list[str]]:
-    """First field and the data fields of one line, in free, small or large field format."""
+    """Return the first field and the data fields of a line, in free, small or large format."""
     if "," in line:
         parts = [part.strip() for part in line.split(",")]
         width = 4 if "*" in parts[0] else 8
@@ -213,7 +213,7 @@ def _take(deck: _Deck, entries: list[str]) -> None:
 
 def _define(known: dict[int, _Entry], number: int, what: _Entry, kind: str) -> None:
     if known.setdefault(number, what) != what:
-        raise ValueError(f"{kind} {number} is defined before, and otherwise")
+        raise ValueError(f"{kind} {number} has two different definitions")
 
 
 def _integer(text: str, default: int) -> int:
@@ -221,7 +221,7 @@ def _integer(text: str, default: int) -> int:
 
 
 def _real(text: str) -> float:
-    """Read a number as Nastran writes it: 1.5, 1.5E3, 1.5D3, 1.5+3, -.2-4; blank is zero."""
+    """Read a number in Nastran format: 1.5, 1.5E3, 1.5D3, 1.5+3, -.2-4; blank is zero."""
     if not text:
         return 0.0
     plain = text.upper().replace("D", "E")

@@ -24,12 +24,12 @@ _REPEATED_SHAPE = 1e-6
 
 
 def recognises(head: bytes) -> bool:
-    """Tell whether a file is plain text (printouts begin in many ways)."""
+    """Return whether a file is plain text (printouts have no common beginning)."""
     return b"\0" not in head
 
 
 def read(path: Path) -> Content:
-    """Read what a printout holds of modes and of flutter."""
+    """Read the modes and flutter summaries of a printout."""
     return Content(_fields(path.read_text(encoding="latin-1").splitlines()))
 
 
@@ -46,9 +46,9 @@ def _fields(lines: list[str]) -> Iterator[Field]:
     refused = printed.refused()
     if not found:
         raise UnreadableFile(
-            f"it holds nothing that can be used: {'; '.join(refused)}."
+            f"it has no usable content: {'; '.join(refused)}."
             if refused
-            else "it prints neither eigenvalues nor eigenvectors nor a flutter summary.",
+            else "it has no eigenvalues, eigenvectors or flutter summary.",
             code="nothing-usable",
         )
     yield from found
@@ -66,7 +66,7 @@ class _Table:
 
 
 class _Printout:
-    """What has been read so far, page by page."""
+    """Content of a printout, read page by page."""
 
     def __init__(self, buckling: bool) -> None:
         self._buckling = buckling
@@ -81,7 +81,7 @@ class _Printout:
         self._refused: list[str] = []
 
     def take(self, line: str) -> None:
-        """Read a line: a heading, or what its table holds."""
+        """Read a line: a heading, or a row of a table."""
         if (subcase := _SUBCASE.search(line)) is not None:
             self._subcase = int(subcase[1])
         if (element := _SUPERELEMENT.search(line)) is not None:
@@ -105,7 +105,7 @@ class _Printout:
             self._take(line)
 
     def _nothing(self, line: str) -> None:
-        """Pass over what is of no use here."""
+        """Skip a line that is not used."""
 
     def _row_of_eigenvalues(self, line: str) -> None:
         """Read a row: mode, order, eigenvalue, radians, cycles, mass, stiffness."""
@@ -115,14 +115,14 @@ class _Printout:
         if len(parts) != 7 or not (parts[0].isdigit() and parts[1].isdigit()):
             return
         mode = int(parts[0])
-        if not self._tables[-1].rows and self._goes_on(mode):
+        if not self._tables[-1].rows and self._continues_table(mode):
             self._tables.pop()
         if mode in self._tables[-1].rows:
-            raise ValueError(f"mode {mode} comes twice")
+            raise ValueError(f"mode {mode} is repeated")
         self._tables[-1].rows[mode] = (_number(parts[3]), _number(parts[5]))
 
-    def _goes_on(self, mode: int) -> bool:
-        """Whether the table of a new page continues the one of the page before."""
+    def _continues_table(self, mode: int) -> bool:
+        """Return whether the table of a new page continues that of the page before."""
         if len(self._tables) < 2:
             return False
         before, now = self._tables[-2:]
@@ -131,21 +131,21 @@ class _Printout:
         )
 
     def _begin_vector(self, line: str, mode: str | None) -> None:
-        """Begin with a mode, or go on with it on a new page."""
+        """Begin a mode, or continue it on a new page."""
         self._take, self._vector = self._row_of_vector, None
         if "C O M P L E X" in line:
-            self._leave_out("complex mode shapes; real ones (SOL 103) are read")
+            self._skip("complex mode shapes; real ones (SOL 103) are read")
         elif mode is None:
-            self._leave_out("mode shapes sorted by node (SORT2); those sorted by mode are read")
+            self._skip("mode shapes sorted by node (SORT2); those sorted by mode are read")
         elif self._buckling:
-            self._leave_out("buckling shapes (SOL 105)")
+            self._skip("buckling shapes (SOL 105)")
         else:
             self._mode = int(mode)
 
     def _row_of_vector(self, line: str) -> None:
         """Read a row: node, type, six components."""
         if "RELATIVE TO" in line or "SOLUTION SET" in line:
-            self._leave_out(f"shapes '{line.strip().strip('()').lower()}'")
+            self._skip(f"shapes '{line.strip().strip('()').lower()}'")
             return
         parts = line.split()
         if len(parts) != 8 or not parts[0].isdigit() or parts[1] != "G":
@@ -155,9 +155,9 @@ class _Printout:
         row = [_number(part) for part in parts[2:]]
         known = self._vector.setdefault(int(parts[0]), row)
         if not np.allclose(known, row, rtol=_REPEATED_SHAPE, atol=0.0):
-            raise ValueError(f"mode {self._mode} has another value at node {parts[0]} before")
+            raise ValueError(f"mode {self._mode} has two different values at node {parts[0]}")
 
-    def _leave_out(self, what: str) -> None:
+    def _skip(self, what: str) -> None:
         self._take = self._nothing
         if what not in self._refused:
             self._refused.append(what)
@@ -169,7 +169,7 @@ class _Printout:
             self._largest.append([_number(part) for part in parts[1:]])
 
     def _table(self) -> _Table | None:
-        """Table of the subcase whose shapes are read, of the whole structure."""
+        """Return the eigenvalue table of the subcase of the shapes, without superelements."""
         first = self._vectors.first()
         usable = [
             table
@@ -185,7 +185,7 @@ class _Printout:
         return next((table for table in same if table.augmented), same[0])
 
     def refused(self) -> list[str]:
-        """What was found and is not used, in words."""
+        """Return descriptions of the content that is not used."""
         notes = [*self._refused, *self._vectors.notes()]
         read = self._table()
         for table in self._tables:
@@ -203,16 +203,13 @@ class _Printout:
             elif read is not None and read.augmented:
                 added = sorted(set(read.rows) - set(table.rows))
                 if added:
-                    notes.append(
-                        f"modes {added[0]} to {added[-1]} are residual vectors, no modes of the "
-                        "structure"
-                    )
+                    notes.append(f"modes {added[0]} to {added[-1]} are residual vectors, not modes")
             else:
                 notes.append(f"a further table of {len(table.rows)} eigenvalues")
         return list(dict.fromkeys(notes))
 
     def fields(self) -> Iterator[Field]:
-        """Everything that was found."""
+        """Yield all fields of the printout."""
         table = self._table()
         if table is not None:
             computed = [mode for mode, (_, mass) in table.rows.items() if mass > 0.0]

@@ -1,7 +1,7 @@
-"""Flutter summaries of a Nastran printout (SOL 145): every row with the analysis it is of.
+"""Flutter summaries of a Nastran printout (SOL 145), with the analysis of every row.
 
 A printout may hold several analyses: of subcases, symmetries, Mach numbers and densities. A
-root ("POINT") is one of its analysis only, so rows are kept apart by what their page states.
+root ("POINT") belongs to one analysis, so rows are separated by the heading of their page.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _NEEDED = ("velocity", "damping", "frequency")
 
 @dataclass(frozen=True, slots=True)
 class _Page:
-    """What the heading of a page states of its analysis."""
+    """Analysis parameters from the heading of a page."""
 
     subcase: int
     symmetry: str
@@ -46,7 +46,7 @@ class _Page:
 
 @dataclass(slots=True)
 class _FlutterAnalysis:
-    """One analysis: the roots that were read of it, and the rows of each."""
+    """One analysis: its roots, and the rows of each."""
 
     page: _Page
     last: int = 0
@@ -74,7 +74,7 @@ class FlutterPages:
         Raises
         ------
         ValueError
-            If a row has other columns than its heading, or no number where one is needed.
+            If the columns of a row differ from its heading, or a required number is missing.
         """
         if symmetry := _SYMMETRY.findall(line):
             stated = [f"{plane} {how.lower()}" for plane, how in symmetry if how != "ASYMMETRIC"]
@@ -99,7 +99,7 @@ class FlutterPages:
             density=np.nan if density is None else float(density[1].upper().replace("D", "E")),
         )
         same = [k for k, one in enumerate(self._analyses) if repr(one.page) == repr(page)]
-        # A root that comes again after another one is of a further analysis.
+        # A root repeated after another root belongs to a new analysis.
         if not same or (
             point in self._analyses[same[-1]].seen and self._analyses[same[-1]].last != point
         ):
@@ -112,18 +112,18 @@ class FlutterPages:
     def _row(self, line: str) -> None:
         parts = _VALUE.findall(line)
         if len(parts) < len(_NEEDED) or _VALUE.sub("", line).strip():
-            return  # not a row: words, or nothing
+            return  # not a row: text, or empty
         if not all("." in part or not part[-1].isdigit() for part in parts):
             return  # whole numbers, of another table
         if len(parts) != len(self._columns):
-            raise ValueError(f"{len(self._columns)} numbers are expected, {len(parts)} are there")
+            raise ValueError(f"{len(self._columns)} numbers are expected, {len(parts)} were found")
         row = {name: _number(part) for name, part in zip(self._columns, parts, strict=True)}
         if not all(np.isfinite(row[name]) for name in _NEEDED):
             raise ValueError("velocity, damping or frequency is not a number")
         analysis = self._analyses[self._current]
         place = (row["velocity"], row.get("density", 0.0), row.get("mach", 0.0))
         if place in analysis.seen[analysis.last] and analysis.page.method not in ("K", "KE"):
-            point = analysis.last  # the sweep begins again under the same heading
+            point = analysis.last  # the sweep restarts under the same heading
             analysis = _FlutterAnalysis(analysis.page, point, {point: set()})
             self._analyses.append(analysis)
             self._current = len(self._analyses) - 1
@@ -134,7 +134,7 @@ class FlutterPages:
         self._rows.append({"analysis": self._current, "point": analysis.last, **row})
 
     def fields(self) -> Iterator[Field]:
-        """Rows in the order printed, and of each analysis its subcase, symmetry and method."""
+        """Yield rows in printed order, and subcase, symmetry and method of each analysis."""
         if not self._rows:
             return
         for name in (

@@ -1,4 +1,4 @@
-"""Coordinate systems of a deck: nodes to basic coordinates, shapes to basic directions."""
+"""Coordinate systems of a deck: transformation of nodes and shapes to the basic system."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Frame:
     axes: Float[np.ndarray, "3 3"]
 
     def to_basic(self, place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
-        """Basic coordinates of a place given in this frame (angles in degrees)."""
+        """Return the basic coordinates of a point given in this frame (angles in degrees)."""
         a, b, c = place
         if self.kind == CYLINDRICAL:
             angle = np.radians(b)
@@ -35,7 +35,7 @@ class Frame:
         return self.origin + place @ self.axes
 
     def directions(self, place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
-        """Unit vectors of the displacements of a node at a basic place, as rows."""
+        """Return the displacement unit vectors at a basic location, as rows."""
         if self.kind == RECTANGULAR:
             return self.axes
         x, y, z = self.axes @ (place - self.origin)
@@ -55,7 +55,7 @@ BASIC = Frame(RECTANGULAR, np.zeros(3), np.eye(3))
 
 
 class Frames:
-    """All coordinate systems of a deck and the nodes that lie in them."""
+    """All coordinate systems of a deck, and its nodes."""
 
     def __init__(self, grids: Mapping[str, np.ndarray], frames: Mapping[str, np.ndarray]) -> None:
         self._row = {int(node): row for row, node in enumerate(grids["id"])}
@@ -74,22 +74,22 @@ class Frames:
         self._open: set[object] = set()
 
     def places(self) -> Float[np.ndarray, "n_nodes 3"]:
-        """Basic coordinates of all nodes, in the length of the deck."""
+        """Return the basic coordinates of all nodes, in the unit of length of the deck."""
         return np.array([self._place(int(node)) for node in self._grids["id"]]).reshape(-1, 3)
 
     def place_of(self, system: int, place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
-        """Basic coordinates of a place given in a coordinate system of the deck."""
+        """Return the basic coordinates of a point given in a coordinate system of the deck."""
         return self._frame(system).to_basic(np.asarray(place, dtype=float))
 
     def turn(
         self, nodes: Int[np.ndarray, " n_nodes"], values: Float[np.ndarray, "n_modes n_nodes 6"]
     ) -> Float[np.ndarray, "n_modes n_nodes 6"]:
-        """Shapes from each node's own directions to the basic ones."""
+        """Transform shapes from the displacement system of each node to the basic system."""
         turned = values.copy()
         for column, node in enumerate(nodes):
             row = self._row.get(int(node))
             number = 0 if row is None else int(self._grids["cd"][row])
-            if number <= 0:  # -1 marks points of a fluid
+            if number <= 0:  # -1 denotes fluid points
                 continue
             axes = self._frame(number).directions(self._place(int(node)))
             turned[:, column, :3] = values[:, column, :3] @ axes
@@ -110,9 +110,7 @@ class Frames:
         if number in self._known:
             return self._known[number]
         if number in self._open:
-            raise BadInput(
-                f"coordinate system {number} is defined by itself", code="circular-frame"
-            )
+            raise BadInput(f"coordinate system {number} refers to itself", code="circular-frame")
         self._open.add(number)
         if number in self._defined:
             kind, reference, points = self._defined[number]
@@ -123,8 +121,8 @@ class Frames:
             a, b, c = (self._place(node) for node in nodes)
         else:
             raise BadInput(
-                f"coordinate system {number} is used but defined in none of the files; import the "
-                "deck with all that it includes",
+                f"coordinate system {number} is used but not defined in the files; import the "
+                "deck with all files that it includes",
                 code="missing-frame",
                 frame=number,
             )

@@ -31,27 +31,27 @@ _NOT_READ = {
     "OUGCRM": "cumulative rms values", "OUGNO": "zero crossings",
     "OUXY": "shapes of the solution set", "TOUG": "temperatures",
 }  # fmt: skip
-"""Beginnings of the names of tables that look like modes and hold something else."""
+"""Name prefixes of tables that are not read, and their content."""
 
 
 def recognises(head: bytes) -> bool:
-    """Tell whether a file starts with the Fortran record of a one-word key."""
+    """Return whether a file starts with the Fortran record of a one-word key."""
     return head[:4] in (b"\4\0\0\0", b"\0\0\0\4", b"\10\0\0\0", b"\0\0\0\10")
 
 
 def read(path: Path) -> Content:
-    """Read the tables of a file that tell of its modes.
+    """Read the tables of a file with modes and geometry.
 
     Raises
     ------
     UnreadableFile
-        If the file ends within a record or holds no table of these.
+        If the file ends within a record or has none of these tables.
     """
     return Content(_fields(path.read_bytes()))
 
 
 class _Words:
-    """The Fortran records of a file, as keys and what they announce."""
+    """Fortran records of a file: keys and data."""
 
     def __init__(self, data: bytes) -> None:
         self._data = data
@@ -88,19 +88,19 @@ class _Words:
         if len(record) != self.size:
             raise UnreadableFile(
                 f"byte {self._at}: a key of one word is expected, a record of {len(record)} "
-                "bytes is there."
+                "bytes was found."
             )
         return int(np.frombuffer(record, self.integer)[0])
 
     def blocks(self) -> Iterator[list[bytes]]:
-        """Logical records of one data block after the other."""
+        """Yield the logical records of each data block."""
         block: list[bytes] = []
         parts: list[bytes] = []
         while (key := self._key()) is not None:
             if key > 0:
                 part = self._record()
                 if part is None:
-                    raise UnreadableFile("the file ends where a record is announced.")
+                    raise UnreadableFile("the file ends before a record.")
                 parts.append(part)
                 continue
             if parts:
@@ -142,8 +142,8 @@ def _fields(data: bytes) -> Iterator[Field]:
             part = {path: one for path, one in taken.items() if path.startswith(f"{group}/")}
             if not any(path.startswith(f"{group}/") for path in found):
                 found |= part
-            elif not _alike(part, found):
-                refused.append(f"table {name}: another one with other contents is read")
+            elif not _are_equal(part, found):
+                refused.append(f"table {name}: a table with other content is read")
     if not found:
         raise UnreadableFile(
             "it holds neither nodes (GEOM1) nor eigenvectors (OUG) nor eigenvalues (LAMA)"
@@ -156,7 +156,7 @@ def _fields(data: bytes) -> Iterator[Field]:
         yield Field("refused", np.array(list(dict.fromkeys(refused)), dtype=np.str_))
 
 
-def _alike(part: dict[str, Field], found: dict[str, Field]) -> bool:
+def _are_equal(part: dict[str, Field], found: dict[str, Field]) -> bool:
     return all(
         path in found and np.array_equal(one.samples, found[path].samples)
         for path, one in part.items()
@@ -188,7 +188,7 @@ def _geometry(records: list[bytes], words: _Words) -> Iterator[Field]:
 
 
 def _frames(body: bytes, words: _Words, kind: int) -> np.ndarray:
-    """Rows of id, kind, reference and three points; newer versions write them doubled."""
+    """Return rows of id, kind, reference and three points, in single or double precision."""
     for real in (words.real, np.dtype(f"{words.order}f8")):
         row = np.dtype([("i", words.integer, 4), ("x", real, 9)])
         if len(body) % row.itemsize:
@@ -209,7 +209,7 @@ def _grids(body: bytes, words: _Words) -> Iterator[Field]:
         np.dtype([("i", words.integer, 2), ("x", words.real, 3), ("j", words.integer, 3)]),
         np.dtype([("i", words.integer, 2), ("x", double, 3), ("j", words.integer, 3)]),
     ]
-    for layout in layouts:  # newer versions write coordinates in double precision
+    for layout in layouts:  # coordinates are in double precision in newer versions
         if len(body) % layout.itemsize:
             continue
         rows = np.frombuffer(body, layout)
@@ -249,12 +249,12 @@ def _shapes(records: list[bytes], words: _Words, name: str) -> Iterator[Field]:
     nodes = np.empty(0, dtype=np.int64)
     grids = np.empty(0, dtype=bool)
     subcase: int | None = None
-    # The sub-table's name comes first, then a table of identification before each of data.
+    # After the name of the sub-table, identification and data records alternate.
     for ident, data in zip(records[1::2], records[2::2], strict=False):
         head = np.frombuffer(ident[: 10 * words.size], words.integer)
         if head.size < 10:
             break
-        what = _other_than_modes(int(head[0]) // 10, int(head[1]))
+        what = _describe_other_content(int(head[0]) // 10, int(head[1]))
         if what is None and subcase not in (None, int(head[3])):
             what = f"the modes of subcase {int(head[3])}; those of subcase {subcase} are read"
         if what is not None:
@@ -292,8 +292,8 @@ def _shapes(records: list[bytes], words: _Words, name: str) -> Iterator[Field]:
             yield Field("shape/basic", np.array([1]))
 
 
-def _other_than_modes(approach: int, code: int) -> str | None:
-    """What a table holds that is none of real modes, in words."""
+def _describe_other_content(approach: int, code: int) -> str | None:
+    """Return a description of the content of a table; None for real modes."""
     if code % 1000 not in _TABLES:
         return f"results of kind {code % 1000}, not displacements"
     if approach == _COMPLEX_EIGENVALUES:

@@ -1,4 +1,4 @@
-"""Nastran punch files (.pch): eigenvectors, or bulk data that was punched."""
+"""Nastran punch files (.pch): eigenvectors and bulk data."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _NOT_READ = {
 
 
 def recognises(head: bytes) -> bool:
-    """Tell whether a file begins with the titles of punched results, or is a deck."""
+    """Return whether a file begins with the titles of punched results, or is a deck."""
     return head[:1] == b"$" or bulk.recognises(head)
 
 
@@ -39,26 +39,26 @@ def _fields(text: str) -> Iterator[Field]:
     table: dict[int, list[float]] | None = None
     row: list[float] = []
     refused: list[str] = []
-    wanted = False
+    is_read = False
     subcase = 0
     for number, line in enumerate(text.splitlines(), start=1):
-        line = line[:72]  # a running number follows
+        line = line[:72]  # a sequence number follows
         if line.startswith("$"):
             title = line.split("=")[0].rstrip()
             if title in _SHAPES:
-                wanted, table = True, None
+                is_read, table = True, None
             elif (why := _NOT_READ.get(title.split()[0])) is not None:
-                if wanted and why not in refused:
+                if is_read and why not in refused:
                     refused.append(why)
-                wanted = False
+                is_read = False
             elif title not in _DESCRIPTIONS and not title.startswith(("$EIGENVALUE", "$ ")):
-                wanted = False  # another kind of result
+                is_read = False  # other results
             if (case := _SUBCASE.search(line)) is not None:
                 subcase = int(case[1])
             found = _MODE.search(line)
-            if found is not None and wanted:
+            if found is not None and is_read:
                 table = shapes.begin(subcase, int(found[2]), float(found[1]))
-            elif not wanted:
+            elif not is_read:
                 table = None
             continue
         if table is None:
@@ -70,7 +70,7 @@ def _fields(text: str) -> Iterator[Field]:
             elif len(parts) >= 5 and parts[1] == "G":
                 row = [float(part) for part in parts[2:5]]
                 if int(parts[0]) in table:
-                    raise ValueError(f"node {parts[0]} comes twice in this mode")
+                    raise ValueError(f"node {parts[0]} is repeated in this mode")
                 table[int(parts[0])] = row
         except ValueError as error:
             raise UnreadableFile(

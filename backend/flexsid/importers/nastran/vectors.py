@@ -1,4 +1,4 @@
-"""Mode shapes printed or punched node by node, kept apart by subcase and by analysis."""
+"""Mode shapes printed or punched node by node, separated by subcase and analysis."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _SAME_EIGENVALUE = 1e-5  # relative; printed to six digits
 
 @dataclass(slots=True)
 class _ModalAnalysis:
-    """Shapes of one analysis: per mode its eigenvalue and the six components at each node."""
+    """Shapes of one analysis: per mode the eigenvalue and six components at each node."""
 
     subcase: int
     eigenvalues: dict[int, float] = field(default_factory=dict)
@@ -23,12 +23,12 @@ class _ModalAnalysis:
 
 @dataclass(slots=True)
 class Vectors:
-    """Mode shapes as they are read; a mode with another eigenvalue is of another analysis."""
+    """Mode shapes by analysis; a mode with another eigenvalue belongs to another analysis."""
 
     _analyses: list[_ModalAnalysis] = field(default_factory=list)
 
     def begin(self, subcase: int, mode: int, eigenvalue: float) -> dict[int, list[float]]:
-        """Rows of a mode, to be filled: of a new one, or of one that goes on."""
+        """Return the rows of a new or continued mode, to be filled."""
         for analysis in self._analyses:
             known = analysis.eigenvalues.get(mode)
             if analysis.subcase == subcase and (known is None or _same(known, eigenvalue)):
@@ -40,12 +40,12 @@ class Vectors:
         return analysis.vectors.setdefault(mode, {})
 
     def first(self) -> tuple[int, dict[int, float]] | None:
-        """Subcase and eigenvalues of the analysis that is read; None where there is none."""
+        """Return subcase and eigenvalues of the analysis that is read; None if there is none."""
         found = self._with_rows()
         return (found[0].subcase, found[0].eigenvalues) if found else None
 
     def short(self) -> tuple[int, int, int] | None:
-        """First mode and node with other than six components, and how many there are."""
+        """Return the first mode and node without six components, and their number."""
         for analysis in self._analyses:
             for mode, rows in analysis.vectors.items():
                 for node, values in rows.items():
@@ -54,7 +54,7 @@ class Vectors:
         return None
 
     def notes(self) -> list[str]:
-        """What is left out or filled up, in words."""
+        """Return notes on content that is omitted or set to zero."""
         found = self._with_rows()
         notes = [
             f"it also holds {len(other.vectors)} mode shapes of {_named(other, found[0])}; those "
@@ -68,12 +68,12 @@ class Vectors:
                 lacking = min(nodes - set(found[0].vectors[short[0]]))
                 notes.append(
                     f"mode {short[0]} is not given at node {lacking} ({len(short)} modes lack "
-                    "nodes): taken as zero there"
+                    "nodes); its values there are set to zero"
                 )
         return notes
 
     def fields(self) -> Iterator[Field]:
-        """Numbers, frequencies, nodes and shapes (n, K, 6) of the first analysis."""
+        """Yield numbers, frequencies, nodes and shapes (n, K, 6) of the first analysis."""
         found = self._with_rows()
         if not found:
             return
@@ -93,7 +93,7 @@ class Vectors:
 
 
 def _same(one: float, other: float) -> bool:
-    # Eigenvalues of rigid-body motions are round-off, which every printing repeats.
+    # Eigenvalues of rigid-body modes are round-off, equal in every printout.
     return abs(one - other) <= _SAME_EIGENVALUE * max(abs(one), abs(other))
 
 

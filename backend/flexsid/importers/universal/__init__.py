@@ -2,8 +2,8 @@
 
 Data sets 15, 18, 55, 58 (text and binary), 82, 151, 164, 781, 2411, 2412, 2414 and 2420 are
 read.
-Numbers are taken by their shape rather than by column, as writers keep to columns loosely
-and let negative numbers touch.
+Numbers are read by pattern rather than by column, as writers do not adhere to the column widths
+and omit the blank before negative numbers.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from pathlib import Path
 
 from flexsid.errors import UnreadableFile
 from flexsid.importers.source import Content, Field
-from flexsid.importers.universal.blocks import UnusableDataSet, data_sets
-from flexsid.importers.universal.fields import fields_of
+from flexsid.importers.universal.blocks import UnusableDataSet, iterate_data_sets
+from flexsid.importers.universal.fields import list_fields
 from flexsid.importers.universal.kinds import READERS, Contradiction, FoundKind
 
 
 def recognises(head: bytes) -> bool:
-    """Tell whether the first line that is not empty opens a data set."""
+    """Return whether the first non-empty line begins a data set."""
     first = next((line.strip() for line in head.splitlines() if line.strip()), b"")
     return first == b"-1"
 
@@ -30,7 +30,7 @@ def read(path: Path) -> Content:
     Raises
     ------
     UnreadableFile
-        If no data set can be used; the message says what each of them is.
+        If no data set can be used; the message lists the reasons.
     """
     return Content(_fields(path))
 
@@ -38,7 +38,7 @@ def read(path: Path) -> Content:
 def _fields(path: Path) -> Iterator[Field]:
     found = FoundKind()
     unread: dict[int, list[int]] = {}
-    for place, block in enumerate(data_sets(path), start=1):
+    for place, block in enumerate(iterate_data_sets(path), start=1):
         reader = READERS.get(block.kind)
         if reader is None:
             unread.setdefault(block.kind, []).append(place)
@@ -47,7 +47,7 @@ def _fields(path: Path) -> Iterator[Field]:
             reader(found, block)
         except Contradiction as error:
             raise UnreadableFile(
-                f"data set {place} (kind {block.kind}): {error}; take the one that is meant.",
+                f"data set {place} (kind {block.kind}): {error}; remove one of them.",
                 code="contradiction",
             ) from error
         except (UnusableDataSet, ValueError, IndexError) as error:
@@ -55,7 +55,7 @@ def _fields(path: Path) -> Iterator[Field]:
     for kind, places in unread.items():
         which = f"data set {places[0]} is" if len(places) == 1 else f"{len(places)} data sets are"
         found.refused.append(f"{which} of kind {kind}, which is not read")
-    content = list(fields_of(found))
+    content = list(list_fields(found))
     if not any(f.path.split("/")[0] in ("grid", "shape", "function", "frf") for f in content):
         raise UnreadableFile(
             "no data set of this file can be used: "

@@ -29,7 +29,7 @@ _IEEE = 2
 
 
 class UnusableDataSet(Exception):
-    """A data set that is right but of no use here."""
+    """A valid data set that cannot be used."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Function:
-    """A measured function: abscissa, values and between which points."""
+    """A measured function: abscissa, values, response and reference points."""
 
     name: str
     unit: str
@@ -60,12 +60,12 @@ class Function:
 
     @property
     def is_response(self) -> bool:
-        """Whether it is a complex frequency response; spectra of two points are none."""
+        """Whether it is a complex frequency response; cross spectra are not."""
         return self.kind == _FREQUENCY_RESPONSE and np.iscomplexobj(self.values)
 
 
-def data_sets(path: Path) -> Iterator[Block]:
-    """Go through the data sets of a file.
+def iterate_data_sets(path: Path) -> Iterator[Block]:
+    """Iterate over the data sets of a file.
 
     Raises
     ------
@@ -88,11 +88,11 @@ def data_sets(path: Path) -> Iterator[Block]:
                     order, form, n_lines, n_bytes = map(int, binary.groups())
                     lines = [_decode(file.readline()) for _ in range(min(n_lines, 64))]
                     if form != _IEEE:
-                        lines = []  # numbers of a mainframe: told when it is read
+                        lines = []  # mainframe format: rejected by read_function
                     data = file.read(min(n_bytes, LARGEST_CONTENT))
                     if len(data) < n_bytes:
                         raise UnreadableFile(
-                            f"a binary function announces {n_bytes} bytes, {len(data)} are there.",
+                            f"a binary function has {len(data)} bytes, {n_bytes} are expected.",
                             code="cut-off",
                         )
                     block = Block(58, lines, data, order == 1)
@@ -115,7 +115,7 @@ def _decode(raw: bytes) -> str:
 
 
 def numbers_in(text: str) -> list[float]:
-    """Read the numbers of a line, also where they touch."""
+    """Read the numbers of a line, also without blanks between them."""
     return [float(part.upper().replace("D", "E")) for part in _NUMBER.findall(text)]
 
 
@@ -129,8 +129,8 @@ def read_function(block: Block) -> Function:
 
     Raises
     ------
-    Refused
-        If its header or its length is not what a function has.
+    UnusableDataSet
+        If its header or its length is not that of a function.
     """
     if len(block.lines) < 11:
         raise UnusableDataSet("its numbers are not IEEE, or its header is not of 11 lines")
@@ -141,7 +141,7 @@ def read_function(block: Block) -> Function:
     data_type, n_points, even = (int(head[6][10 * i : 10 * i + 10]) for i in range(3))
     start, step = (*numbers_in(head[6][30:]), 0.0, 0.0)[:2]
     if not 0 < n_points <= LARGEST_CONTENT // 16:
-        raise UnusableDataSet(f"it announces {n_points} points")
+        raise UnusableDataSet(f"its header states {n_points} points")
     is_complex = data_type in _COMPLEX
     per_point = (0 if even else 1) + (2 if is_complex else 1)
     if block.data:
@@ -149,7 +149,9 @@ def read_function(block: Block) -> Function:
     else:
         numbers = np.array([n for line in block.lines[11:] for n in numbers_in(line)])
     if numbers.size < n_points * per_point:
-        raise UnusableDataSet(f"it announces {n_points} points and has {numbers.size // per_point}")
+        raise UnusableDataSet(
+            f"its header states {n_points} points, it has {numbers.size // per_point}"
+        )
     table = numbers[: n_points * per_point].reshape(n_points, per_point)
     abscissa = start + step * np.arange(n_points) if even else table[:, 0].copy()
     values = table[:, -2] + 1j * table[:, -1] if is_complex else table[:, -1].copy()

@@ -1,4 +1,4 @@
-"""All that was found in a file, as fields of numbers."""
+"""Content of a universal file as fields of numbers."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from flexsid.importers.universal.blocks import FUNCTION_TYPES, Function
 from flexsid.importers.universal.kinds import FoundKind, Shape
 
 _GLOBAL = 1
-"""Largest number that writers give the global system without defining it."""
+"""Largest number of an undefined coordinate system that denotes the global one."""
 _GLOBAL_POINTS = (0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
 
 
-def fields_of(found: FoundKind) -> Iterator[Field]:
-    """Fields that every reader of structures gives, and functions that were measured."""
+def list_fields(found: FoundKind) -> Iterator[Field]:
+    """Yield the fields common to all readers of modal data, and the measured functions."""
     if found.grids:
         labels = sorted(found.grids)
         rows = [found.grids[label] for label in labels]
@@ -28,7 +28,7 @@ def fields_of(found: FoundKind) -> Iterator[Field]:
             systems = [_known_system(found, number) for number in numbers]
             yield Field(f"grid/{name}", np.array(systems, dtype=np.int64))
         yield Field("grid/xyz", np.array([row[2] for row in rows]))
-        found.refused += _undefined(found)
+        found.refused += _note_undefined_systems(found)
     if found.frames:
         numbers = sorted(found.frames)
         kinds, references, points = zip(*(found.frames[n] for n in numbers), strict=True)
@@ -37,7 +37,7 @@ def fields_of(found: FoundKind) -> Iterator[Field]:
         yield Field("frame/kind", np.array(kinds, dtype=np.int64))
         yield Field("frame/reference", np.array(references, dtype=np.int64))
         yield Field("frame/points", np.array(points))
-    found.refused += _lacking(found.shapes)
+    found.refused += _note_missing_nodes(found.shapes)
     yield from _shape_fields(found.shapes)
     yield from _line_fields(found)
     for name, factor in found.units.items():
@@ -50,35 +50,37 @@ def fields_of(found: FoundKind) -> Iterator[Field]:
 
 
 def _known_system(found: FoundKind, number: int) -> int:
-    """A system that data sets define, or the global one: many writers number it as they like.
+    """Return the number of a defined system, else that of the global one.
 
-    Where a file defines systems of its own, another number is kept, and refused where it is used.
+    If a file defines systems of its own, an undefined number is retained, and rejected on use.
     """
     if number in found.frames:
         return number
     return number if found.has_systems and number > _GLOBAL else 0
 
 
-def _undefined(found: FoundKind) -> list[str]:
-    """Systems that nodes name and no data set defines, in words."""
+def _note_undefined_systems(found: FoundKind) -> list[str]:
+    """Return notes on systems that nodes refer to and no data set defines."""
     named = {number for row in found.grids.values() for number in row[:2]}
     left = sorted(number for number in named if number and not _known_system(found, number))
     notes = []
     if left:
         listed = ", ".join(map(str, left))
-        notes.append(f"coordinate systems {listed} are defined by no data set: taken as global")
+        notes.append(
+            f"coordinate systems {listed} are not defined by a data set and are treated as global"
+        )
     exported = sorted({n for n in found.exported.values() if _is_local(found, n)})
     if exported:
         listed = ", ".join(map(str, exported))
         notes.append(
-            f"nodes of data set 2411 are exported from coordinate systems {listed}: their "
-            "coordinates are taken in the part system, as the data set is defined"
+            f"nodes of data set 2411 are exported from coordinate systems {listed}; their "
+            "coordinates are read in the part system, as defined for the data set"
         )
     return notes
 
 
 def _is_local(found: FoundKind, number: int) -> bool:
-    """Whether a system is defined and is another one than the global."""
+    """Return whether a system is defined and differs from the global one."""
     if number not in found.frames:
         return False
     kind, _, points = found.frames[number]
@@ -107,17 +109,17 @@ def _shape_fields(shapes: list[Shape]) -> Iterator[Field]:
             yield Field(f"shape/{name}", known)
 
 
-def _lacking(shapes: list[Shape]) -> list[str]:
-    """Modes that are not given at all nodes, in words."""
+def _note_missing_nodes(shapes: list[Shape]) -> list[str]:
+    """Return a note on modes that are not given at all nodes."""
     nodes = {node for shape in shapes for node in shape.values}
     short = [place for place, shape in enumerate(shapes, start=1) if len(shape.values) < len(nodes)]
     if not short:
         return []
-    return [f"{len(short)} mode shapes (first: {short[0]}) lack nodes: taken as zero there"]
+    return [f"{len(short)} mode shapes (first: {short[0]}) lack nodes; these values are zero"]
 
 
 def _line_fields(found: FoundKind) -> Iterator[Field]:
-    """Lines between nodes, as pairs: trace lines, and the edges of elements."""
+    """Yield lines between nodes as pairs: trace lines, and the edges of elements."""
     pairs: set[tuple[int, int]] = set()
     for first, second in pairwise(found.lines):
         if first and second:
@@ -151,8 +153,8 @@ def _function_fields(found: FoundKind) -> Iterator[Field]:
         if len(responses) > 1:
             counts = ", ".join(str(len(one)) for one in responses.values())
             raise UnreadableFile(
-                f"its frequency responses lie at {len(responses)} different sets of frequencies "
-                f"({counts} responses); export them at one, or one file each.",
+                f"its frequency responses have {len(responses)} different sets of frequencies "
+                f"({counts} responses); export them at one set, or in one file per set.",
                 code="unequal-lengths",
             )
         (best,) = responses.values()
@@ -174,7 +176,7 @@ def _function_fields(found: FoundKind) -> Iterator[Field]:
         yield Field("frf/unit", np.array(units, dtype=np.str_))
         others = Counter(f.kind for f in found.functions if not f.is_response)
         found.refused += [
-            f"{count} {FUNCTION_TYPES.get(kind, f'functions of type {kind}')}, which are no "
+            f"{count} {FUNCTION_TYPES.get(kind, f'functions of type {kind}')}, which are not "
             "complex frequency responses"
             for kind, count in sorted(others.items())
         ]

@@ -1,4 +1,4 @@
-"""What each kind of data set adds to what was found."""
+"""Readers of the data sets of a universal file, by number."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ORTHOGONAL = 1e-4
 
 
 class Contradiction(Exception):
-    """Two data sets of a file that cannot both be right."""
+    """Two data sets of a file with different definitions."""
 
 
 @dataclass(slots=True)
@@ -39,11 +39,11 @@ class Shape:
 
 @dataclass(slots=True)
 class FoundKind:
-    """What the data sets of a file hold together, in the file's own labels and units.
+    """Content of all data sets of a file, with the labels and units of the file.
 
-    ``has_systems``: it defines coordinate systems, read or refused. ``exported`` names the
-    system that a node of data set 2411 was written from; by the definition of that data set
-    its coordinates are those of the part all the same.
+    ``has_systems``: the file defines coordinate systems, read or rejected. ``exported`` is the
+    export system of a node of data set 2411; by the definition of that data set its
+    coordinates are in the part system.
     """
 
     grids: dict[int, tuple[int, int, tuple[float, ...]]] = field(default_factory=dict)
@@ -84,12 +84,12 @@ def _nodes_781(found: FoundKind, block: Block) -> None:
 
 def _add_node(found: FoundKind, label: int, node: tuple[int, int, tuple[float, ...]]) -> None:
     if found.grids.setdefault(label, node) != node:
-        raise Contradiction(f"node {label} is defined twice, and otherwise")
+        raise Contradiction(f"node {label} has two different definitions")
 
 
 def _three(numbers: list[float]) -> tuple[float, ...]:
     if len(numbers) < 3:
-        raise UnusableDataSet(f"three coordinates are expected, {len(numbers)} are there")
+        raise UnusableDataSet(f"it has {len(numbers)} coordinates at a node, 3 are expected")
     return tuple(numbers[:3])
 
 
@@ -108,11 +108,11 @@ def _frames_18(found: FoundKind, block: Block) -> None:
 
 
 def _frames_2420(found: FoundKind, block: Block) -> None:
-    """Rows of the matrix are the unit vectors of the system in the part, then its origin."""
+    """Read data set 2420: matrix rows are unit vectors in the part system, then the origin."""
     found.has_systems = True
     lines = block.lines[2:]  # of the part: number and name
     if len(lines) % 6:
-        raise UnusableDataSet("its coordinate systems have other than six records each")
+        raise UnusableDataSet("its coordinate systems do not have six records each")
     for row in range(0, len(lines), 6):
         number, kind = integers_in(lines[row])[:2]
         if kind not in (0, 1, 2):
@@ -123,7 +123,7 @@ def _frames_2420(found: FoundKind, block: Block) -> None:
         axes, origin = matrix[:3], matrix[3]
         if not np.allclose(axes @ axes.T, np.eye(3), atol=_ORTHOGONAL) or np.linalg.det(axes) < 0:
             raise UnusableDataSet(
-                f"the matrix of coordinate system {number} is not that of three right-handed "
+                f"the matrix of coordinate system {number} does not consist of right-handed "
                 "unit vectors"
             )
         points = np.concatenate([origin, origin + axes[2], origin + axes[0]])
@@ -132,7 +132,7 @@ def _frames_2420(found: FoundKind, block: Block) -> None:
 
 def _add_frame(found: FoundKind, number: int, frame: tuple[int, int, tuple[float, ...]]) -> None:
     if found.frames.setdefault(number, frame) != frame:
-        raise Contradiction(f"coordinate system {number} is defined twice, and otherwise")
+        raise Contradiction(f"coordinate system {number} has two different definitions")
 
 
 def _lines_82(found: FoundKind, block: Block) -> None:
@@ -214,7 +214,7 @@ def _append_shape(
         damping = viscous or 0.5 * hysteretic
     is_complex = data_type in _COMPLEX
     values: dict[int, list[complex]] = {}
-    wanted = count * (2 if is_complex else 1)
+    n_values = count * (2 if is_complex else 1)
     row = 0
     while row < len(lines):
         if not lines[row].strip():
@@ -223,10 +223,10 @@ def _append_shape(
         node = integers_in(lines[row])[0]
         row += 1
         read: list[float] = []
-        while len(read) < wanted:
+        while len(read) < n_values:
             read += numbers_in(lines[row])
             row += 1
-        parts = np.array(read[:wanted])
+        parts = np.array(read[:n_values])
         shape = parts[::2] + 1j * parts[1::2] if is_complex else parts.astype(complex)
         values[node] = [*map(complex, shape), *[0j] * (6 - count)]
     if not values:

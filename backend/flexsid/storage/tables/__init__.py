@@ -19,16 +19,7 @@ from flexsid.storage.tables.flown import (
     maneuvers,
     mappings,
 )
-from flexsid.storage.tables.planned import controllers, designs, rehearsals
-from flexsid.storage.tables.review import (
-    decision_events,
-    decisions,
-    frozen_figures,
-    looks,
-    review_rules,
-    saved_views,
-)
-from flexsid.storage.tables.structures import (
+from flexsid.storage.tables.models import (
     flutter_summaries,
     measured_responses,
     modal_shapes,
@@ -37,6 +28,15 @@ from flexsid.storage.tables.structures import (
     model_structures,
     predictions,
     structure_versions,
+)
+from flexsid.storage.tables.planned import controllers, designs, preflight_simulations
+from flexsid.storage.tables.review import (
+    decision_events,
+    decisions,
+    frozen_figures,
+    looks,
+    review_rules,
+    saved_views,
 )
 from flexsid.storage.tables.work import (
     batch_runs,
@@ -77,7 +77,7 @@ __all__ = [
     "mode_corrections",
     "model_structures",
     "predictions",
-    "rehearsals",
+    "preflight_simulations",
     "review_rules",
     "run_events",
     "run_tags",

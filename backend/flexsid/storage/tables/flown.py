@@ -1,4 +1,4 @@
-"""Flown: aircraft, flights and maneuvers, their samples, and what is known of them."""
+"""Flown: aircraft, flights and maneuvers, with samples, quality and tags."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Planned: designs of excitation, controllers, and flights rehearsed before they are flown."""
+"""Planned: excitation designs, controllers, and pre-flight simulations."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ designs = table(
     "designs",
     identity(),
     text("name"),
-    json("wish"),
+    json("specification"),
     json("phases"),
     json("peak_factors"),
     sa.Column("fta", sa.Integer),
@@ -39,8 +39,8 @@ controllers = table(
     sa.Column("created_at", UtcDateTime, nullable=False),
 )
 
-rehearsals = table(
-    "rehearsals",
+preflight_simulations = table(
+    "preflight_simulations",
     identity(),
     refers_to("design_id", "designs", ondelete="CASCADE"),
     sa.Column("level", sa.Integer, nullable=False),

@@ -1,4 +1,4 @@
-"""Review: views that are shared, and decisions of the team with what they rest on."""
+"""Review: shared views, and decisions of the team with their evidence."""
 
 from __future__ import annotations
 

@@ -46,11 +46,11 @@ runs = table(
     json("rests_on", required=False),
     sa.Column("result_hash", sa.String(64)),
     json("proposal", required=False),
-    # Not of the record: which process answers for a running run, and how many
-    # workers died of it since it was last asked for.
-    text("owner", required=False),
+    # Not in the record: the process that executes a running run, and the number of
+    # worker deaths since it was last queued by a user.
+    text("process_id", required=False),
     sa.Column("deaths", sa.Integer, nullable=False, server_default="0"),
-    # What lists look up, filter and sort by stands in indices: a row weighs tens of kilobytes.
+    # Lists filter and sort by these indices: a row has tens of kilobytes.
     sa.Index("ix_runs_newest", "maneuver_id", "method", "id", "deleted_at", "state"),
     sa.Index(
         "ix_runs_list",

@@ -1,4 +1,4 @@
-"""Models: an aircraft record and a condition to the mathematics of one maneuver."""
+"""Aeroelastic model of one maneuver from the aircraft record and the condition."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.instruments import Instrument
 from flexsid.sysid.modes import StructuralModes
 from flexsid.workflow.aircraft.longitudinal import (
+    classify_part,
     is_pitch_sensor,
-    part_of,
-    parts_of,
     reads_symmetric_motion_only,
     require_pitch_sensor,
     require_symmetric_inputs,
     require_symmetric_part,
+    resolve_terms,
 )
 
 _NO_INSTRUMENT = Instrument()
@@ -37,19 +37,18 @@ class OutputDefinition:
     terms: tuple[tuple[Sensor, float], ...]
 
 
-def flight_condition(aircraft: Aircraft, condition: Condition) -> FlightCondition:
-    """Condition of a maneuver with the aircraft's reference dimensions.
+def build_flight_condition(aircraft: Aircraft, condition: Condition) -> FlightCondition:
+    """Build the flight condition of a maneuver with the reference dimensions of the aircraft.
 
     Raises
     ------
     BadInput
-        If the aircraft stood: without airspeed nothing aerodynamic can be told.
+        If the airspeed is zero: aerodynamic derivatives are then not identifiable.
     """
     if not condition.dynamic_pressure_pa > 0.0 or not condition.airspeed_m_s > 0.0:
         raise BadInput(
-            f"the record was taken at an airspeed of {condition.airspeed_m_s:g} m/s; a model of "
-            "the flying aircraft needs a maneuver that was flown (ground records are compared as "
-            "mini-GVT)",
+            f"the record was taken at an airspeed of {condition.airspeed_m_s:g} m/s; an "
+            "aeroelastic model needs a flight maneuver (ground records are compared as mini-GVT)",
             code="no-airspeed",
         )
     polar = aircraft.polar
@@ -101,17 +100,17 @@ def define_outputs(aircraft: Aircraft, names: Iterable[str]) -> tuple[OutputDefi
     return tuple(result)
 
 
-def default_outputs(
+def list_default_outputs(
     aircraft: Aircraft, recorded: Iterable[str], *, separated: bool = False
 ) -> tuple[str, ...]:
-    """What a longitudinal model can use: sensors of the symmetric motion, and symmetric parts.
+    """List the default outputs of a longitudinal model: symmetric sensors and symmetric parts.
 
     Parameters
     ----------
     aircraft, recorded
-        Whose sensors, and which of them were recorded.
+        Aircraft, and the names of its recorded channels.
     separated
-        Only what lateral motion leaves alone, for maneuvers that excite it too.
+        Only outputs without lateral motion, for maneuvers that also excite it.
     """
     recorded = set(recorded)
     sensors = {sensor.name: sensor for sensor in aircraft.sensors}
@@ -127,9 +126,9 @@ def default_outputs(
     paired = {
         c.name: terms
         for c in aircraft.combinations
-        if (terms := parts_of(c, sensors)) is not None
+        if (terms := resolve_terms(c, sensors)) is not None
         and all(sensor.name in recorded and is_pitch_sensor(sensor) for sensor, _ in terms)
-        and part_of(terms) != "antisymmetric"
+        and classify_part(terms) != "antisymmetric"
     }
     usable = single | paired
     return tuple(n for n, t in usable.items() if not separated or reads_symmetric_motion_only(t))
@@ -142,7 +141,7 @@ def build_model(
     inputs: tuple[str, ...],
     outputs: tuple[OutputDefinition, ...],
 ) -> AeroelasticModel:
-    """Everything known about the maneuver but the derivatives.
+    """Build the aeroelastic model of a maneuver without its derivatives.
 
     Raises
     ------
@@ -151,30 +150,30 @@ def build_model(
         to the lateral motion.
     """
     require_symmetric_inputs(aircraft, inputs)
-    flight = flight_condition(aircraft, condition)
+    flight = build_flight_condition(aircraft, condition)
     polynomials = []
     for output in outputs:
         total = np.zeros((4, 2 + len(modes.numbers)))
         require_symmetric_part(output.name, output.terms)
         for sensor, weight in output.terms:
             require_pitch_sensor(sensor)
-            total += weight * _sensor_row(sensor, flight, modes)
+            total += weight * _build_sensor_row(sensor, flight, modes)
         polynomials.append(total)
     sensors = rows.stack_rows([output.name for output in outputs], polynomials)
     return AeroelasticModel(flight, modes, inputs, sensors)
 
 
-def output_instrument(aircraft: Aircraft, output: OutputDefinition) -> Instrument:
-    """Instrument of an output."""
-    return _instrument(aircraft, output.terms[0][0].instrument)
+def get_output_instrument(aircraft: Aircraft, output: OutputDefinition) -> Instrument:
+    """Return the instrument of an output."""
+    return _get_instrument(aircraft, output.terms[0][0].instrument)
 
 
-def input_correction(aircraft: Aircraft, surface: str, omega: np.ndarray) -> np.ndarray:
-    """Factor from the recorded signal of a surface to its true deflection."""
+def compute_input_correction(aircraft: Aircraft, surface: str, omega: np.ndarray) -> np.ndarray:
+    """Compute the response from the recorded signal of a surface to its true deflection."""
     for candidate in aircraft.surfaces:
         if candidate.name == surface:
-            recorded = _instrument(aircraft, candidate.instrument).response(omega)
-            driven = _instrument(aircraft, candidate.actuator).response(omega)
+            recorded = _get_instrument(aircraft, candidate.instrument).response(omega)
+            driven = _get_instrument(aircraft, candidate.actuator).response(omega)
             return driven / recorded
     raise BadInput(
         f"'{surface}' is not a surface of {aircraft.name}; surfaces are "
@@ -184,26 +183,26 @@ def input_correction(aircraft: Aircraft, surface: str, omega: np.ndarray) -> np.
     )
 
 
-def servo_of(aircraft: Aircraft, surface: str) -> Instrument:
-    """What lies between the command of a surface and its deflection.
+def get_servo(aircraft: Aircraft, surface: str) -> Instrument:
+    """Return the servo from the command of a surface to its deflection.
 
     Raises
     ------
     BadInput
-        If the aircraft does not describe it.
+        If the aircraft record has none.
     """
     for candidate in aircraft.surfaces:
         if candidate.name == surface and candidate.servo is not None:
-            return _instrument(aircraft, candidate.servo)
+            return _get_instrument(aircraft, candidate.servo)
     raise BadInput(
-        f"{aircraft.name} has no servo for '{surface}'; describe what lies between its command "
-        "and its deflection",
+        f"{aircraft.name} has no servo for '{surface}'; add the response from its command "
+        "to its deflection",
         code="no-servo",
         input=surface,
     )
 
 
-def _instrument(aircraft: Aircraft, name: str | None) -> Instrument:
+def _get_instrument(aircraft: Aircraft, name: str | None) -> Instrument:
     if name is None:
         return _NO_INSTRUMENT
     if name not in aircraft.instruments:
@@ -213,11 +212,13 @@ def _instrument(aircraft: Aircraft, name: str | None) -> Instrument:
     return aircraft.instruments[name]
 
 
-def _sensor_row(sensor: Sensor, flight: FlightCondition, modes: StructuralModes) -> np.ndarray:
+def _build_sensor_row(
+    sensor: Sensor, flight: FlightCondition, modes: StructuralModes
+) -> np.ndarray:
     if sensor.kind is SensorKind.STRAIN:
-        return rows.strain_row(modes.strain[_place(sensor, modes.gauges, modes)])
-    place = _place(sensor, modes.points, modes)
-    translation, rotation = modes.translation[place], modes.rotation[place]
+        return rows.strain_row(modes.strain[_find_shape_index(sensor, modes.gauges, modes)])
+    index = _find_shape_index(sensor, modes.points, modes)
+    translation, rotation = modes.translation[index], modes.rotation[index]
     position = rows.body_axes(sensor.location_m, flight)
     if sensor.kind is SensorKind.GYRO:
         return rows.gyro_row(rotation)
@@ -228,11 +229,11 @@ def _sensor_row(sensor: Sensor, flight: FlightCondition, modes: StructuralModes)
     return rows.accelerometer_row(sensor.axis, position, translation, rotation, flight)
 
 
-def _place(sensor: Sensor, known: tuple[str, ...], modes: StructuralModes) -> int:
+def _find_shape_index(sensor: Sensor, known: tuple[str, ...], modes: StructuralModes) -> int:
     if sensor.point not in known:
         raise BadInput(
-            f"the modal table has no shape at '{sensor.point}', where {sensor.name} sits; leave "
-            f"{sensor.name} out or import shapes there (the table has "
+            f"the modal table has no shape at '{sensor.point}', where {sensor.name} is mounted; "
+            f"omit {sensor.name} or import shapes there (the table has "
             f"{', '.join(known) or 'none'})",
             code="no-shape-at-sensor",
             sensor=sensor.name,

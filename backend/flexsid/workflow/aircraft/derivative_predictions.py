@@ -1,4 +1,4 @@
-"""Predictions: derivatives of other sources at the fuel of a maneuver."""
+"""Predicted derivatives at the fuel fraction of a maneuver."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.prediction import DerivativePrediction
 from flexsid.storage.store import Store
-from flexsid.sysid.model.derivatives import derivative_names
+from flexsid.sysid.model.derivatives import list_derivative_names
 from flexsid.sysid.modes.table import interpolate
 
 
-def prediction_at(
+def interpolate_prediction(
     store: Store, prediction: DerivativePrediction, fuel: float
 ) -> dict[str, tuple[float, float | None]]:
-    """Value and standard error (None where not given) of every predicted derivative."""
+    """Interpolate value and standard error (None where not given) of predicted derivatives."""
     at = np.array(prediction.fuel, dtype=float)
     values = interpolate(at, np.asarray(store.arrays.get(prediction.values)), fuel)
     errors: list[float | None] = [None] * len(prediction.names)
@@ -30,24 +30,24 @@ def prediction_at(
     }
 
 
-def predicted_modes(prediction: DerivativePrediction, known: Iterable[int]) -> tuple[int, ...]:
-    """Modes whose generalised force the prediction covers."""
+def list_predicted_modes(prediction: DerivativePrediction, known: Iterable[int]) -> tuple[int, ...]:
+    """List the modes whose generalised force the prediction covers."""
     return tuple(mode for mode in known if f"CQ{mode}_alpha" in prediction.names)
 
 
-def best_prediction(
+def select_prediction(
     store: Store,
     aircraft_id: int,
     prediction_id: int | None,
     modes: tuple[int, ...],
     inputs: tuple[str, ...],
 ) -> DerivativePrediction | None:
-    """The prediction asked for, or the one that covers most of these derivatives.
+    """Select the requested prediction, or the one that covers most of these derivatives.
 
     Raises
     ------
     BadInput
-        If the prediction asked for belongs to another aircraft.
+        If the requested prediction belongs to another aircraft.
     """
     known = store.predictions.find(aircraft_id=aircraft_id)
     if prediction_id is not None:
@@ -59,6 +59,6 @@ def best_prediction(
             code="wrong-prediction",
             prediction_id=prediction_id,
         )
-    wanted = set(derivative_names(modes, inputs))
-    covering = [p for p in known if wanted & set(p.names)]
-    return max(covering, key=lambda p: len(wanted & set(p.names)), default=None)
+    names = set(list_derivative_names(modes, inputs))
+    covering = [p for p in known if names & set(p.names)]
+    return max(covering, key=lambda p: len(names & set(p.names)), default=None)

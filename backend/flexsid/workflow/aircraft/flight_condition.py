@@ -1,4 +1,4 @@
-"""Flight condition: complete what was measured with the aircraft's own tables."""
+"""Flight condition completed with the tables of the aircraft."""
 
 from __future__ import annotations
 
@@ -12,14 +12,18 @@ from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, DragPolar
 from flexsid.records.maneuver import Condition
 from flexsid.sysid.model.condition import GRAVITY
-from flexsid.workflow.aircraft.thrust import TOTAL_TEMPERATURE, table_thrust, total_temperature
+from flexsid.workflow.aircraft.thrust import (
+    TOTAL_TEMPERATURE,
+    compute_total_temperature,
+    interpolate_thrust,
+)
 
 _GAS_CONSTANT = 287.05287  # dry air [J/(kg K)]
 _TROPOPAUSE_M = 11_000.0
 
 
-def standard_density(altitude_m: float) -> float:
-    """Density of the standard atmosphere up to the tropopause.
+def compute_standard_density(altitude_m: float) -> float:
+    """Compute the density of the standard atmosphere up to the tropopause.
 
     Parameters
     ----------
@@ -34,7 +38,7 @@ def standard_density(altitude_m: float) -> float:
     Raises
     ------
     BadInput
-        Above the tropopause, or far below sea level.
+        If the altitude is above the tropopause or below -1000 m.
 
     Notes
     -----
@@ -51,18 +55,18 @@ def standard_density(altitude_m: float) -> float:
 
 
 def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Condition:
-    """Fill in mass properties, trim and flutter speed that were not measured.
+    """Complete mass properties, trim and flutter speed that were not measured.
 
     Parameters
     ----------
     aircraft
-        Gives mass properties and flutter speed against fuel, and the polar.
+        Mass properties and flutter speed against fuel, and the drag polar.
     measured
         SI values by name: ``airspeed``, ``density`` or ``altitude``, and any of
         ``fuel_fraction``, ``alpha``, ``gamma``, ``thrust``, ``mass``,
-        ``pitch_inertia``, ``x_cg``, ``z_cg``. Thrust that is not among them follows from
-        the thrust table where all its engines are, entered with ``total_temperature`` or
-        that of standard air, and else balances the drag.
+        ``pitch_inertia``, ``x_cg``, ``z_cg``. Missing thrust follows from
+        the thrust table if all its engines were measured, at ``total_temperature`` or that of
+        standard air; otherwise it balances the drag.
 
     Raises
     ------
@@ -71,7 +75,9 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
     """
     airspeed = measured["airspeed"]
     density = (
-        measured["density"] if "density" in measured else standard_density(measured["altitude"])
+        measured["density"]
+        if "density" in measured
+        else compute_standard_density(measured["altitude"])
     )
     table = aircraft.mass
     fuel = measured.get("fuel_fraction")
@@ -88,18 +94,18 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
             f"fraction {fuel:g}; positive numbers and a fraction from 0 to 1 are expected.",
             code="bad-condition",
         )
-    mass = measured.get("mass", _at(table.fuel, table.mass_kg, fuel))
+    mass = measured.get("mass", _interpolate_at_fuel(table.fuel, table.mass_kg, fuel))
     gamma = measured.get("gamma", 0.0)
     pressure_area = 0.5 * density * airspeed**2 * aircraft.geometry.area_m2
     lift = mass * GRAVITY * math.cos(gamma) / pressure_area
-    alpha, thrust = _trim(aircraft.polar, lift, pressure_area)
+    alpha, thrust = _compute_trim(aircraft.polar, lift, pressure_area)
     engines = aircraft.thrust
     if "thrust" in measured:
         thrust = measured["thrust"]
     elif engines is not None and all(name in measured for name in engines.engines):
-        air = measured.get(TOTAL_TEMPERATURE, total_temperature(density, airspeed))
+        air = measured.get(TOTAL_TEMPERATURE, compute_total_temperature(density, airspeed))
         speeds = {name: np.array([measured[name]]) for name in engines.engines}
-        thrust = float(table_thrust(engines, speeds, air)[0])
+        thrust = float(interpolate_thrust(engines, speeds, air)[0])
     flutter = aircraft.flutter
     return Condition(
         airspeed_m_s=airspeed,
@@ -107,19 +113,21 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
         fuel_fraction=fuel,
         mass_kg=mass,
         pitch_inertia_kg_m2=measured.get(
-            "pitch_inertia", _at(table.fuel, table.pitch_inertia_kg_m2, fuel)
+            "pitch_inertia", _interpolate_at_fuel(table.fuel, table.pitch_inertia_kg_m2, fuel)
         ),
-        x_cg_m=measured.get("x_cg", _at(table.fuel, table.x_cg_m, fuel)),
-        z_cg_m=measured.get("z_cg", _at(table.fuel, table.z_cg_m, fuel)),
+        x_cg_m=measured.get("x_cg", _interpolate_at_fuel(table.fuel, table.x_cg_m, fuel)),
+        z_cg_m=measured.get("z_cg", _interpolate_at_fuel(table.fuel, table.z_cg_m, fuel)),
         alpha_rad=measured.get("alpha", alpha),
         gamma_rad=gamma,
         thrust_n=thrust,
-        flutter_speed_m_s=None if flutter is None else _at(flutter.fuel, flutter.speed_m_s, fuel),
+        flutter_speed_m_s=None
+        if flutter is None
+        else _interpolate_at_fuel(flutter.fuel, flutter.speed_m_s, fuel),
     )
 
 
-def parked_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Condition:
-    """Fill in the mass properties of an aircraft that stands on the ground.
+def complete_parked_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Condition:
+    """Complete the mass properties of an aircraft at rest on the ground.
 
     Parameters
     ----------
@@ -129,31 +137,35 @@ def parked_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Condi
     Raises
     ------
     BadInput
-        If it moves, or a value is impossible.
+        If the airspeed is not zero, or a value is impossible.
     """
     if measured["airspeed"] != 0.0:
         raise BadInput(
             f"A record on the ground has airspeed 0, not {measured['airspeed']:g} m/s.",
             code="bad-condition",
         )
-    still = {"alpha": 0.0, "thrust": 0.0}  # at any airspeed: no trim is asked for
+    still = {"alpha": 0.0, "thrust": 0.0}  # no trim at rest
     standing = complete_condition(aircraft, {**measured, **still, "airspeed": 1.0})
     return replace(standing, airspeed_m_s=0.0)
 
 
-def airspeed_ratio(condition: Condition) -> float | None:
-    """Airspeed over predicted flutter speed, None where no flutter speed is known."""
+def compute_airspeed_ratio(condition: Condition) -> float | None:
+    """Compute airspeed over predicted flutter speed; None without a flutter speed."""
     if condition.flutter_speed_m_s is None:
         return None
     return condition.airspeed_m_s / condition.flutter_speed_m_s
 
 
-def _trim(polar: DragPolar | None, lift: float, pressure_area: float) -> tuple[float, float]:
+def _compute_trim(
+    polar: DragPolar | None, lift: float, pressure_area: float
+) -> tuple[float, float]:
     if polar is None:
         return 0.0, 0.0
     drag = polar.cd_min + lift**2 / (math.pi * polar.oswald * polar.aspect_ratio)
     return lift / polar.lift_slope, pressure_area * drag
 
 
-def _at(fuel: tuple[float, ...], values: tuple[float, ...], fraction: float) -> float:
+def _interpolate_at_fuel(
+    fuel: tuple[float, ...], values: tuple[float, ...], fraction: float
+) -> float:
     return float(np.interp(fraction, fuel, values))

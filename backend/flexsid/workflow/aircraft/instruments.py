@@ -1,4 +1,4 @@
-"""Instruments of a model structure, put into the aircraft before a model is built."""
+"""Instruments of a model structure, inserted into the aircraft record."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from flexsid.records.model_structure import Structure
 from flexsid.sysid.model.instruments import Instrument
 
 
-def channels_of(aircraft: Aircraft, name: str) -> tuple[str, ...]:
-    """Resolve a channel to sensors and surfaces; a combination stands for its sensors.
+def resolve_channels(aircraft: Aircraft, name: str) -> tuple[str, ...]:
+    """Resolve a channel to sensors and surfaces; a combination resolves to its sensors.
 
     Raises
     ------
@@ -31,8 +31,8 @@ def channels_of(aircraft: Aircraft, name: str) -> tuple[str, ...]:
     return (name,)
 
 
-def with_instruments(aircraft: Aircraft, structure: Structure) -> Aircraft:
-    """Return the aircraft with the structure's instruments and delays behind its channels.
+def insert_instruments(aircraft: Aircraft, structure: Structure) -> Aircraft:
+    """Return the aircraft with the instruments and delays of the model structure.
 
     Raises
     ------
@@ -41,20 +41,20 @@ def with_instruments(aircraft: Aircraft, structure: Structure) -> Aircraft:
     """
     if not structure.instruments and not structure.delays:
         return aircraft
-    chosen = {
+    overrides = {
         part: instrument
         for name, instrument in structure.instruments.items()
-        for part in channels_of(aircraft, name)
+        for part in resolve_channels(aircraft, name)
     }
     delays = {
         part: delay
         for name, delay in structure.delays.items()
-        for part in channels_of(aircraft, name)
+        for part in resolve_channels(aircraft, name)
     }
     instruments = dict(aircraft.instruments)
 
-    def behind(channel: str, usual: str | None) -> str | None:
-        name = chosen.get(channel, usual)
+    def select_instrument(channel: str, usual: str | None) -> str | None:
+        name = overrides.get(channel, usual)
         if name is not None and name not in aircraft.instruments:
             raise BadInput(
                 f"{aircraft.name} has no instrument '{name}'; instruments are "
@@ -70,6 +70,10 @@ def with_instruments(aircraft: Aircraft, structure: Structure) -> Aircraft:
         instruments[delayed] = replace(plain, delay_s=plain.delay_s + delay)
         return delayed
 
-    sensors = tuple(replace(s, instrument=behind(s.name, s.instrument)) for s in aircraft.sensors)
-    surfaces = tuple(replace(s, instrument=behind(s.name, s.instrument)) for s in aircraft.surfaces)
+    sensors = tuple(
+        replace(s, instrument=select_instrument(s.name, s.instrument)) for s in aircraft.sensors
+    )
+    surfaces = tuple(
+        replace(s, instrument=select_instrument(s.name, s.instrument)) for s in aircraft.surfaces
+    )
     return replace(aircraft, sensors=sensors, surfaces=surfaces, instruments=instruments)

@@ -1,7 +1,7 @@
-"""The longitudinal model: which maneuvers, surfaces and sensors it can be used with.
+"""Validity of the longitudinal model for maneuvers, surfaces and sensors.
 
-It describes the symmetric motion: V, alpha, q, theta and symmetric modes. Lateral motion put
-into it fits well (a roll rate is as good a first-order lag as a pitch rate) and means nothing.
+It describes the symmetric motion: V, alpha, q, theta and symmetric modes. Lateral motion fits
+it well (roll rate and pitch rate are both first-order lags) but gives invalid estimates.
 """
 
 from __future__ import annotations
@@ -13,7 +13,12 @@ import numpy as np
 from flexsid import units
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, Combination, Sensor, SensorKind
-from flexsid.records.axes import PITCH_AXIS, axis_in_name, contradicts_name, symmetry_of
+from flexsid.records.axes import (
+    PITCH_AXIS,
+    find_axis_in_name,
+    find_contradicting_axis,
+    get_symmetry,
+)
 from flexsid.records.maneuver import GROUND, Channel, Maneuver
 from flexsid.sysid.preparation.symmetry import Part, mirror_sign, parity
 
@@ -21,14 +26,14 @@ LONGITUDINAL = "longitudinal"
 LATERAL = "lateral"
 
 LATERAL_RATIO = 3.0
-"""Roll and yaw rate over pitch rate, rms, from which a motion is lateral.
+"""Ratio of roll or yaw rate to pitch rate, rms, above which a motion is lateral.
 
-Symmetric surfaces of a symmetric aircraft excite no lateral motion; turbulence and the loops
-give rates of one size. The lateral records of FLEX-28 have 25, its symmetric ones below 0.1.
+Symmetric surfaces of a symmetric aircraft excite no lateral motion; turbulence and feedback
+give similar rates. The lateral records of FLEX-28 have 25, its symmetric ones below 0.1.
 """
 
 _OFF_PLANE_M = 1e-3
-"""Distance from the plane of symmetry beyond which a sensor reads lateral motion too."""
+"""Distance from the plane of symmetry beyond which a sensor also measures lateral motion."""
 
 _TURNS = {
     (SensorKind.GYRO, "x"): "roll rate p, not pitch rate q",
@@ -38,7 +43,7 @@ _TURNS = {
     (SensorKind.VANE, "x"): "no angle of attack",
     (SensorKind.VANE, "z"): "sideslip beta, not angle of attack alpha",
 }
-"""What sensors of the lateral motion measure, and what they would be taken for."""
+"""Measured quantity of lateral sensors."""
 
 _DIMENSIONS = {
     SensorKind.ACCELEROMETER: ("acceleration",),
@@ -47,29 +52,29 @@ _DIMENSIONS = {
     SensorKind.VANE: ("angle",),
     SensorKind.STRAIN: ("strain", "number"),
 }
-"""What the channel of a sensor is recorded in."""
+"""Dimensions of the channel of a sensor."""
 
 
 class AxisNotSupported(BadInput):
-    """Lateral motion where only a longitudinal model exists."""
+    """Lateral motion; only a longitudinal model is available."""
 
     code = "axis-not-supported"
 
 
 def require_longitudinal(maneuver: Maneuver) -> None:
-    """Refuse a maneuver of another axis; one on the ground is refused for its airspeed.
+    """Refuse a maneuver of another axis; ground records are refused for their airspeed.
 
     Raises
     ------
     AxisNotSupported
-        Naming maneuver and axis.
+        If the axis is another one.
     """
     if maneuver.axis not in (LONGITUDINAL, GROUND):
         raise AxisNotSupported(
-            f"maneuver {maneuver.id} '{maneuver.label}' is {maneuver.axis}; the only model there "
-            "is yet is longitudinal (alpha, q, theta and symmetric modes). Choose a longitudinal "
-            "maneuver; time histories, spectra and measured frequency responses of this one can "
-            "be looked at",
+            f"maneuver {maneuver.id} '{maneuver.label}' is {maneuver.axis}; only a "
+            "longitudinal model (alpha, q, theta and symmetric modes) is available. Select a "
+            "longitudinal maneuver; time histories, spectra and measured frequency responses of "
+            "this one remain available",
             maneuver_id=maneuver.id,
             axis=maneuver.axis,
         )
@@ -81,33 +86,33 @@ def require_symmetric_inputs(aircraft: Aircraft, inputs: Iterable[str]) -> None:
     Raises
     ------
     AxisNotSupported
-        Naming the surface.
+        If a surface is antisymmetric.
     """
     for name in inputs:
-        if symmetry_of(aircraft, name) == "antisymmetric":
+        if get_symmetry(aircraft, name) == "antisymmetric":
             raise AxisNotSupported(
                 f"'{name}' of {aircraft.name} is antisymmetric and excites the lateral motion; a "
-                "longitudinal model takes symmetric surfaces. Leave it out of the inputs, or, if "
-                f"'{name}' moves alike on both sides, give it symmetry = \"symmetric\" in the "
-                "aircraft's record",
+                "longitudinal model has symmetric surfaces. Remove it from the inputs, or, if "
+                f"'{name}' moves symmetrically, give it symmetry = \"symmetric\" in the "
+                "aircraft record",
                 channel=name,
                 axis=LATERAL,
             )
 
 
 def require_pitch_sensor(sensor: Sensor) -> None:
-    """Refuse a sensor that reads roll, yaw or sideslip, or whose name contradicts its record.
+    """Refuse a sensor of roll, yaw or sideslip, or whose name contradicts its record.
 
     Raises
     ------
     AxisNotSupported
-        Naming the sensor and its axis.
+        If the sensor does not measure symmetric motion.
     """
-    named = contradicts_name(sensor)
+    named = find_contradicting_axis(sensor)
     if named is not None:
         raise AxisNotSupported(
             f"'{sensor.name}' is recorded as a {sensor.kind.value} of axis {sensor.axis}, but its "
-            f"name says {named}; correct the aircraft's record, or leave it out of the outputs",
+            f"name indicates {named}; correct the aircraft record, or remove it from the outputs",
             channel=sensor.name,
             axis=named,
         )
@@ -116,7 +121,7 @@ def require_pitch_sensor(sensor: Sensor) -> None:
     ):
         raise AxisNotSupported(
             f"'{sensor.name}' is a {sensor.kind.value} of axis {sensor.axis}: it measures "
-            f"{_TURNS[sensor.kind, sensor.axis]}. Leave it out of the outputs of a longitudinal "
+            f"{_TURNS[sensor.kind, sensor.axis]}. Remove it from the outputs of a longitudinal "
             "model",
             channel=sensor.name,
             axis=sensor.axis,
@@ -133,14 +138,14 @@ def is_pitch_sensor(sensor: Sensor) -> bool:
 
 
 def require_symmetric_part(name: str, terms: Sequence[tuple[Sensor, float]]) -> None:
-    """Refuse a combination that takes the symmetric motion out.
+    """Refuse a combination that cancels the symmetric motion.
 
     Raises
     ------
     AxisNotSupported
-        Naming the combination.
+        If the combination is antisymmetric.
     """
-    if part_of(terms) == "antisymmetric":
+    if classify_part(terms) == "antisymmetric":
         left, right = (sensor.name for sensor, _ in terms)
         raise AxisNotSupported(
             f"'{name}' is the antisymmetric part of {left} and {right}, in which symmetric motion "
@@ -150,8 +155,8 @@ def require_symmetric_part(name: str, terms: Sequence[tuple[Sensor, float]]) -> 
         )
 
 
-def part_of(terms: Sequence[tuple[Sensor, float]]) -> Part | None:
-    """Which part of the motion a left and right pair reads; None for what is no pair."""
+def classify_part(terms: Sequence[tuple[Sensor, float]]) -> Part | None:
+    """Classify the part of the motion that a left and right pair measures; None for no pair."""
     (first, _), *_ = terms
     return parity(
         (weight, 1.0 if sensor is first else mirror_sign(sensor.kind.value, sensor.axis))
@@ -160,13 +165,13 @@ def part_of(terms: Sequence[tuple[Sensor, float]]) -> Part | None:
 
 
 def reads_symmetric_motion_only(terms: Sequence[tuple[Sensor, float]]) -> bool:
-    """Whether lateral motion leaves an output alone.
+    """Whether an output is free of lateral motion.
 
-    A sensor in the plane of symmetry does not see it, unless a mirror turns it round; of a
-    pair beside the plane it cancels in the symmetric part.
+    A sensor in the plane of symmetry does not measure it, unless mirroring reverses its sign;
+    for a pair off the plane it cancels in the symmetric part.
     """
     if len(terms) > 1:
-        return part_of(terms) == "symmetric"
+        return classify_part(terms) == "symmetric"
     ((sensor, _),) = terms
     turned = mirror_sign(sensor.kind.value, sensor.axis) < 0.0
     off_plane = sensor.kind is SensorKind.STRAIN or abs(sensor.location_m[1]) > _OFF_PLANE_M
@@ -179,25 +184,25 @@ def require_separated_outputs(
     inputs: Iterable[str],
     outputs: Iterable[tuple[str, Sequence[tuple[Sensor, float]]]],
 ) -> None:
-    """Refuse outputs that read lateral motion too, where surfaces excite it.
+    """Refuse outputs that also measure lateral motion, where surfaces excite it.
 
-    The motion of a symmetric aircraft is the sum of both: one flap alone drives either, and
-    half of it is the symmetric pair's. What only reads the symmetric motion can be fitted.
+    The motion of a symmetric aircraft is the sum of both: a single flap excites both, half as
+    its symmetric pair. Outputs of symmetric motion only can be fitted.
 
     Raises
     ------
     AxisNotSupported
-        Naming surface and output.
+        If an output also measures lateral motion.
     """
-    lateral = lateral_surfaces(maneuver, aircraft, inputs)
+    lateral = list_lateral_surfaces(maneuver, aircraft, inputs)
     if not lateral:
         return
     for name, terms in outputs:
         if not reads_symmetric_motion_only(terms):
             raise AxisNotSupported(
-                f"{', '.join(lateral)} of maneuver {maneuver.id} move on one side or against each "
-                f"other and excite lateral motion too, which '{name}' reads beside the symmetric "
-                "one. Use sensors in the plane of symmetry and symmetric parts of left and right "
+                f"{', '.join(lateral)} of maneuver {maneuver.id} move on one side or "
+                f"antisymmetrically and also excite lateral motion, which '{name}' measures. Use "
+                "sensors in the plane of symmetry and symmetric parts of left and right "
                 'pairs (pairs = ["symmetric"] in the aircraft\'s record makes them)',
                 maneuver_id=maneuver.id,
                 channel=name,
@@ -205,19 +210,19 @@ def require_separated_outputs(
             )
 
 
-def lateral_surfaces(
+def list_lateral_surfaces(
     maneuver: Maneuver, aircraft: Aircraft, inputs: Iterable[str]
 ) -> tuple[str, ...]:
-    """Surfaces, of these and of those excited, that drive lateral motion."""
+    """List the surfaces, of these and of those excited, that excite lateral motion."""
     excited = () if maneuver.excitation is None else maneuver.excitation.harmonics
     moved = dict.fromkeys((*inputs, *excited))
-    return tuple(name for name in moved if symmetry_of(aircraft, name) != "symmetric")
+    return tuple(name for name in moved if get_symmetry(aircraft, name) != "symmetric")
 
 
 def require_units(
     sensors: Iterable[Sensor], channels: Mapping[str, Channel], maneuver: Maneuver
 ) -> None:
-    """Refuse channels that hold something else than their sensor measures.
+    """Refuse channels whose unit or sensor differs from the aircraft record.
 
     Raises
     ------
@@ -240,7 +245,7 @@ def require_units(
         if units.dimension(channel.unit) not in expected:
             raise BadInput(
                 f"channel '{channel.name}' of maneuver {maneuver.id} is recorded in "
-                f"{channel.unit}, but the aircraft's record has a {sensor.kind.value} of this "
+                f"{channel.unit}, but the aircraft record has a {sensor.kind.value} of this "
                 f"name, which measures {expected[0]}; correct the unit or the record",
                 code="unit-of-another-kind",
                 maneuver_id=maneuver.id,
@@ -249,36 +254,36 @@ def require_units(
             )
 
 
-def rate_axes(aircraft: Aircraft, recorded: Iterable[tuple[str, str]]) -> dict[str, str]:
-    """Axes of the rates among channels: as the aircraft's record says, else as they are called.
+def find_rate_axes(aircraft: Aircraft, recorded: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Find the axes of rate channels by the aircraft record, else by their names.
 
     Parameters
     ----------
     aircraft
-        Whose sensors.
+        Aircraft with its sensors.
     recorded
         Name and unit of channels.
     """
     gyros = {s.name: s.axis for s in aircraft.sensors if s.kind is SensorKind.GYRO}
     found = {}
     for name, unit in recorded:
-        axis = gyros.get(name) or axis_in_name(SensorKind.GYRO, name)
+        axis = gyros.get(name) or find_axis_in_name(SensorKind.GYRO, name)
         if axis is not None and units.dimension(unit) == "angular rate":
             found[name] = axis
     return found
 
 
-def lateral_ratio(
+def compute_lateral_ratio(
     axes: Mapping[str, str], rates: Mapping[str, np.ndarray]
 ) -> tuple[str, float] | None:
-    """The gyro that reads most lateral motion, and its rms over that of the pitch rate.
+    """Compute the largest lateral rate over the pitch rate (rms), with the name of its gyro.
 
     Parameters
     ----------
     axes
-        As ``rate_axes`` gives them.
+        Axes from ``find_rate_axes``.
     rates
-        Samples by channel; levels are taken off. [rad/s]
+        Samples by channel; means are removed. [rad/s]
 
     Returns
     -------
@@ -294,10 +299,10 @@ def lateral_ratio(
     return largest, other[largest] / max(*pitch, 1e-300)
 
 
-def parts_of(
+def resolve_terms(
     combination: Combination, sensors: Mapping[str, Sensor]
 ) -> tuple[tuple[Sensor, float], ...] | None:
-    """Terms of a combination with their sensors; None where one is unknown."""
+    """Resolve the terms of a combination to sensors; None where one is unknown."""
     if any(name not in sensors for name, _ in combination.terms):
         return None
     return tuple((sensors[name], weight) for name, weight in combination.terms)

@@ -1,4 +1,4 @@
-"""Thrust from a ground-test table against the state of the engines."""
+"""Thrust of the engines from a ground-test table."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from flexsid.storage.store import Store
 from flexsid.units import dimension, to_si
 
 TOTAL_TEMPERATURE = "total_temperature"
-"""Condition channel that a table with more than one temperature is entered with. [K]"""
+"""Condition channel of the total temperature for tables with several temperatures. [K]"""
 
 _HEAT_CAPACITY = 1004.685  # of dry air at constant pressure [J/(kg K)]
 _SEA_LEVEL = (288.15, 1.225)  # of the standard atmosphere [K, kg/m3]
 _DENSITY_POWER = 4.2558797  # of its temperature in the troposphere
-_BEYOND = 0.02  # of a table's range: the last step of an engine, no guess
+_BEYOND = 0.02  # of a table's range: largest extrapolation
 
 
-def total_temperature(density: float, airspeed: float) -> float:
-    """Total temperature where nobody recorded it: standard air of this density. [K]
+def compute_total_temperature(density: float, airspeed: float) -> float:
+    """Compute the total temperature of standard air of a density. [K]
 
     Parameters
     ----------
     density
-        Of the air. [kg/m3]
+        Density of the air. [kg/m3]
     airspeed
         True airspeed. [m/s]
 
@@ -43,15 +43,15 @@ def total_temperature(density: float, airspeed: float) -> float:
     return static + 0.5 * airspeed**2 / _HEAT_CAPACITY
 
 
-def table_thrust(
+def interpolate_thrust(
     table: ThrustTable, speeds: Mapping[str, np.ndarray], temperature: np.ndarray | float
 ) -> np.ndarray:
-    """Thrust of all engines together. [N]
+    """Interpolate the total thrust of all engines. [N]
 
     Parameters
     ----------
     table
-        Of one engine.
+        Table of one engine.
     speeds
         Rotation speed of every engine, on one clock. [rad/s]
     temperature
@@ -60,7 +60,7 @@ def table_thrust(
     Raises
     ------
     BadInput
-        If an engine turned faster or slower than on the ground, or in other air.
+        If rotation speed or temperature is outside the table.
 
     Notes
     -----
@@ -71,43 +71,43 @@ def table_thrust(
     values = np.asarray(table.thrust_n)
     air = np.atleast_1d(np.asarray(temperature, dtype=float))
     if warmth.size > 1:
-        _inside(TOTAL_TEMPERATURE, air, warmth, "K")
+        _require_in_range(TOTAL_TEMPERATURE, air, warmth, "K")
     total = np.zeros(1)
     for name in table.engines:
         speed = np.atleast_1d(np.asarray(speeds[name], dtype=float))
-        _inside(name, speed, at, "rad/s")
+        _require_in_range(name, speed, at, "rad/s")
         shape = np.broadcast_shapes(speed.shape, air.shape)
         by_air = np.stack([np.interp(speed, at, column) for column in values.T], axis=-1)
         by_air = np.broadcast_to(by_air, (*shape, warmth.size))
-        total = total + _between(by_air, warmth, np.broadcast_to(air, shape))
+        total = total + _interpolate_temperature(by_air, warmth, np.broadcast_to(air, shape))
     return total
 
 
-def parse_table(
+def parse_thrust_table(
     text: str,
     engines: tuple[str, ...],
     units: tuple[str, str, str] = ("rad/s", "K", "N"),
     source: str = "",
 ) -> ThrustTable:
-    """Read a table as people write it.
+    """Parse a thrust table.
 
     Parameters
     ----------
     text
-        Rows of numbers, parted by commas, semicolons or tabs. With more than one temperature,
+        Rows of numbers, separated by commas, semicolons or tabs. With more than one temperature,
         the first row has a label and the temperatures; every other row has a rotation speed,
         then the thrust of one engine at each temperature.
     engines
         Channels of the rotation speeds, one for each engine.
     units
-        Of rotation speed, temperature and thrust.
+        Units of rotation speed, temperature and thrust.
     source
-        Where the numbers are from.
+        Source of the numbers.
 
     Raises
     ------
     BadInput
-        If a row or number is not what it must be; the message names it.
+        If a row or number is invalid.
     """
     for unit, expected in zip(units, ("angular rate", "temperature", "force"), strict=True):
         if dimension(unit) != expected:
@@ -126,10 +126,10 @@ def parse_table(
     if len(rows) < 2:
         raise BadInput("a thrust table has two rows or more", code="bad-thrust-table")
     head: list[float] = []
-    if _number(rows[0][1][0]) is None:
-        head = _numbers(rows[0][0], rows[0][1][1:])
+    if _parse_number(rows[0][1][0]) is None:
+        head = _parse_row(rows[0][0], rows[0][1][1:])
         rows = rows[1:]
-    numbers = [_numbers(number, row) for number, row in rows]
+    numbers = [_parse_row(number, row) for number, row in rows]
     width = len(numbers[0])
     for (number, _), row in zip(rows, numbers, strict=True):
         if len(row) != width or width < 2:
@@ -149,7 +149,7 @@ def parse_table(
         )
     temperatures = to_si(head, units[1]) if width > 2 else np.array([_SEA_LEVEL[0]])
     columns = np.array(numbers)
-    return checked(
+    return check_thrust_table(
         ThrustTable(
             engines=engines,
             engine_speed_rad_s=tuple(map(float, to_si(columns[:, 0], units[0]))),
@@ -160,26 +160,26 @@ def parse_table(
     )
 
 
-def checked(table: ThrustTable) -> ThrustTable:
-    """The table, if it can be interpolated.
+def check_thrust_table(table: ThrustTable) -> ThrustTable:
+    """Return the table if it can be interpolated.
 
     Raises
     ------
     BadInput
-        If it has no engine, or an axis does not rise or fit the thrust.
+        If it has no engine, or an axis does not increase or match the thrust.
     """
     problem = ""
     shape = (len(table.engine_speed_rad_s), len(table.total_temperature_k))
     if not table.engines or len(set(table.engines)) < len(table.engines):
-        problem = "names no engine, or one twice: name a channel of rotation speed for each"
+        problem = "has no engine, or one twice: name a channel of rotation speed for each"
     elif shape[0] < 2 or shape[1] < 1:
         problem = "needs two rotation speeds or more, and a temperature"
     elif len(table.thrust_n) != shape[0] or any(len(row) != shape[1] for row in table.thrust_n):
         problem = f"must have {shape[0]} x {shape[1]} values of thrust, as its axes have"
     elif any(b <= a for a, b in pairwise(table.engine_speed_rad_s)):
-        problem = "must have rotation speeds that rise"
+        problem = "must have increasing rotation speeds"
     elif any(b <= a for a, b in pairwise(table.total_temperature_k)):
-        problem = "must have temperatures that rise"
+        problem = "must have increasing temperatures"
     elif min(table.total_temperature_k) <= 0 or min(table.engine_speed_rad_s) < 0:
         problem = "has a rotation speed or a temperature below zero"
     elif not np.all(np.isfinite(np.array(table.thrust_n))):
@@ -189,59 +189,59 @@ def checked(table: ThrustTable) -> ThrustTable:
     return table
 
 
-def keep_thrust(store: Store, aircraft_id: int, table: ThrustTable | None) -> Aircraft:
-    """Give an aircraft its thrust table, or take it away; maneuvers keep their conditions.
+def set_thrust_table(store: Store, aircraft_id: int, table: ThrustTable | None) -> Aircraft:
+    """Set or remove the thrust table of an aircraft; conditions of maneuvers do not change.
 
     Raises
     ------
     UnknownRecord
-        If there is no such aircraft.
+        If the aircraft does not exist.
     """
     with store.transaction():
         aircraft = store.aircraft.get(aircraft_id)
         return store.aircraft.replace(replace(aircraft, thrust=table))
 
 
-def _between(by_air: np.ndarray, warmth: np.ndarray, air: np.ndarray) -> np.ndarray:
-    """Along the last axis, linear in temperature."""
+def _interpolate_temperature(by_air: np.ndarray, warmth: np.ndarray, air: np.ndarray) -> np.ndarray:
+    """Interpolate along the last axis, linear in temperature."""
     if warmth.size == 1:
         return by_air[..., 0]
-    place = np.clip(np.searchsorted(warmth, air) - 1, 0, warmth.size - 2)
-    share = np.clip((air - warmth[place]) / (warmth[place + 1] - warmth[place]), 0.0, 1.0)
-    low = np.take_along_axis(by_air, place[..., None], axis=-1)[..., 0]
-    high = np.take_along_axis(by_air, place[..., None] + 1, axis=-1)[..., 0]
+    index = np.clip(np.searchsorted(warmth, air) - 1, 0, warmth.size - 2)
+    share = np.clip((air - warmth[index]) / (warmth[index + 1] - warmth[index]), 0.0, 1.0)
+    low = np.take_along_axis(by_air, index[..., None], axis=-1)[..., 0]
+    high = np.take_along_axis(by_air, index[..., None] + 1, axis=-1)[..., 0]
     return low + share * (high - low)
 
 
-def _inside(name: str, values: np.ndarray, known: np.ndarray, unit: str) -> None:
+def _require_in_range(name: str, values: np.ndarray, known: np.ndarray, unit: str) -> None:
     margin = _BEYOND * (known[-1] - known[0])
     low, high = float(np.min(values)), float(np.max(values))
     if not (known[0] - margin <= low and high <= known[-1] + margin):
         raise BadInput(
-            f"'{name}' reaches from {low:.4g} to {high:.4g} {unit}; the thrust table has "
+            f"'{name}' ranges from {low:.4g} to {high:.4g} {unit}; the thrust table has "
             f"{known[0]:.4g} to {known[-1]:.4g} {unit}",
             code="beyond-thrust-table",
             channel=name,
         )
 
 
-def _numbers(number: int, row: list[str]) -> list[float]:
-    values = [_number(cell) for cell in row]
+def _parse_row(number: int, row: list[str]) -> list[float]:
+    values = [_parse_number(cell) for cell in row]
     found: list[float] = []
-    for place, value in enumerate(values, 1):
+    for column, value in enumerate(values, 1):
         if value is None or not np.isfinite(value):
             raise BadInput(
-                f"row {number}, column {place} is '{row[place - 1][:30]}'; a finite number is "
+                f"row {number}, column {column} is '{row[column - 1][:30]}'; a finite number is "
                 "expected",
                 code="bad-thrust-table",
                 row=number,
-                column=str(place),
+                column=str(column),
             )
         found.append(value)
     return found
 
 
-def _number(cell: str) -> float | None:
+def _parse_number(cell: str) -> float | None:
     try:
         return float(cell)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Whether estimates agree: about their mean, pair by pair, and what was set up otherwise."""
+"""Agreement of estimates: about their mean, pairwise, and differences in setup."""
 
 from __future__ import annotations
 
@@ -20,25 +20,25 @@ CONSISTENT_SIGMA = 2.0
 """Two estimates agree when they differ by at most this many combined standard errors."""
 
 
-def consistent(difference_sigma: float | None) -> bool | None:
-    """Whether a difference in combined standard errors counts as agreement; None if unknown."""
+def is_consistent(difference_sigma: float | None) -> bool | None:
+    """Return whether a difference in combined standard errors is agreement; None if unknown."""
     return None if difference_sigma is None else difference_sigma <= CONSISTENT_SIGMA
 
 
-def largest_difference(
+def find_largest_difference(
     couples: Iterable[tuple[SourceValue | None, SourceValue | None]],
 ) -> float | None:
-    """Largest difference of any couple in combined standard errors; None if none has both."""
-    differences = (normalised(a, b) for a, b in couples)
+    """Find the largest difference of any couple in combined standard errors; None without."""
+    differences = (normalise_difference(a, b) for a, b in couples)
     return max((abs(one) for one in differences if one is not None), default=None)
 
 
-def runs_verdict(rows: Sequence[Row]) -> AgreementCount:
-    """Count the derivatives on which the runs agree among each other."""
+def count_run_agreement(rows: Sequence[Row]) -> AgreementCount:
+    """Count the derivatives on which all runs agree."""
     return _count(None, [row.consistent for row in rows])
 
 
-def prediction_verdicts(
+def count_prediction_agreement(
     sources: Sequence[ComparedSource], rows: Sequence[Row]
 ) -> tuple[AgreementCount, ...]:
     """Count, for every prediction, the derivatives in which it agrees with all runs."""
@@ -53,13 +53,13 @@ def prediction_verdicts(
     )
 
 
-def _count(source: str | None, judgements: Sequence[bool | None]) -> AgreementCount:
-    judged = [one for one in judgements if one is not None]
+def _count(source: str | None, agreements: Sequence[bool | None]) -> AgreementCount:
+    judged = [one for one in agreements if one is not None]
     return AgreementCount(source=source, n_judged=len(judged), n_consistent=sum(judged))
 
 
-def scatter(values: Sequence[SourceValue | None]) -> dict[str, float | None]:
-    """Weigh estimates of one derivative to their mean and judge how they scatter about it."""
+def average_estimates(values: Sequence[SourceValue | None]) -> dict[str, float | None]:
+    """Compute the weighted mean of estimates and the chi-square of their scatter."""
     judged = [(v.value, v.std_error) for v in values if v is not None and v.std_error]
     if len(judged) < 2:
         return {}
@@ -73,8 +73,8 @@ def scatter(values: Sequence[SourceValue | None]) -> dict[str, float | None]:
     }
 
 
-def pairs(sources: Sequence[ComparedSource], rows: Sequence[Row]) -> tuple[Pair, ...]:
-    """Judge every two sources by all derivatives that both estimated with an error.
+def compare_pairs(sources: Sequence[ComparedSource], rows: Sequence[Row]) -> tuple[Pair, ...]:
+    """Compare every pair of sources by all derivatives with standard errors.
 
     Notes
     -----
@@ -86,7 +86,7 @@ def pairs(sources: Sequence[ComparedSource], rows: Sequence[Row]) -> tuple[Pair,
         differences = {
             row.name: difference
             for row in rows
-            if (difference := normalised(row.values[i], row.values[j])) is not None
+            if (difference := normalise_difference(row.values[i], row.values[j])) is not None
         }
         if not differences:
             continue
@@ -107,20 +107,22 @@ def pairs(sources: Sequence[ComparedSource], rows: Sequence[Row]) -> tuple[Pair,
     return tuple(found)
 
 
-def normalised(a: SourceValue | None, b: SourceValue | None) -> float | None:
-    """Difference of two estimates over its standard error, as if they were independent."""
+def normalise_difference(a: SourceValue | None, b: SourceValue | None) -> float | None:
+    """Divide a difference by its standard error, assuming independence."""
     if a is None or b is None or a.std_error is None or b.std_error is None:
         return None
     error = hypot(a.std_error, b.std_error)
     return (a.value - b.value) / error if error > 0 else None
 
 
-def setup(
+def compare_setups(
     sources: Sequence[ComparedSource], runs: Mapping[int, EstimationRun]
 ) -> tuple[Setup, ...]:
-    """Lay out the choices in which the compared runs differ."""
+    """List the settings in which the compared runs differ."""
     columns = [
-        None if source.run_id is None or source.is_prediction else _choices(runs[source.run_id])
+        None
+        if source.run_id is None or source.is_prediction
+        else _list_settings(runs[source.run_id])
         for source in sources
     ]
     names = dict.fromkeys(name for column in columns if column is not None for name in column)
@@ -132,7 +134,7 @@ def setup(
     return tuple(rows)
 
 
-def _choices(run: EstimationRun) -> dict[str, str]:
+def _list_settings(run: EstimationRun) -> dict[str, str]:
     fields: dict[str, Any] = {
         "maneuver": run.maneuver_id,
         "method": run.method,
@@ -143,16 +145,16 @@ def _choices(run: EstimationRun) -> dict[str, str]:
         "prediction": run.prediction_id,
         **{f"version of {name}": version for name, version in (run.versions or {}).items()},
     }
-    return {name.replace("_", " "): _written(value) for name, value in fields.items()}
+    return {name.replace("_", " "): _format(value) for name, value in fields.items()}
 
 
-def _written(value: object) -> str:
+def _format(value: object) -> str:
     if value is None or value in ((), [], {}):
         return "–"
     if isinstance(value, Enum):
         return str(value.value)
     if isinstance(value, dict):
-        return ", ".join(f"{name} {_written(one)}" for name, one in value.items())
+        return ", ".join(f"{name} {_format(one)}" for name, one in value.items())
     if isinstance(value, list | tuple):
-        return ", ".join(map(_written, value))
+        return ", ".join(map(_format, value))
     return f"{value:.6g}" if isinstance(value, float) else str(value)

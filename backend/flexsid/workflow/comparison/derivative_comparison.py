@@ -12,19 +12,19 @@ from flexsid.records.comparison import PREDICTED, ComparedSource, Comparison, Ro
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.prediction import DerivativePrediction
 from flexsid.records.run import EstimationRun, RunResult
-from flexsid.storage.content import changed_since
+from flexsid.storage.content import find_changes
 from flexsid.storage.store import Store
-from flexsid.workflow.aircraft.derivative_predictions import prediction_at
+from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
 from flexsid.workflow.comparison.agreement import (
-    consistent,
-    largest_difference,
-    pairs,
-    prediction_verdicts,
-    runs_verdict,
-    scatter,
-    setup,
+    average_estimates,
+    compare_pairs,
+    compare_setups,
+    count_prediction_agreement,
+    count_run_agreement,
+    find_largest_difference,
+    is_consistent,
 )
-from flexsid.workflow.model_structures.run_results import result_of
+from flexsid.workflow.model_structures.run_results import get_result
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,17 +34,17 @@ class _Column:
 
 
 def compare(store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int]) -> Comparison:
-    """Put runs and predictions side by side, derivative by derivative.
+    """Compare runs and predictions, derivative by derivative.
 
     Parameters
     ----------
     store
-        Where they are kept.
+        Database.
     run_ids
-        Runs that succeeded; at least one, for it tells the condition.
+        Runs that succeeded; at least one, which defines the condition.
     prediction_ids
-        Predictions, taken at the fuel of the first run's maneuver. Where a run keeps
-        the residualised form of one of them, that is a source of its own.
+        Predictions, taken at the fuel of the first run's maneuver. The
+        residualised form stored with a run is a separate source.
 
     Raises
     ------
@@ -62,40 +62,40 @@ def compare(store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int])
     shown, not judged.
     """
     if not run_ids:
-        raise BadInput("a comparison takes at least one run; choose one", code="no-run")
+        raise BadInput("a comparison needs at least one run; select one", code="no-run")
     runs = [store.runs.get(number) for number in dict.fromkeys(run_ids)]
-    finished = [(run, result_of(run, "no result to compare")) for run in runs]
-    changed = changed_since(store.database, [run.rests_on for run in runs])
+    finished = [(run, get_result(run, "no result to compare")) for run in runs]
+    changed = find_changes(store.database, [run.rests_on for run in runs])
     maneuvers = {run.maneuver_id: store.maneuvers.get(run.maneuver_id) for run, _ in finished}
     columns = [
-        _of_run(run, result, maneuvers, since)
+        _build_run_column(run, result, maneuvers, since)
         for (run, result), since in zip(finished, changed, strict=True)
     ]
     fuel = next(iter(maneuvers.values())).condition.fuel_fraction
     predictions = [store.predictions.get(number) for number in dict.fromkeys(prediction_ids)]
-    columns += [_of_prediction(store, prediction, fuel) for prediction in predictions]
-    columns += _residualized(finished, predictions)
-    names = _in_order(parameter.name for _, result in finished for parameter in result.parameters)
+    columns += [_build_prediction_column(store, prediction, fuel) for prediction in predictions]
+    columns += _build_residualized_columns(finished, predictions)
+    names = _sort_names(parameter.name for _, result in finished for parameter in result.parameters)
     sources = tuple(column.source for column in columns)
-    rows = tuple(_row(name, columns) for name in names)
+    rows = tuple(_build_row(name, columns) for name in names)
     return Comparison(
         maneuver_ids=tuple(maneuvers),
         sources=sources,
         rows=rows,
-        pairs=pairs(sources, rows),
-        setup=setup(sources, {run.id: run for run, _ in finished if run.id is not None}),
-        runs_verdict=runs_verdict(rows),
-        prediction_verdicts=prediction_verdicts(sources, rows),
+        pairs=compare_pairs(sources, rows),
+        setup=compare_setups(sources, {run.id: run for run, _ in finished if run.id is not None}),
+        runs_verdict=count_run_agreement(rows),
+        prediction_verdicts=count_prediction_agreement(sources, rows),
     )
 
 
-def coefficients(comparison: Comparison) -> tuple[str, ...]:
-    """Names of the coefficients whose derivatives are compared, e.g. ``Cm``."""
+def list_coefficients(comparison: Comparison) -> tuple[str, ...]:
+    """List the coefficients whose derivatives are compared, e.g. ``Cm``."""
     return tuple(dict.fromkeys(row.name.partition("_")[0] for row in comparison.rows))
 
 
-def of_coefficient(comparison: Comparison, coefficient: str | None) -> Comparison:
-    """Keep the derivatives of one coefficient, e.g. ``Cm``; None keeps all.
+def select_coefficient(comparison: Comparison, coefficient: str | None) -> Comparison:
+    """Select the derivatives of one coefficient, e.g. ``Cm``; all with None.
 
     Raises
     ------
@@ -108,26 +108,26 @@ def of_coefficient(comparison: Comparison, coefficient: str | None) -> Compariso
     if not rows:
         raise BadInput(
             f"no derivative of '{coefficient}' was estimated; there are "
-            f"{', '.join(coefficients(comparison))}",
+            f"{', '.join(list_coefficients(comparison))}",
             code="unknown-coefficient",
             coefficient=coefficient,
         )
     return replace(
         comparison,
         rows=rows,
-        runs_verdict=runs_verdict(rows),
-        prediction_verdicts=prediction_verdicts(comparison.sources, rows),
+        runs_verdict=count_run_agreement(rows),
+        prediction_verdicts=count_prediction_agreement(comparison.sources, rows),
     )
 
 
-def _of_run(
+def _build_run_column(
     run: EstimationRun,
     result: RunResult,
     maneuvers: dict[int, Maneuver],
     changed: tuple[str, ...],
 ) -> _Column:
     key = f"run-{run.id}"
-    # the maneuver is told only where there is more than one to tell apart
+    # the maneuver is named only where there are several
     where = f", {maneuvers[run.maneuver_id].label}" if len(maneuvers) > 1 else ""
     return _Column(
         ComparedSource(
@@ -146,7 +146,9 @@ def _of_run(
     )
 
 
-def _of_prediction(store: Store, prediction: DerivativePrediction, fuel: float) -> _Column:
+def _build_prediction_column(
+    store: Store, prediction: DerivativePrediction, fuel: float
+) -> _Column:
     key = f"prediction-{prediction.id}"
     return _Column(
         ComparedSource(
@@ -154,15 +156,15 @@ def _of_prediction(store: Store, prediction: DerivativePrediction, fuel: float) 
         ),
         {
             name: SourceValue(key=key, value=value, std_error=error)
-            for name, (value, error) in prediction_at(store, prediction, fuel).items()
+            for name, (value, error) in interpolate_prediction(store, prediction, fuel).items()
         },
     )
 
 
-def _residualized(
+def _build_residualized_columns(
     finished: list[tuple[EstimationRun, RunResult]], predictions: list[DerivativePrediction]
 ) -> list[_Column]:
-    """Residualised predictions that the runs kept; runs that share one show it once."""
+    """List residualised predictions stored with runs, each once."""
     labels = {prediction.id: prediction.source for prediction in predictions}
     columns: list[_Column] = []
     shown: list[dict[str, float]] = []
@@ -172,7 +174,7 @@ def _residualized(
             continue
         shown.append(values)
         key = f"residualized-{result.prediction_id}-{run.id}"
-        # the run is told only where there is more than one condition to tell apart
+        # the run is named only where there are several conditions
         of_run = f" for run {run.id}" if len(shown) > 1 else ""
         columns.append(
             _Column(
@@ -189,48 +191,48 @@ def _residualized(
     return columns
 
 
-def _row(name: str, columns: list[_Column]) -> Row:
+def _build_row(name: str, columns: list[_Column]) -> Row:
     estimates = [column.values.get(name) for column in columns if not column.source.is_prediction]
-    largest = largest_difference(combinations(estimates, 2))
+    largest = find_largest_difference(combinations(estimates, 2))
     return Row(
         name=name,
         label=describe(name).label,
         values=tuple(
-            _against(column.values.get(name), estimates)
+            _add_difference(column.values.get(name), estimates)
             if column.source.is_prediction
             else column.values.get(name)
             for column in columns
         ),
-        consistent=consistent(largest),
+        consistent=is_consistent(largest),
         max_difference_sigma=largest,
-        **scatter(estimates),
+        **average_estimates(estimates),
     )
 
 
-def _against(
+def _add_difference(
     predicted: SourceValue | None, estimates: Sequence[SourceValue | None]
 ) -> SourceValue | None:
-    """A predicted value with its largest difference from the estimates of the runs."""
+    """Add to a predicted value its largest difference from the estimates."""
     if predicted is None:
         return None
-    largest = largest_difference((predicted, estimate) for estimate in estimates)
-    return replace(predicted, difference_sigma=largest, consistent=consistent(largest))
+    largest = find_largest_difference((predicted, estimate) for estimate in estimates)
+    return replace(predicted, difference_sigma=largest, consistent=is_consistent(largest))
 
 
 _VARIABLES = ("alpha", "q", "eta", "etadot")
 
 
-def _in_order(names: Iterable[str]) -> list[str]:
-    """Order as in a table of derivatives, whatever run a name came from; delays last."""
+def _sort_names(names: Iterable[str]) -> list[str]:
+    """Sort names as in a table of derivatives; delays last."""
     unique = list(dict.fromkeys(names))
-    place = {name: number for number, name in enumerate(unique)}
+    position = {name: number for number, name in enumerate(unique)}
 
     def rank(name: str) -> tuple[int, int, int, int, int]:
         coefficient, _, variable = name.partition("_")
         row = {"CZ": 0, "Cm": 1}.get(coefficient, 2 if coefficient.startswith("CQ") else 3)
         kind, mode = _split_mode(variable)
         column = _VARIABLES.index(kind) if kind in _VARIABLES else len(_VARIABLES)
-        inputs_stay = place[name] if column == len(_VARIABLES) else 0
+        inputs_stay = position[name] if column == len(_VARIABLES) else 0
         return row, _split_mode(coefficient)[1], column, mode, inputs_stay
 
     return sorted(unique, key=rank)

@@ -1,4 +1,4 @@
-"""One derivative over the conditions that were flown, with a weighted fit per method."""
+"""Trend of one derivative over flight condition, with a weighted fit per method."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import Method
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.trend import fit_trend
-from flexsid.workflow.aircraft.derivative_predictions import prediction_at
+from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
 from flexsid.workflow.aircraft.longitudinal import require_longitudinal
-from flexsid.workflow.model_structures.run_results import result_of
+from flexsid.workflow.model_structures.run_results import get_result
 
-_ON_A_LINE = 60
+_POINTS = 60
 
-_PLACE: dict[Against, Callable[[Maneuver], float | None]] = {
+_CONDITION: dict[Against, Callable[[Maneuver], float | None]] = {
     Against.DYNAMIC_PRESSURE: lambda maneuver: maneuver.condition.dynamic_pressure_pa,
     Against.AIRSPEED_RATIO: lambda maneuver: maneuver.airspeed_ratio,
     Against.FUEL: lambda maneuver: maneuver.condition.fuel_fraction,
@@ -27,7 +27,7 @@ _PLACE: dict[Against, Callable[[Maneuver], float | None]] = {
 }
 
 
-def trend(
+def fit_derivative_trend(
     store: Store,
     run_ids: Sequence[int],
     name: str,
@@ -35,17 +35,17 @@ def trend(
     prediction_ids: Sequence[int] = (),
     degree: int = 1,
 ) -> DerivativeTrend:
-    """Lay one derivative of runs out over what was varied between their maneuvers.
+    """Fit one derivative of several runs over a flight condition.
 
     Parameters
     ----------
     store, run_ids
-        Runs that succeeded; those without this derivative, or whose maneuver does not
-        know where it lies, are left out.
+        Runs that succeeded; those without this derivative or a known condition are
+        excluded.
     name
         Derivative, e.g. ``Cm_alpha``.
     against
-        What was varied. Over FTAs, which have no order, means are drawn, not lines.
+        Independent variable. Over FTAs, which have no order, means are drawn, not lines.
     prediction_ids
         Predictions, taken at the fuel of each maneuver.
     degree
@@ -56,16 +56,16 @@ def trend(
     BadInput
         If no run has this derivative, or the maneuver of one is not longitudinal.
     """
-    place = _PLACE[against]
+    get_condition = _CONDITION[against]
     points: list[TrendPoint] = []
     flown: dict[int, tuple[float, Maneuver]] = {}
     known: set[str] = set()
     for run_id in dict.fromkeys(run_ids):
         run = store.runs.get(run_id)
-        result = result_of(run)
+        result = get_result(run)
         maneuver = store.maneuvers.get(run.maneuver_id)
         require_longitudinal(maneuver)
-        x = place(maneuver)
+        x = get_condition(maneuver)
         known.update(parameter.name for parameter in result.parameters)
         estimate = next((one for one in result.parameters if one.name == name), None)
         if estimate is None or x is None:
@@ -92,9 +92,9 @@ def trend(
     lines = [
         line
         for method in Method
-        if (line := _fit(method.value, points, 0 if against is Against.FTA else degree))
+        if (line := _fit_line(method.value, points, 0 if against is Against.FTA else degree))
     ]
-    lines += _predicted(store, prediction_ids, name, list(flown.values()))
+    lines += _build_predicted_lines(store, prediction_ids, name, list(flown.values()))
     return DerivativeTrend(
         name=name,
         label=describe(name).label,
@@ -105,13 +105,13 @@ def trend(
     )
 
 
-def _fit(kind: str, points: Sequence[TrendPoint], degree: int) -> TrendLine | None:
+def _fit_line(kind: str, points: Sequence[TrendPoint], degree: int) -> TrendLine | None:
     own = [(p.x, p.value, p.std_error) for p in points if p.kind == kind and p.std_error]
     if len(own) < 2:
         return None
     x, values, errors = (np.array(part, dtype=float) for part in zip(*own, strict=True))
     fit = fit_trend(x, values, errors, min(degree, np.unique(x).size - 1))
-    grid = np.linspace(float(x.min()), float(x.max()), _ON_A_LINE)
+    grid = np.linspace(float(x.min()), float(x.max()), _POINTS)
     fitted, std = fit.at(grid)
     slope, slope_error = fit.slope
     return TrendLine(
@@ -128,7 +128,7 @@ def _fit(kind: str, points: Sequence[TrendPoint], degree: int) -> TrendLine | No
     )
 
 
-def _predicted(
+def _build_predicted_lines(
     store: Store,
     prediction_ids: Sequence[int],
     name: str,
@@ -142,7 +142,11 @@ def _predicted(
             (x, values[name][0])
             for x, maneuver in ordered
             if name
-            in (values := prediction_at(store, prediction, maneuver.condition.fuel_fraction))
+            in (
+                values := interpolate_prediction(
+                    store, prediction, maneuver.condition.fuel_fraction
+                )
+            )
         ]
         if found:
             lines.append(

@@ -1,4 +1,4 @@
-"""Allocation: amplitudes that make a design tell most within limits, beside those it has."""
+"""Optimise the amplitudes of a design within limits, by the minimax and D-optimal criteria."""
 
 from __future__ import annotations
 
@@ -10,18 +10,21 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.allocation import allocate_d_optimal, allocate_minimax
-from flexsid.sysid.estimation.expectation import LOAD_FACTOR, Expectation
-from flexsid.workflow.excitation.excitation_designs import check_amplitudes, multisine_of
-from flexsid.workflow.excitation.predicted_accuracy import Circumstances, circumstances
-from flexsid.workflow.model_structures.run_results import result_of
+from flexsid.sysid.estimation.amplitude_optimisation import (
+    optimise_amplitudes_d_optimal,
+    optimise_amplitudes_minimax,
+)
+from flexsid.sysid.estimation.fisher_information import LOAD_FACTOR, FisherInformation
+from flexsid.workflow.excitation.excitation_designs import build_multisine, check_amplitudes
+from flexsid.workflow.excitation.predicted_accuracy import PredictionModel, load_prediction_model
+from flexsid.workflow.model_structures.run_results import get_result
 
-_TOLD = 4.0  # standard errors from zero at which a derivative's relative error means something
+_SIGNIFICANT = 4.0  # standard errors from zero, from which a relative error is meaningful
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AllocatedPeak:
-    """Largest of a command or of what is limited: as designed, minimax and D-optimal.
+class OptimisedPeak:
+    """Peak of a command or of a limited quantity: as designed, minimax and D-optimal.
 
     [unit of the command] or [g]
     """
@@ -34,8 +37,8 @@ class AllocatedPeak:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AllocatedError:
-    """Relative standard error of a derivative under the three; ``counts`` for the worst. [1]"""
+class OptimisedError:
+    """Relative standard error of a derivative by criterion; ``counts`` in the minimax. [1]"""
 
     name: str
     value: float
@@ -46,30 +49,30 @@ class AllocatedError:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Allocation:
-    """``gains`` of the inputs by criterion, peaks of commands and of what is limited."""
+class OptimisedAmplitudes:
+    """``gains`` of the inputs by criterion, peaks of commands and of limited quantities."""
 
     gains: dict[str, dict[str, float]]
-    commands: tuple[AllocatedPeak, ...]
-    limited: tuple[AllocatedPeak, ...]
-    errors: tuple[AllocatedError, ...]
+    commands: tuple[OptimisedPeak, ...]
+    limited: tuple[OptimisedPeak, ...]
+    errors: tuple[OptimisedError, ...]
     next: str | None = None
 
 
-def allocate(
+def optimise_amplitudes(
     store: Store,
     design: ExcitationDesign,
     run_id: int,
     level: int = 0,
     deflection: float | None = None,
     load_factor: float | None = None,
-) -> Allocation:
-    """Find amplitudes for a run's model, and tell what each derivative gains or loses.
+) -> OptimisedAmplitudes:
+    """Optimise amplitudes for the model of a run and predict the standard errors of derivatives.
 
     Parameters
     ----------
     store, design, run_id, level
-        What would be flown, and what is known of the aircraft.
+        Design and one of its amplitudes; run with the model and noise.
     deflection
         Largest of any surface, feedback included; that of the design by default. [rad]
     load_factor
@@ -78,55 +81,59 @@ def allocate(
     Raises
     ------
     BadInput
-        If no derivative of the run stands clear of its error.
-    NotAllocated
+        If no derivative of the run exceeds four standard errors.
+    OptimisationFailed
         If the optimiser fails.
     """
-    at = circumstances(store, run_id)
-    flat = at.expect(design, level)
+    at = load_prediction_model(store, run_id)
+    flat = at.predict(design, level)
     given = np.array([load_factor if n == LOAD_FACTOR else deflection for n in flat.limited], float)
-    limits = np.where(np.isnan(given), _limits_of(flat), given)
-    counts = _counting(at)
+    limits = np.where(np.isnan(given), _find_peaks(flat), given)
+    counts = _find_significant(at)
     if not counts.any():
         raise BadInput(
-            f"no derivative of run {run_id} is known to a quarter of its size; take a better one",
+            f"no derivative of run {run_id} exceeds {_SIGNIFICANT:g} standard errors; select a more"
+            " accurate run",
             code="nothing-counts",
         )
     gains = {
         "flat": np.ones(len(flat.inputs)),
-        "minimax": allocate_minimax(flat, limits, counts),
-        "d_optimal": allocate_d_optimal(flat, limits),
+        "minimax": optimise_amplitudes_minimax(flat, limits, counts),
+        "d_optimal": optimise_amplitudes_d_optimal(flat, limits),
     }
-    told = {name: _scaled(at, design, level, flat, g) for name, g in gains.items()}
-    errors = {name: one.std_errors() / np.abs(one.theta) for name, one in told.items()}
-    made = multisine_of(design, level)
-    period = np.arange(round(design.wish.duration_s * design.wish.rate_hz)) / design.wish.rate_hz
-    commands = np.abs(made.sample(period)).max(axis=0)
-    places = range(len(at.derivatives))
-    return Allocation(
+    predicted = {name: _predict_scaled(at, design, level, flat, g) for name, g in gains.items()}
+    errors = {name: one.std_errors() / np.abs(one.theta) for name, one in predicted.items()}
+    multisine = build_multisine(design, level)
+    period = (
+        np.arange(round(design.specification.duration_s * design.specification.rate_hz))
+        / design.specification.rate_hz
+    )
+    commands = np.abs(multisine.sample(period)).max(axis=0)
+    columns = range(len(at.derivatives))
+    return OptimisedAmplitudes(
         gains={n: dict(zip(flat.inputs, g.tolist(), strict=True)) for n, g in gains.items()},
         commands=tuple(
-            AllocatedPeak(
+            OptimisedPeak(
                 name=name, limit=None, **{n: float(commands[k] * g[k]) for n, g in gains.items()}
             )
             for k, name in enumerate(flat.inputs)
         ),
         limited=tuple(
-            AllocatedPeak(
+            OptimisedPeak(
                 name=name,
                 limit=float(limits[k]),
-                **{n: float(one.peaks()[k]) for n, one in told.items()},
+                **{n: float(one.peaks()[k]) for n, one in predicted.items()},
             )
             for k, name in enumerate(flat.limited)
         ),
         errors=tuple(
-            AllocatedError(
+            OptimisedError(
                 name=flat.names[k],
                 value=float(flat.theta[k]),
                 counts=bool(counts[k]),
                 **{n: float(e[k]) for n, e in errors.items()},
             )
-            for k in places
+            for k in columns
             if flat.theta[k] != 0.0
         ),
     )
@@ -135,14 +142,14 @@ def allocate(
 def rescale_design(
     store: Store, design: ExcitationDesign, name: str, gains: Mapping[str, float], note: str = ""
 ) -> ExcitationDesign:
-    """Keep a design with the same lines and phases and other amplitudes.
+    """Save a design with the same harmonics and phases and other amplitudes.
 
     Raises
     ------
     BadInput
         If a gain belongs to no input of the design, or is too large for a control surface.
     """
-    inputs = {own.name for own in design.wish.inputs}
+    inputs = {own.name for own in design.specification.inputs}
     for own in gains:
         if own not in inputs:
             raise BadInput(
@@ -150,44 +157,48 @@ def rescale_design(
                 code="unknown-input",
                 input=own,
             )
-    wish = replace(
-        design.wish,
+    specification = replace(
+        design.specification,
         inputs=tuple(
             replace(own, relative_peak=own.relative_peak * gains.get(own.name, 1.0))
-            for own in design.wish.inputs
+            for own in design.specification.inputs
         ),
     )
-    check_amplitudes(wish)
+    check_amplitudes(specification)
     return store.designs.add(
-        replace(design, id=None, created_at=None, name=name, wish=wish, note=note)
+        replace(design, id=None, created_at=None, name=name, specification=specification, note=note)
     )
 
 
-def _limits_of(flat: Expectation) -> np.ndarray:
-    """The design's own peaks: of all surfaces together, and of the load factor."""
+def _find_peaks(flat: FisherInformation) -> np.ndarray:
+    """Return the peaks of the design: largest of all surfaces, and of the load factor."""
     peaks = flat.peaks()
     surfaces = np.array([name != LOAD_FACTOR for name in flat.limited])
     return np.where(surfaces, peaks[surfaces].max(), peaks)
 
 
-def _counting(at: Circumstances) -> np.ndarray:
-    """Derivatives that stand clear of their error in the run: others have no relative one."""
-    rows = {row.name: row for row in result_of(at.run).parameters}
+def _find_significant(at: PredictionModel) -> np.ndarray:
+    """Find derivatives with a meaningful relative error: more than four standard errors."""
+    rows = {row.name: row for row in get_result(at.run).parameters}
     errors = [rows[name].std_error for name in at.parameters.names]
     clear = [
-        error is not None and abs(value) > _TOLD * error
+        error is not None and abs(value) > _SIGNIFICANT * error
         for value, error in zip(at.parameters.start, errors, strict=True)
     ]
     return np.array(clear) & (np.arange(len(clear)) < len(at.derivatives))
 
 
-def _scaled(
-    at: Circumstances, design: ExcitationDesign, level: int, flat: Expectation, gains: np.ndarray
-) -> Expectation:
-    """Expect again: what the model misses grows with the amplitude, and weights follow."""
-    made = multisine_of(design, level)
+def _predict_scaled(
+    at: PredictionModel,
+    design: ExcitationDesign,
+    level: int,
+    flat: FisherInformation,
+    gains: np.ndarray,
+) -> FisherInformation:
+    """Predict again: model error grows with the amplitude, and weights with it."""
+    multisine = build_multisine(design, level)
     tones = {
         name: replace(own, amplitudes=own.amplitudes * gains[flat.inputs.index(name)])
-        for name, own in made.tones.items()
+        for name, own in multisine.tones.items()
     }
-    return at.expect_of(replace(made, tones=tones))
+    return at.predict_multisine(replace(multisine, tones=tones))

@@ -1,4 +1,4 @@
-"""Design an excitation and keep it; check it, export it, and tell what it will tell."""
+"""Excitation designs: specification, checks, phase search, export."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.views import DesignedExcitation
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation import designer, export
-from flexsid.sysid.excitation.allotment import Band, allot_bands
 from flexsid.sysid.excitation.catalogue import CATALOGUE, FlightTestAid
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks, check_design
-from flexsid.sysid.excitation.designer import InputWish, Wish
+from flexsid.sysid.excitation.designer import DesignSpecification, InputSpecification
+from flexsid.sysid.excitation.harmonic_assignment import Band, assign_harmonics_to_bands
 from flexsid.sysid.excitation.multisine import Multisine
 
 MEDIA = {
@@ -35,7 +35,7 @@ _SCALES = (1.0, 0.95, 0.90, 0.85, 0.80)  # Sec. V.C, from body flap to outermost
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BandWish:
+class BandSpecification:
     """One input by its band; ``spectrum`` is relative power at frequencies [Hz], flat if empty."""
 
     name: str
@@ -44,7 +44,7 @@ class BandWish:
     spectrum: tuple[tuple[float, float], ...] = ()
 
 
-def wish_for(
+def specify_design(
     fta: int,
     duration_s: float,
     rate_hz: float,
@@ -53,8 +53,8 @@ def wish_for(
     effort: str = "thorough",
     seed: int = 0,
     reach_hz: float | None = None,
-) -> Wish:
-    """Make the wish for a flight test aid of Table 1.
+) -> DesignSpecification:
+    """Specify a design for a flight test aid of Table 1.
 
     Parameters
     ----------
@@ -74,19 +74,21 @@ def wish_for(
         Frequency that the harmonics of the surfaces have to reach; by default the band of the
         row's targets in Table 1. [Hz]
     """
-    aid = row_of(fta)
+    aid = find_flight_test_aid(fta)
     last = None if reach_hz is None else int(np.ceil(reach_hz * duration_s))
     scale: dict[str, float] = dict(zip(("bf", "wf1", "wf2", "wf3", "wf4"), _SCALES, strict=True))
     inputs = tuple(
-        InputWish(name=name, harmonics=tuple(own.tolist()), relative_peak=scale.get(name[:-1], 1.0))
+        InputSpecification(
+            name=name, harmonics=tuple(own.tolist()), relative_peak=scale.get(name[:-1], 1.0)
+        )
         for name, own in aid.harmonics(first_harmonic, last).items()
     )
-    return Wish(
+    return DesignSpecification(
         duration_s=duration_s, rate_hz=rate_hz, inputs=inputs, peaks=peaks, effort=effort, seed=seed
     )
 
 
-def row_of(fta: int) -> FlightTestAid:
+def find_flight_test_aid(fta: int) -> FlightTestAid:
     """Return a row of Table 1 by its lowest number.
 
     Raises
@@ -103,15 +105,15 @@ def row_of(fta: int) -> FlightTestAid:
     return aid
 
 
-def wish_for_bands(
-    bands: tuple[BandWish, ...],
+def specify_bands(
+    bands: tuple[BandSpecification, ...],
     duration_s: float,
     rate_hz: float,
     peaks: tuple[float, float, float],
     effort: str = "thorough",
     seed: int = 0,
-) -> Wish:
-    """Make the wish for inputs with bands of their own.
+) -> DesignSpecification:
+    """Specify a design for inputs with bands of their own.
 
     Raises
     ------
@@ -121,7 +123,7 @@ def wish_for_bands(
     names = [own.name for own in bands]
     if len(set(names)) < len(names):
         raise BadInput(f"inputs {', '.join(names)} must all have different names")
-    # Harmonics are looked for one by one, so that their number is bounded first.
+    # Harmonics are assigned one by one, so their number is bounded first.
     designer.check_period(duration_s, rate_hz, len(bands))
     check_tones(sum(own.band.count for own in bands))
     for own in bands:
@@ -131,12 +133,12 @@ def wish_for_bands(
                 f" frequency {0.5 * rate_hz:g} Hz; sample faster or end the band lower",
                 code="above-nyquist",
             )
-    dealt = allot_bands({own.name: own.band for own in bands}, duration_s)
-    return Wish(
+    dealt = assign_harmonics_to_bands({own.name: own.band for own in bands}, duration_s)
+    return DesignSpecification(
         duration_s=duration_s,
         rate_hz=rate_hz,
         inputs=tuple(
-            InputWish(
+            InputSpecification(
                 name=own.name,
                 harmonics=tuple(dealt[own.name].tolist()),
                 relative_peak=own.relative_peak,
@@ -150,8 +152,8 @@ def wish_for_bands(
     )
 
 
-def _power(own: BandWish, hz: np.ndarray) -> tuple[float, ...] | None:
-    """Power of every line, straight between the given ones where both axes are logarithmic."""
+def _power(own: BandSpecification, hz: np.ndarray) -> tuple[float, ...] | None:
+    """Interpolate the power of every harmonic, linearly on logarithmic axes."""
     if not own.spectrum:
         return None
     at, power = np.array(sorted(own.spectrum)).T
@@ -159,7 +161,7 @@ def _power(own: BandWish, hz: np.ndarray) -> tuple[float, ...] | None:
 
 
 def check_tones(count: int) -> None:
-    """Refuse more harmonics than a design may have.
+    """Check the number of harmonics of a design.
 
     Raises
     ------
@@ -168,39 +170,41 @@ def check_tones(count: int) -> None:
     """
     if count > MOST_TONES:
         raise BadInput(
-            f"the inputs together ask for {count} harmonics; a design has at most {MOST_TONES};"
+            f"the inputs have {count} harmonics in total; a design has at most {MOST_TONES};"
             " ask for fewer harmonics or fewer inputs",
             code="too-many-harmonics",
         )
 
 
-def check_search(wish: Wish, longest_s: float = _LONGEST_S, otherwise: str = "") -> None:
-    """Refuse a wish that cannot be fulfilled, or whose search would take too long.
+def check_search(
+    specification: DesignSpecification, longest_s: float = _LONGEST_S, otherwise: str = ""
+) -> None:
+    """Check that a specification can be met, and that its phase search is short enough.
 
     Parameters
     ----------
-    wish
-        What is wanted.
+    specification
+        Inputs, period, peaks and effort.
     longest_s
         Processor time that the search may take, as estimated. [s]
     otherwise
-        What can be done besides asking for less.
+        Advice added to the message.
 
     Raises
     ------
     BadInput
         If so; the message has the numbers.
     """
-    designer.check_wish(wish)
-    count = sum(len(own.harmonics) for own in wish.inputs)
+    designer.check_specification(specification)
+    count = sum(len(own.harmonics) for own in specification.inputs)
     check_tones(count)
-    check_amplitudes(wish)
-    needed = designer.search_time_s(wish)
+    check_amplitudes(specification)
+    needed = designer.estimate_search_time_s(specification)
     if needed > longest_s:
-        most = max(wish.inputs, key=lambda own: len(own.harmonics))
-        highest = max(max(own.harmonics) for own in wish.inputs)
+        most = max(specification.inputs, key=lambda own: len(own.harmonics))
+        highest = max(max(own.harmonics) for own in specification.inputs)
         raise BadInput(
-            f"a {wish.effort} search of {count} harmonics (most in {most.name},"
+            f"a {specification.effort} search of {count} harmonics (most in {most.name},"
             f" {len(most.harmonics)}; the highest is {highest}) would take about {needed:.0f} s;"
             f" the limit is {longest_s:.0f} s; ask for fewer harmonics, a lower band, a shorter"
             f" period or less effort{otherwise}",
@@ -208,16 +212,16 @@ def check_search(wish: Wish, longest_s: float = _LONGEST_S, otherwise: str = "")
         )
 
 
-def check_evaluation(wish: Wish) -> None:
-    """Refuse to evaluate a design with a run's model where that takes minutes.
+def check_evaluation(specification: DesignSpecification) -> None:
+    """Check that a design can be evaluated with a run's model in less than a minute.
 
     Raises
     ------
     BadInput
         If harmonics times samples exceed ``_MOST_PRODUCT``.
     """
-    count = sum(len(own.harmonics) for own in wish.inputs)
-    samples = round(wish.duration_s * wish.rate_hz)
+    count = sum(len(own.harmonics) for own in specification.inputs)
+    samples = round(specification.duration_s * specification.rate_hz)
     if count * samples > _MOST_PRODUCT:
         raise BadInput(
             f"the design has {count} harmonics in {samples} samples; with a run's model at most"
@@ -227,16 +231,16 @@ def check_evaluation(wish: Wish) -> None:
         )
 
 
-def check_amplitudes(wish: Wish) -> None:
-    """Refuse amplitudes that no control surface has: degrees that were given as radians.
+def check_amplitudes(specification: DesignSpecification) -> None:
+    """Check that amplitudes are within the travel of a surface (not degrees given as radians).
 
     Raises
     ------
     BadInput
         If the largest command of an input exceeds 60 deg.
     """
-    for own in wish.inputs:
-        largest = wish.peaks[-1] * own.relative_peak
+    for own in specification.inputs:
+        largest = specification.peaks[-1] * own.relative_peak
         if largest > _LARGEST_RAD:
             raise BadInput(
                 f"the largest amplitude of {own.name} is {largest:g} rad, {np.rad2deg(largest):.4g}"
@@ -249,65 +253,69 @@ def check_amplitudes(wish: Wish) -> None:
 def create_design(
     store: Store,
     name: str,
-    wish: Wish,
+    specification: DesignSpecification,
     fta: int | None = None,
     note: str = "",
     report: Callable[[str, float, float], None] | None = None,
 ) -> ExcitationDesign:
-    """Search the phases of a wish and keep the design."""
-    check_amplitudes(wish)
-    made = designer.design(wish, report)
+    """Search the phases of a specification and save the design."""
+    check_amplitudes(specification)
+    multisine = designer.design(specification, report)
     return store.designs.add(
         ExcitationDesign(
             name=name,
-            wish=wish,
-            phases={own: tuple(tones.phases.tolist()) for own, tones in made.tones.items()},
-            peak_factors=designer.peak_factors(made),
+            specification=specification,
+            phases={own: tuple(tones.phases.tolist()) for own, tones in multisine.tones.items()},
+            peak_factors=designer.compute_peak_factors(multisine),
             fta=fta,
             note=note,
         )
     )
 
 
-def multisine_of(design: ExcitationDesign, level: int = 0) -> Multisine:
+def build_multisine(design: ExcitationDesign, level: int = 0) -> Multisine:
     """Return the multisine of a design at one of its three amplitudes, 0 to 2."""
     phases = {name: np.array(own) for name, own in design.phases.items()}
-    return designer.from_phases(design.wish, phases, level)
+    return designer.build_multisine(design.specification, phases, level)
 
 
-def designed(design: ExcitationDesign, level: int = 0) -> DesignedExcitation:
-    """One period at the flight computer's rate, and the lines of every input."""
-    made, rate = multisine_of(design, level), design.wish.rate_hz
-    time_s = np.arange(round(made.period_s * rate)) / rate
+def sample_design(design: ExcitationDesign, level: int = 0) -> DesignedExcitation:
+    """Sample one period at the flight computer's rate, with the harmonics of every input."""
+    multisine, rate = build_multisine(design, level), design.specification.rate_hz
+    time_s = np.arange(round(multisine.period_s * rate)) / rate
     return DesignedExcitation(
-        names=made.inputs,
+        names=multisine.inputs,
         time_s=time_s,
-        command=made.sample(time_s),
-        frequency_hz={name: own.harmonics / made.period_s for name, own in made.tones.items()},
-        amplitude={name: own.amplitudes for name, own in made.tones.items()},
+        command=multisine.sample(time_s),
+        frequency_hz={
+            name: own.harmonics / multisine.period_s for name, own in multisine.tones.items()
+        },
+        amplitude={name: own.amplitudes for name, own in multisine.tones.items()},
     )
 
 
-def checks_of(design: ExcitationDesign, actuator: ActuatorLimits, level: int = 0) -> DesignChecks:
+def check_multisine(
+    design: ExcitationDesign, actuator: ActuatorLimits, level: int = 0
+) -> DesignChecks:
     """Check a design at its rate behind an actuator."""
-    return check_design(multisine_of(design, level), design.wish.rate_hz, actuator)
+    return check_design(build_multisine(design, level), design.specification.rate_hz, actuator)
 
 
 def export_design(design: ExcitationDesign, form: str, level: int = 0) -> bytes:
     """Write a design at its rate as CSV, MAT, C header or JSON recipe."""
-    made, rate = multisine_of(design, level), design.wish.rate_hz
+    multisine, rate = build_multisine(design, level), design.specification.rate_hz
     if form == "csv":
-        return export.to_csv(made, rate).encode()
+        return export.to_csv(multisine, rate).encode()
     if form == "mat":
-        return export.to_matlab(made, rate)
+        return export.to_matlab(multisine, rate)
     if form == "h":
-        return export.to_c_header(made, rate).encode()
+        return export.to_c_header(multisine, rate).encode()
     if form == "json":
-        return export.to_recipe(design.wish, made).encode()
-    raise BadInput(f"there is no export as {form!r}; take one of {', '.join(export.FORMATS)}")
+        return export.write_recipe(design.specification, multisine).encode()
+    raise BadInput(f"no export format {form!r}; select one of {', '.join(export.FORMATS)}")
 
 
-def catalogue() -> list[dict[str, object]]:
+def list_flight_test_aids() -> list[dict[str, object]]:
     """Return the rows of Table 1 with the names of their inputs."""
     return [
         asdict(aid) | {"numbers": aid.numbers, "inputs": [*sum(aid.input_names(), ())]}

@@ -1,4 +1,4 @@
-"""Multisines that were flown: recognised in the samples of a flight computer, kept as designs."""
+"""Import of flown multisines: recognised in the samples of a flight computer, saved as designs."""
 
 from __future__ import annotations
 
@@ -13,18 +13,22 @@ from flexsid.importers.source import Sources
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation import designer
-from flexsid.sysid.excitation.designer import InputWish, Wish, check_wish
-from flexsid.sysid.excitation.extrema import judged_peak_factor
+from flexsid.sysid.excitation.designer import (
+    DesignSpecification,
+    InputSpecification,
+    check_specification,
+)
+from flexsid.sysid.excitation.extrema import evaluate_peak_factor
 from flexsid.sysid.excitation.multisine import Tones
-from flexsid.sysid.excitation.norms import HarmonicLines
-from flexsid.sysid.excitation.recognition import recognise
+from flexsid.sysid.excitation.norms import HarmonicSpectrum
+from flexsid.sysid.excitation.recognition import recognise_multisine
 from flexsid.units import factor
 from flexsid.workflow.excitation.excitation_designs import check_amplitudes, create_design
 
 
 @dataclass(frozen=True, slots=True)
-class FlownInput:
-    """What one column holds: its sines, over a period in samples."""
+class ImportedInput:
+    """Multisine of one column: its tones, and the period in samples."""
 
     name: str
     file: str
@@ -32,13 +36,13 @@ class FlownInput:
     period: int
 
 
-def flown_inputs(sources: Sources, unit: str) -> tuple[FlownInput, ...]:
-    """Recognise every column that oscillates; one that rises all along is time.
+def recognise_inputs(sources: Sources, unit: str) -> tuple[ImportedInput, ...]:
+    """Recognise the multisine of every column; a monotonically increasing column is time.
 
     Raises
     ------
     BadInput
-        If a column is no multisine, or there is none at all.
+        If a column is not a multisine, or the files have no column.
     """
     si = factor(unit, "angle")
     found = []
@@ -51,26 +55,26 @@ def flown_inputs(sources: Sources, unit: str) -> tuple[FlownInput, ...]:
         for label, samples in columns.items():
             name = PurePath(source.name).stem if len(columns) == 1 else label
             try:
-                tones, period = recognise(samples * si)
+                tones, period = recognise_multisine(samples * si)
             except BadInput as error:
                 raise BadInput(
                     f"{source.name}, column '{label}': {error.message}", code=error.code
                 ) from error
-            found.append(FlownInput(name[:64], source.name, tones, period))
+            found.append(ImportedInput(name[:64], source.name, tones, period))
     if not found:
-        raise BadInput("the files hold no column of samples", code="no-multisine")
+        raise BadInput("the files have no column of samples", code="no-multisine")
     return tuple(found)
 
 
-def keep_flown(
+def save_designs(
     store: Store,
-    inputs: Sequence[FlownInput],
+    inputs: Sequence[ImportedInput],
     name: str,
     rate_hz: float,
     *,
-    apart: bool,
+    separate: bool,
 ) -> tuple[ExcitationDesign, ...]:
-    """Keep what was flown as one design, or each file as a design of its own.
+    """Save the recognised inputs as one design, or each file as a separate design.
 
     Raises
     ------
@@ -80,43 +84,45 @@ def keep_flown(
     files = list(dict.fromkeys(own.file for own in inputs))
     groups = [[own for own in inputs if own.file == file] for file in files]
     named = [PurePath(file).stem for file in files]
-    if not apart:
+    if not separate:
         groups, named = [list(inputs)], [name]
     designs = [_design(group, label, rate_hz) for group, label in zip(groups, named, strict=True)]
     with store.transaction():
         return tuple(store.designs.add(design) for design in designs)
 
 
-def redesign(
+def search_phases(
     store: Store,
     design: ExcitationDesign,
     name: str,
     effort: str = "thorough",
     report: Callable[[str, float, float], None] | None = None,
 ) -> ExcitationDesign:
-    """Search phases anew for the lines, powers and peaks of a design."""
-    note = f"The lines of {design.name} with phases searched anew"
-    return create_design(store, name, replace(design.wish, effort=effort), design.fta, note, report)
+    """Search new phases for the harmonics, powers and peaks of a design."""
+    note = f"Harmonics of {design.name} with new phases"
+    return create_design(
+        store, name, replace(design.specification, effort=effort), design.fta, note, report
+    )
 
 
-def _design(group: Sequence[FlownInput], name: str, rate_hz: float) -> ExcitationDesign:
+def _design(group: Sequence[ImportedInput], name: str, rate_hz: float) -> ExcitationDesign:
     periods = {own.period for own in group}
     if len(periods) > 1:
-        told = ", ".join(f"{own.name} {own.period}" for own in group)
+        periods_text = ", ".join(f"{own.name} {own.period}" for own in group)
         raise BadInput(
-            f"inputs of one design have one period; in samples these have {told}; keep each file"
-            " as a design of its own",
+            f"inputs of one design must have one period; these have, in samples, {periods_text};"
+            " import each file as a separate design",
             code="different-periods",
         )
     period = periods.pop()
     cycles = np.arange(period) / period
     peaks = [float(np.abs(own.tones.sample(cycles)).max()) for own in group]
     largest = max(peaks)
-    wish = Wish(
+    specification = DesignSpecification(
         duration_s=period / rate_hz,
         rate_hz=rate_hz,
         inputs=tuple(
-            InputWish(
+            InputSpecification(
                 name=own.name,
                 harmonics=tuple(own.tones.harmonics.tolist()),
                 relative_peak=peak / largest,
@@ -126,21 +132,21 @@ def _design(group: Sequence[FlownInput], name: str, rate_hz: float) -> Excitatio
         ),
         peaks=(largest, largest, largest),
     )
-    check_wish(wish)
-    check_amplitudes(wish)
+    check_specification(specification)
+    check_amplitudes(specification)
     phases = {own.name: own.tones.phases for own in group}
-    made = designer.from_phases(wish, phases)
+    multisine = designer.build_multisine(specification, phases)
     return ExcitationDesign(
         name=name,
-        wish=wish,
-        phases={own: tuple(tones.phases.tolist()) for own, tones in made.tones.items()},
+        specification=specification,
+        phases={own: tuple(tones.phases.tolist()) for own, tones in multisine.tones.items()},
         peak_factors={
-            own.name: judged_peak_factor(
-                HarmonicLines(own.tones.harmonics, own.tones.amplitudes), own.tones.phases
+            own.name: evaluate_peak_factor(
+                HarmonicSpectrum(own.tones.harmonics, own.tones.amplitudes), own.tones.phases
             )
             for own in group
         },
-        note=f"As flown: {', '.join(dict.fromkeys(own.file for own in group))}",
+        note=f"Imported from {', '.join(dict.fromkeys(own.file for own in group))}",
     )
 
 

@@ -1,4 +1,4 @@
-"""Foresight: what an excitation would tell, for the model and the noise of a run."""
+"""Predicted accuracy of derivatives under an excitation, by the model and noise of a run."""
 
 from __future__ import annotations
 
@@ -14,35 +14,39 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun, Method, Pole
 from flexsid.records.views import ExpectedMode, ExpectedResponse
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.as_flown import (
-    AsFlown,
+from flexsid.sysid.estimation.fisher_information import (
+    LOAD_FACTOR,
+    FisherInformation,
+    predict_cramer_rao_bounds,
+)
+from flexsid.sysid.estimation.flight_noise import (
+    FlightNoiseModel,
     RecordResiduals,
     Response,
-    actuators_only,
+    build_actuator_responses,
+    compute_command_responses,
     split_residuals,
-    surfaces_follow,
 )
-from flexsid.sysid.estimation.expectation import LOAD_FACTOR, Expectation, expect
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.workflow.aircraft.aircraft_models import (
     OutputDefinition,
     define_outputs,
-    output_instrument,
-    servo_of,
+    get_output_instrument,
+    get_servo,
 )
 from flexsid.workflow.excitation.excitation_designs import (
+    build_multisine,
     check_amplitudes,
     check_evaluation,
-    multisine_of,
 )
-from flexsid.workflow.model_structures.run_results import result_of
+from flexsid.workflow.model_structures.run_results import get_result
 from flexsid.workflow.runs.computation import EstimationTask, ManeuverData
 from flexsid.workflow.runs.estimation import prepare
-from flexsid.workflow.runs.identified_models import identified_with
+from flexsid.workflow.runs.identified_models import build_identified_model
 
-_LEAST_LINES = 5  # about a mode's frequency, to say how well it is seen
+_LEAST_HARMONICS = 5  # about a mode's frequency, for its signal-to-noise ratio
 _EXCITING = 5.0  # half-power half-widths: further away a mode responds with a fifth of its peak
 
 
@@ -57,10 +61,10 @@ class ExpectedError:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExpectedErrors:
-    """What a design would tell, and what the prediction rests on.
+    """Predicted standard errors under a design, with the assumptions of the prediction.
 
-    ``surfaces`` says how the surfaces were taken to follow their commands, and
-    ``lines_outside`` how many lines lie outside the run's, where all is held constant.
+    ``surfaces`` is the assumed response of surfaces to commands, and ``lines_outside`` the number
+    of harmonics outside the run's band, where noise and responses are held constant.
     """
 
     items: tuple[ExpectedError, ...]
@@ -70,55 +74,57 @@ class ExpectedErrors:
 
 
 @dataclass(frozen=True, slots=True)
-class Circumstances:
+class PredictionModel:
     """Model, free parameters, noise and surfaces of an output-error run."""
 
     run: EstimationRun
     model: AeroelasticModel
     parameters: Parameters
-    flown: AsFlown
+    noise_model: FlightNoiseModel
     priors: Mapping[str, float]
     surfaces: str
     band: tuple[float, float]  # [rad/s]
 
     @property
     def derivatives(self) -> tuple[str, ...]:
-        """The free parameters that are derivatives; they stand first."""
+        """Free parameters that are derivatives; they come first."""
         return self.parameters.names[: self.parameters.rows.size]
 
-    def expect(self, design: ExcitationDesign, level: int) -> Expectation:
-        """What one of the design's amplitudes would tell."""
-        check_amplitudes(design.wish)  # those kept before amplitudes were checked
-        check_evaluation(design.wish)
-        return self.expect_of(multisine_of(design, level))
+    def predict(self, design: ExcitationDesign, level: int) -> FisherInformation:
+        """Predict the Fisher information of a design at one of its amplitudes."""
+        check_amplitudes(design.specification)  # designs stored before amplitudes were checked
+        check_evaluation(design.specification)
+        return self.predict_multisine(build_multisine(design, level))
 
-    def expect_of(self, multisine: Multisine) -> Expectation:
-        """What a multisine would tell."""
-        return expect(self.model, self.parameters, multisine, self.flown, self.priors)
+    def predict_multisine(self, multisine: Multisine) -> FisherInformation:
+        """Predict the Fisher information of a multisine."""
+        return predict_cramer_rao_bounds(
+            self.model, self.parameters, multisine, self.noise_model, self.priors
+        )
 
 
-def expected_errors(
+def predict_errors(
     store: Store, design: ExcitationDesign, run_id: int, level: int = 0
 ) -> ExpectedErrors:
-    """Predict the standard errors of a run's derivatives, had this design been flown.
+    """Predict the standard errors of a run's derivatives under a design (Cramer-Rao bounds).
 
-    Model, condition and free parameters are the run's; surfaces follow their commands
-    as recorded there, and the noise is what its fit left over: amplitudes are in radians,
-    and what the model does not explain is taken not to grow with them.
+    Model, condition and free parameters are the run's; surfaces respond to commands as recorded
+    there, and the noise is that of its residuals. Amplitudes are in radians, and residuals not
+    explained by the model are assumed not to grow with them.
 
     Raises
     ------
     BadInput
-        If the run is not of output error, or has not the design's inputs.
+        If the run is not of output error, or lacks inputs of the design.
     """
-    at = circumstances(store, run_id)
-    told = at.expect(design, level)
-    omega = np.concatenate([lines.omega for lines in told.lines])
+    at = load_prediction_model(store, run_id)
+    information = at.predict(design, level)
+    omega = np.concatenate([spectra.omega for spectra in information.lines])
     return ExpectedErrors(
         items=tuple(
             ExpectedError(name=name, value=float(value), std_error=float(std_error))
             for name, value, std_error in zip(
-                told.names, told.theta, told.std_errors(), strict=True
+                information.names, information.theta, information.std_errors(), strict=True
             )
             if name in at.derivatives
         ),
@@ -127,50 +133,50 @@ def expected_errors(
     )
 
 
-def expected_response(
+def predict_response(
     store: Store, design: ExcitationDesign, run_id: int, level: int = 0
 ) -> ExpectedResponse:
-    """Tell what every line of a design is worth, and how far outputs and modes stand out."""
-    at = circumstances(store, run_id)
-    told = at.expect(design, level)
-    of_inputs = list(zip(told.inputs, told.lines, strict=True))
-    omega = np.concatenate([lines.omega for lines in told.lines])
-    ratio = np.abs(np.concatenate([lines.signal for lines in told.lines]))
-    moving = [k for k, name in enumerate(told.limited) if name != LOAD_FACTOR]
-    wave = told.waves.sum(axis=0)[:, moving]
+    """Predict the information of every harmonic, and signal-to-noise of outputs and modes."""
+    at = load_prediction_model(store, run_id)
+    information = at.predict(design, level)
+    of_inputs = list(zip(information.inputs, information.lines, strict=True))
+    omega = np.concatenate([spectra.omega for spectra in information.lines])
+    ratio = np.abs(np.concatenate([spectra.signal for spectra in information.lines]))
+    moving = [k for k, name in enumerate(information.limited) if name != LOAD_FACTOR]
+    wave = information.waves.sum(axis=0)[:, moving]
     size = np.sqrt(np.sum(wave**2, axis=0))
     return ExpectedResponse(
-        names=told.inputs,
+        names=information.inputs,
         outputs=at.model.outputs,
-        frequency_hz={name: lines.omega / (2.0 * np.pi) for name, lines in of_inputs},
-        worth=dict(zip(told.inputs, told.worth(), strict=True)),
-        signal_to_noise={name: np.abs(lines.signal) for name, lines in of_inputs},
+        frequency_hz={name: spectra.omega / (2.0 * np.pi) for name, spectra in of_inputs},
+        worth=dict(zip(information.inputs, information.information_by_frequency(), strict=True)),
+        signal_to_noise={name: np.abs(spectra.signal) for name, spectra in of_inputs},
         modes=tuple(
-            _expected_mode(pole, omega, ratio, at.model.outputs)
-            for pole in result_of(at.run).poles
+            _predict_mode(pole, omega, ratio, at.model.outputs)
+            for pole in get_result(at.run).poles
             if pole.imag > 0.0
         ),
-        surfaces=tuple(told.limited[k] for k in moving),
+        surfaces=tuple(information.limited[k] for k in moving),
         correlation=wave.T @ wave / np.maximum(np.outer(size, size), 1e-300),
     )
 
 
-def _expected_mode(
+def _predict_mode(
     pole: Pole, omega: np.ndarray, ratio: np.ndarray, outputs: tuple[str, ...]
 ) -> ExpectedMode:
-    """Mean square over the mode's half-power band, or its nearest lines where it is narrow.
+    """Average the signal-to-noise power over a mode's half-power band or nearest harmonics.
 
     Notes
     -----
     At a distance d from its frequency a mode of decay rate a responds with a / hypot(a, d) of its
-    peak. Lines further away than ``_EXCITING`` times a show other motions, whatever they show.
+    peak. Harmonics further away than ``_EXCITING`` times a are dominated by other motions.
     """
     modulus = float(np.hypot(pole.real, pole.imag))
     away = np.abs(omega - modulus)
     within = np.flatnonzero(away <= abs(pole.real))
     near = within
-    if within.size < _LEAST_LINES:
-        nearest = np.argsort(away, kind="stable")[:_LEAST_LINES]
+    if within.size < _LEAST_HARMONICS:
+        nearest = np.argsort(away, kind="stable")[:_LEAST_HARMONICS]
         near = nearest[away[nearest] <= _EXCITING * abs(pole.real)]
     output, signal_to_noise = None, None
     if near.size:
@@ -187,8 +193,8 @@ def _expected_mode(
     )
 
 
-def circumstances(store: Store, run_id: int) -> Circumstances:
-    """Read what a run tells of a flight at its condition.
+def load_prediction_model(store: Store, run_id: int) -> PredictionModel:
+    """Load the model, noise and surface responses of an output-error run.
 
     Raises
     ------
@@ -200,26 +206,27 @@ def circumstances(store: Store, run_id: int) -> Circumstances:
     run = store.runs.get(run_id)
     if run.method is not Method.OE:
         raise BadInput(
-            f"run {run_id} is {run.method.value}; the noise of every output is known from OE only",
+            f"run {run_id} is {run.method.value}; output noise is estimated by OE"
+            " only; select an output-error run",
             code="not-output-error",
         )
-    result = result_of(run)
+    result = get_result(run)
     task = prepare(store, run)
     data = task.maneuvers[0]
-    found = identified_with(task.model, run)
+    found = build_identified_model(task.model, run)
     maneuver = store.maneuvers.get(run.maneuver_id)
     aircraft = store.aircraft.get(maneuver.aircraft_id)
-    follow, surfaces = _surfaces(aircraft, data)
+    follow, surfaces = _find_surface_responses(aircraft, data)
     outputs = define_outputs(aircraft, found.model.outputs)
     noise, missed = split_residuals(
-        _residuals(store, run, task), found.model.inputs, len(result.parameters)
+        _read_residuals(store, run, task), found.model.inputs, len(result.parameters)
     )
-    flown = AsFlown(
-        follow=follow,
+    noise_model = FlightNoiseModel(
+        command_responses=follow,
         noise=noise,
-        missed=missed,
-        instruments=_instruments(aircraft, outputs),
-        margin_s=_margin(maneuver),
+        unmodelled_responses=missed,
+        instruments=_build_instruments(aircraft, outputs),
+        margin_s=_find_margin(maneuver),
     )
     values = {parameter.name: parameter.value for parameter in result.parameters}
     derivatives = [name for name in values if name in found.derivatives.named()]
@@ -227,49 +234,55 @@ def circumstances(store: Store, run_id: int) -> Circumstances:
     parameters = select_parameters(found.derivatives, derivatives, found.model.outputs, extras)
     parameters = replace(parameters, start=np.array([values[n] for n in parameters.names]))
     omega = data.measured.omega
-    return Circumstances(
+    return PredictionModel(
         run=run,
         model=task.model,
         parameters=parameters,
-        flown=flown,
+        noise_model=noise_model,
         priors={name: std for name, (_, std) in task.priors.items()},
         surfaces=surfaces,
         band=(float(omega[0]), float(omega[-1])),
     )
 
 
-def _surfaces(aircraft: Aircraft, data: ManeuverData) -> tuple[dict[str, Response], str]:
-    """How surfaces follow: as recorded, else through their servos, else as commanded."""
+def _find_surface_responses(
+    aircraft: Aircraft, data: ManeuverData
+) -> tuple[dict[str, Response], str]:
+    """Find command-to-surface responses: recorded, else of the servos, else unity."""
     inputs, measured = data.model.inputs, data.measured
     if measured.commands is not None:
-        recorded = surfaces_follow(measured.inputs, measured.commands, measured.owner)
+        recorded = compute_command_responses(
+            measured.inputs, measured.commands, measured.assigned_input
+        )
         if set(recorded) == set(inputs):
             return recorded, "as recorded in the run's maneuver, actuators and feedback included"
     servos = {surface.name for surface in aircraft.surfaces if surface.servo is not None}
     if servos.issuperset(inputs):
-        alone = {name: servo_of(aircraft, name).response for name in inputs}
-        return actuators_only(alone, inputs), "through their actuators, feedback left out"
+        alone = {name: get_servo(aircraft, name).response for name in inputs}
+        return build_actuator_responses(alone, inputs), "through their actuators, without feedback"
     perfect = {name: np.ones_like for name in inputs}
-    return actuators_only(perfect, inputs), "as commanded, actuators and feedback left out"
+    return build_actuator_responses(perfect, inputs), "as commanded, without actuators and feedback"
 
 
-def _residuals(store: Store, run: EstimationRun, task: EstimationTask) -> list[RecordResiduals]:
-    """What the fit left over in every maneuver, in the order of the model's outputs."""
-    ids = tuple(dict.fromkeys((run.maneuver_id, *run.settings.together_with)))
+def _read_residuals(
+    store: Store, run: EstimationRun, task: EstimationTask
+) -> list[RecordResiduals]:
+    """Read the residuals of every maneuver, in the order of the model's outputs."""
+    ids = tuple(dict.fromkeys((run.maneuver_id, *run.settings.additional_maneuver_ids)))
     found = []
-    for number, block, data in zip(ids, result_of(run).blocks, task.maneuvers, strict=True):
+    for number, block, data in zip(ids, get_result(run).blocks, task.maneuvers, strict=True):
         arrays = store.arrays.get_many(list(block.arrays.values()))
         order = [block.outputs.index(name) for name in task.model.outputs]
         left = arrays[block.arrays["measured"]] - arrays[block.arrays["fitted"]]
-        owner, commands = data.measured.owner, data.measured.commands
-        known = commands is not None and bool((owner >= 0).all())
+        assigned, commands = data.measured.assigned_input, data.measured.commands
+        known = commands is not None and bool((assigned >= 0).all())
         found.append(
             RecordResiduals(
                 omega=arrays[block.arrays["omega"]],
                 values=left[:, order],
-                record_s=_transformed_s(store.maneuvers.get(number)),
-                owner=owner,
-                command=commands.values[np.arange(owner.size), owner]
+                record_s=_find_transformed_s(store.maneuvers.get(number)),
+                assigned_input=assigned,
+                command=commands.values[np.arange(assigned.size), assigned]
                 if commands is not None and known
                 else None,
             )
@@ -277,22 +290,22 @@ def _residuals(store: Store, run: EstimationRun, task: EstimationTask) -> list[R
     return found
 
 
-def _transformed_s(maneuver: Maneuver) -> float:
-    """Duration of what was transformed: the record, or the periods after the first. [s]"""
+def _find_transformed_s(maneuver: Maneuver) -> float:
+    """Return the transformed duration: the record, or the periods after the first. [s]"""
     excitation = maneuver.excitation
     if excitation is None or excitation.n_periods == 1:
         return maneuver.duration_s
     return (excitation.n_periods - 1) * excitation.period_s
 
 
-def _margin(maneuver: Maneuver) -> float:
-    """What is recorded before and after the excitation. [s]"""
+def _find_margin(maneuver: Maneuver) -> float:
+    """Return the duration recorded before and after the excitation. [s]"""
     excitation = maneuver.excitation
     if excitation is None:
         return 0.0
     return max(0.0, maneuver.duration_s - excitation.n_periods * excitation.period_s)
 
 
-def _instruments(aircraft: Aircraft, outputs: tuple[OutputDefinition, ...]) -> Response:
-    chains = [output_instrument(aircraft, output) for output in outputs]
+def _build_instruments(aircraft: Aircraft, outputs: tuple[OutputDefinition, ...]) -> Response:
+    chains = [get_output_instrument(aircraft, output) for output in outputs]
     return lambda omega: np.stack([chain.response(omega) for chain in chains], axis=1)

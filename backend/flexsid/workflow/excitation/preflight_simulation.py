@@ -1,4 +1,4 @@
-"""Rehearsal: a design flown in simulation with a run's model, kept as a maneuver, and estimated."""
+"""Pre-flight simulation of a design with a run's model, stored as a maneuver and estimated."""
 
 from __future__ import annotations
 
@@ -12,37 +12,37 @@ from flexsid.records.aircraft import Aircraft, Surface
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.flight import Flight
 from flexsid.records.maneuver import Channel, Excitation, Maneuver, Role
-from flexsid.records.rehearsal import Rehearsal
+from flexsid.records.preflight_simulation import PreflightSimulation
 from flexsid.records.run import EstimationRun, RunState
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.model.instruments import Instrument
-from flexsid.sysid.model.laws import chain_of
-from flexsid.sysid.simulation.recording import pass_instruments
-from flexsid.sysid.simulation.rehearsal import Rehearsed, rehearse
-from flexsid.workflow.aircraft.aircraft_models import define_outputs, output_instrument
-from flexsid.workflow.excitation.excitation_designs import check_amplitudes, multisine_of
+from flexsid.sysid.model.laws import build_instrument_chain
+from flexsid.sysid.simulation.preflight_simulation import SimulatedFlight, simulate_flight
+from flexsid.sysid.simulation.recording import apply_instruments
+from flexsid.workflow.aircraft.aircraft_models import define_outputs, get_output_instrument
+from flexsid.workflow.excitation.excitation_designs import build_multisine, check_amplitudes
 from flexsid.workflow.excitation.predicted_accuracy import (
-    Circumstances,
-    circumstances,
-    expected_errors,
+    PredictionModel,
+    load_prediction_model,
+    predict_errors,
 )
-from flexsid.workflow.flutter.controllers import controller_at
-from flexsid.workflow.importing.persistence import largest_correlation
+from flexsid.workflow.flutter.controllers import interpolate_controller
+from flexsid.workflow.importing.persistence import compute_largest_correlation
 from flexsid.workflow.model_structures.run_results import refuse_altered
-from flexsid.workflow.runs.run_identity import identified
+from flexsid.workflow.runs.run_identity import add_hashes
 
 Report = Callable[[float, str], None]
 
 _TRIM_S, _SETTLE_S = 2.0, 4.0
 _RATE_HZ = 400.0  # at least this fast, in whole multiples of the design's rate
-_NUMBER = 0  # of the flight under which rehearsals are kept
+_NUMBER = 0  # of the flight that holds simulated maneuvers
 _LEVELS = ("low", "medium", "high")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RehearsedDerivative:
-    """A derivative of the model that flew, what was estimated, and what had been expected."""
+class SimulatedDerivative:
+    """A derivative: true value of the simulation, estimate, and predicted standard error."""
 
     name: str
     flown: float
@@ -52,62 +52,68 @@ class RehearsedDerivative:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RehearsalResult:
-    """A rehearsal, how far its run is, and the derivatives once it has succeeded."""
+class SimulationResult:
+    """A pre-flight simulation, the state of its run, and the derivatives when it succeeded."""
 
-    rehearsal: Rehearsal
+    simulation: PreflightSimulation
     label: str
     state: RunState
     correlation: float | None
-    derivatives: tuple[RehearsedDerivative, ...]
+    derivatives: tuple[SimulatedDerivative, ...]
 
 
-def rehearse_design(
+def simulate_design(
     store: Store,
     design: ExcitationDesign,
     run_id: int,
     level: int = 1,
     controller_id: int | None = None,
     report: Report | None = None,
-) -> Rehearsal:
-    """Fly one amplitude of a design, keep what the recorder would, and queue its estimation.
+) -> PreflightSimulation:
+    """Simulate one amplitude of a design, store the recorded channels and queue an estimation.
 
-    Model, condition, sensors, noise and what the model misses are the run's; surfaces
-    follow through their servos, commands come from the design and, where one is chosen,
-    from a controller.
+    Model, condition, sensors, noise and unmodelled response are the run's. Surfaces respond
+    through their servos; commands are those of the design and of a controller, if selected.
 
     Raises
     ------
     BadInput
-        If surfaces of the design are not of the model, or the aircraft diverges.
+        If the model lacks surfaces of the design, or the simulation diverges.
     """
-    tell = report or (lambda fraction, message: None)
-    at = circumstances(store, run_id)
+    report_progress = report or (lambda fraction, message: None)
+    at = load_prediction_model(store, run_id)
     flown = store.maneuvers.get(at.run.maneuver_id)
     aircraft = store.aircraft.get(flown.aircraft_id)
-    check_amplitudes(design.wish)
-    made = multisine_of(design, level)
-    rate = design.wish.rate_hz * int(np.ceil(_RATE_HZ / design.wish.rate_hz))
-    excitation = _excitation(at, made.sample, made.inputs, made.period_s, rate)
-    servos = {name: _servo(aircraft, name) for name in at.model.inputs}
+    check_amplitudes(design.specification)
+    multisine = build_multisine(design, level)
+    rate = design.specification.rate_hz * int(np.ceil(_RATE_HZ / design.specification.rate_hz))
+    excitation = _sample_excitation(
+        at, multisine.sample, multisine.inputs, multisine.period_s, rate
+    )
+    servos = {name: _get_servo(aircraft, name) for name in at.model.inputs}
     controller = None if controller_id is None else store.controllers.get(controller_id)
     if controller is not None and controller.aircraft_id != aircraft.id:
-        raise BadInput("the controller is of another aircraft", code="wrong-aircraft")
-    moved = rehearse(
+        raise BadInput(
+            "the controller belongs to another aircraft; select one of this aircraft",
+            code="wrong-aircraft",
+        )
+    moved = simulate_flight(
         at.model.state_space(at.parameters.table(at.parameters.start)),
-        chain_of([servos[name] for name in at.model.inputs], at.model.inputs),
+        build_instrument_chain([servos[name] for name in at.model.inputs], at.model.inputs),
         np.array([servos[name].delay_s for name in at.model.inputs]),
         excitation,
         rate,
-        None if controller is None else controller_at(controller, flown.condition.airspeed_m_s),
+        None
+        if controller is None
+        else interpolate_controller(controller, flown.condition.airspeed_m_s),
         0.0 if controller is None else controller.delay_s,
-        lambda share: tell(0.9 * share, "Flying"),
+        lambda share: report_progress(0.9 * share, "Simulating"),
     )
-    tell(0.9, "Recording")
-    channels = _channels(at, aircraft, moved, excitation, rate)
-    label = f"Rehearsal of {design.name}, {_LEVELS[level]}"
+    report_progress(0.9, "Recording")
+    channels = _simulate_channels(at, aircraft, moved, excitation, rate)
+    label = f"Simulation of {design.name}, {_LEVELS[level]}"
     with store.transaction():
-        flight = _flight(store, aircraft)
+        flight = _find_flight(store, aircraft)
         maneuver = store.maneuvers.add(
             Maneuver(
                 aircraft_id=flown.aircraft_id,
@@ -119,10 +125,10 @@ def rehearse_design(
                 fta=design.fta,
                 axis=flown.axis,
                 excitation=Excitation(
-                    period_s=made.period_s, harmonics=made.harmonics(), start_s=_TRIM_S
+                    period_s=multisine.period_s, harmonics=multisine.harmonics(), start_s=_TRIM_S
                 ),
                 airspeed_ratio=flown.airspeed_ratio,
-                max_input_correlation=largest_correlation(
+                max_input_correlation=compute_largest_correlation(
                     [samples for _, _, role, samples in channels if role is Role.INPUT]
                 ),
                 note=f"Simulated with the model of run {run_id}, "
@@ -130,7 +136,7 @@ def rehearse_design(
             )
         )
         for name, unit, role, samples in channels:
-            kept = samples.astype(np.float32)
+            stored = samples.astype(np.float32)
             store.channels.add(
                 Channel(
                     maneuver_id=maneuver.id,
@@ -139,13 +145,13 @@ def rehearse_design(
                     role=role,
                     rate_hz=rate,
                     start_s=0.0,
-                    n_samples=kept.size,
-                    array=store.arrays.put(kept, unit),
+                    n_samples=stored.size,
+                    array=store.arrays.put(stored, unit),
                 )
             )
         run = queue.add(
             store,
-            identified(
+            add_hashes(
                 store,
                 EstimationRun(
                     maneuver_id=maneuver.id or 0,
@@ -153,15 +159,17 @@ def rehearse_design(
                     structure=replace(
                         at.run.structure, inputs=at.model.inputs, outputs=at.model.outputs
                     ),
-                    settings=replace(at.run.settings, together_with=(), start_run_id=None),
+                    settings=replace(
+                        at.run.settings, additional_maneuver_ids=(), start_run_id=None
+                    ),
                     modal_table_id=at.run.modal_table_id,
                     damping_table_id=at.run.damping_table_id,
                     prediction_id=at.run.prediction_id,
                 ),
             ),
         )
-        return store.rehearsals.add(
-            Rehearsal(
+        return store.preflight_simulations.add(
+            PreflightSimulation(
                 design_id=design.id or 0,
                 level=level,
                 model_run_id=run_id,
@@ -172,28 +180,30 @@ def rehearse_design(
         )
 
 
-def rehearsal_results(store: Store, design: ExcitationDesign) -> tuple[RehearsalResult, ...]:
-    """The rehearsals of a design, newest first, with what their runs made of them."""
-    found = store.rehearsals.find(design_id=design.id)
-    return tuple(_result(store, design, one) for one in reversed(found))
+def list_simulations(store: Store, design: ExcitationDesign) -> tuple[SimulationResult, ...]:
+    """List the pre-flight simulations of a design with their estimates, newest first."""
+    found = store.preflight_simulations.find(design_id=design.id)
+    return tuple(_summarise(store, design, one) for one in reversed(found))
 
 
-def _result(store: Store, design: ExcitationDesign, one: Rehearsal) -> RehearsalResult:
+def _summarise(
+    store: Store, design: ExcitationDesign, one: PreflightSimulation
+) -> SimulationResult:
     run, model = store.runs.get(one.run_id), store.runs.get(one.model_run_id)
     maneuver = store.maneuvers.get(one.maneuver_id)
-    rows: tuple[RehearsedDerivative, ...] = ()
+    rows: tuple[SimulatedDerivative, ...] = ()
     refuse_altered(run)
     refuse_altered(model)
     if run.result is not None and model.result is not None:
-        truth = {row.name: row.value for row in model.result.parameters}
+        true_values = {row.name: row.value for row in model.result.parameters}
         expected = {
             row.name: row.std_error
-            for row in expected_errors(store, design, one.model_run_id, one.level).items
+            for row in predict_errors(store, design, one.model_run_id, one.level).items
         }
         rows = tuple(
-            RehearsedDerivative(
+            SimulatedDerivative(
                 name=row.name,
-                flown=truth[row.name],
+                flown=true_values[row.name],
                 estimate=row.value,
                 std_error=row.std_error,
                 expected=expected[row.name],
@@ -201,8 +211,8 @@ def _result(store: Store, design: ExcitationDesign, one: Rehearsal) -> Rehearsal
             for row in run.result.parameters
             if row.name in expected
         )
-    return RehearsalResult(
-        rehearsal=one,
+    return SimulationResult(
+        simulation=one,
         label=maneuver.label,
         state=run.state,
         correlation=maneuver.max_input_correlation,
@@ -210,14 +220,14 @@ def _result(store: Store, design: ExcitationDesign, one: Rehearsal) -> Rehearsal
     )
 
 
-def _excitation(
-    at: Circumstances,
+def _sample_excitation(
+    at: PredictionModel,
     sample: Callable[[np.ndarray], np.ndarray],
     inputs: tuple[str, ...],
     period_s: float,
     rate: float,
 ) -> np.ndarray:
-    """Commands of all the model's inputs from trim to rest, (n_samples, n_u)."""
+    """Sample the commands of all inputs of the model from trim to rest, (n_samples, n_u)."""
     foreign = [name for name in inputs if name not in at.model.inputs]
     if foreign:
         raise BadInput(
@@ -232,10 +242,14 @@ def _excitation(
     return excitation
 
 
-def _channels(
-    at: Circumstances, aircraft: Aircraft, moved: Rehearsed, excitation: np.ndarray, rate: float
+def _simulate_channels(
+    at: PredictionModel,
+    aircraft: Aircraft,
+    moved: SimulatedFlight,
+    excitation: np.ndarray,
+    rate: float,
 ) -> list[tuple[str, str, Role, np.ndarray]]:
-    """What the recorder keeps: surfaces, noisy outputs, the excitation; in SI."""
+    """Simulate the recorded channels: surfaces, noisy outputs, excitation; in SI."""
     model, surfaces = at.model, {surface.name: surface for surface in aircraft.surfaces}
     true = np.stack(
         [
@@ -247,10 +261,12 @@ def _channels(
     sensed = [
         aircraft.instruments.get(surfaces[n].instrument or "", Instrument()) for n in model.inputs
     ]
-    seen = pass_instruments(true, rate, sensed)
+    seen = apply_instruments(true, rate, sensed)
     outputs = define_outputs(aircraft, model.outputs)
-    read = pass_instruments(moved.outputs, rate, [output_instrument(aircraft, o) for o in outputs])
-    read += _missed(at, excitation, rate) + _noise(at, read.shape[0], rate)
+    read = apply_instruments(
+        moved.outputs, rate, [get_output_instrument(aircraft, o) for o in outputs]
+    )
+    read += _simulate_unmodelled(at, excitation, rate) + _draw_noise(at, read.shape[0], rate)
     units = {"accelerometer": "m/s2", "gyro": "rad/s", "strain": "strain"}
     rows = [(name, "rad", Role.INPUT, seen[:, k]) for k, name in enumerate(model.inputs)]
     rows += [
@@ -264,24 +280,24 @@ def _channels(
     return rows
 
 
-def _missed(at: Circumstances, excitation: np.ndarray, rate: float) -> np.ndarray:
-    """What the run's model leaves of recorded outputs, per command as it was."""
+def _simulate_unmodelled(at: PredictionModel, excitation: np.ndarray, rate: float) -> np.ndarray:
+    """Simulate the response that the run's model does not explain, by command."""
     n_samples = excitation.shape[0]
     omega = 2.0 * np.pi * np.fft.rfftfreq(n_samples, 1.0 / rate)
     inside = (omega >= at.band[0]) & (omega <= at.band[1])
     commands = np.fft.rfft(excitation, axis=0)[inside]
     spectrum = np.zeros((omega.size, len(at.model.outputs)), dtype=complex)
-    for name, missed in at.flown.missed.items():
+    for name, missed in at.noise_model.unmodelled_responses.items():
         own = commands[:, [at.model.inputs.index(name)]]
         spectrum[inside] += missed(omega[inside]) * own
     return np.fft.irfft(spectrum, n_samples, axis=0)
 
 
-def _noise(at: Circumstances, n_samples: int, rate: float) -> np.ndarray:
-    """Noise of the run's density, coloured and correlated as it was, the same every time."""
+def _draw_noise(at: PredictionModel, n_samples: int, rate: float) -> np.ndarray:
+    """Draw noise with the run's spectral density matrix from a fixed seed."""
     rng = np.random.default_rng([at.run.id or 0, n_samples])
     omega = 2.0 * np.pi * np.fft.rfftfreq(n_samples, 1.0 / rate)[1:-1]
-    density = at.flown.noise(omega)
+    density = at.noise_model.noise(omega)
     n_y = density.shape[1]
     values, vectors = np.linalg.eigh(density)
     root = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
@@ -292,7 +308,7 @@ def _noise(at: Circumstances, n_samples: int, rate: float) -> np.ndarray:
     return np.fft.irfft(spectrum, n_samples, axis=0)
 
 
-def _flight(store: Store, aircraft: Aircraft) -> Flight:
+def _find_flight(store: Store, aircraft: Aircraft) -> Flight:
     assert aircraft.id is not None
     known = store.flights.find(aircraft_id=aircraft.id, number=_NUMBER)
     if known:
@@ -301,11 +317,11 @@ def _flight(store: Store, aircraft: Aircraft) -> Flight:
         Flight(
             aircraft_id=aircraft.id,
             number=_NUMBER,
-            description="Rehearsals: simulated, never flown",
+            description="Pre-flight simulations",
         )
     )
 
 
-def _servo(aircraft: Aircraft, name: str) -> Instrument:
+def _get_servo(aircraft: Aircraft, name: str) -> Instrument:
     surface = next((one for one in aircraft.surfaces if one.name == name), Surface(name=name))
     return aircraft.instruments.get(surface.servo or surface.actuator or "", Instrument())

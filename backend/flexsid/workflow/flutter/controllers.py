@@ -1,4 +1,4 @@
-"""Controllers: taken over from state-space matrices or transfer functions, and read at a speed."""
+"""Controllers: import of state-space matrices or transfer functions, interpolation in airspeed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flexsid.importers.source import Sources
 from flexsid.records.controller import ControlLaw, Controller
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import StateSpace
-from flexsid.sysid.model.laws import Law, check_laws, from_transfer, law_at
+from flexsid.sysid.model.laws import Law, check_laws, realise_transfer_functions, schedule_law
 
 _MATRICES = ("A", "B", "C", "D")
 _EXAMPLE = (
@@ -25,12 +25,12 @@ _EXAMPLE = (
 
 
 def add_controller(store: Store, controller: Controller) -> Controller:
-    """Keep a controller whose matrices fit.
+    """Store a controller after checking its matrices.
 
     Raises
     ------
     BadInput
-        If a matrix has a wrong shape, or a surface is not the aircraft's.
+        If a matrix has a wrong shape, or the aircraft lacks a surface.
     """
     check_laws(_laws(controller), controller.reads, controller.drives)
     aircraft = store.aircraft.get(controller.aircraft_id)
@@ -38,19 +38,21 @@ def add_controller(store: Store, controller: Controller) -> Controller:
     for name in controller.drives:
         if name not in surfaces:
             raise BadInput(
-                f"the controller drives '{name}', which {aircraft.name} has not; its surfaces are"
+                f"the controller drives '{name}', not a surface of {aircraft.name}; it has"
                 f" {', '.join(surfaces)}",
                 code="unknown-input",
                 input=name,
             )
     if not 0.0 <= controller.delay_s < 1.0:
-        raise BadInput(f"a delay of {controller.delay_s:g} s is none that a loop could bear")
+        raise BadInput(
+            f"the delay is {controller.delay_s:g} s; expected at least 0 and less than 1 s"
+        )
     return store.controllers.add(replace(controller, id=None))
 
 
-def controller_at(controller: Controller, airspeed_m_s: float) -> StateSpace:
-    """Matrices of a controller at an airspeed, its delay left out."""
-    return law_at(_laws(controller), airspeed_m_s, controller.reads, controller.drives)
+def interpolate_controller(controller: Controller, airspeed_m_s: float) -> StateSpace:
+    """Interpolate the matrices of a controller at an airspeed, without its delay."""
+    return schedule_law(_laws(controller), airspeed_m_s, controller.reads, controller.drives)
 
 
 def read_controller(text: str, aircraft_id: int, name: str) -> Controller:
@@ -59,14 +61,14 @@ def read_controller(text: str, aircraft_id: int, name: str) -> Controller:
     Raises
     ------
     BadInput
-        If the text is no JSON, or not of the two forms.
+        If the text is not JSON, or of neither form.
     """
     try:
         content = json.loads(text)
     except ValueError as error:
-        raise BadInput(f"the controller is no JSON: {error}; {_EXAMPLE}") from error
+        raise BadInput(f"the controller is not valid JSON: {error}; {_EXAMPLE}") from error
     if not isinstance(content, dict):
-        raise BadInput(f"the controller is no JSON object; {_EXAMPLE}")
+        raise BadInput(f"the controller is not a JSON object; {_EXAMPLE}")
     reads, drives = (_names(content, key) for key in ("reads", "drives"))
     if "transfer" in content:
         laws = (_from_transfer(content["transfer"], reads, drives),)
@@ -88,15 +90,15 @@ def read_controller(text: str, aircraft_id: int, name: str) -> Controller:
     )
 
 
-def controller_of_matrices(
+def read_matrices(
     sources: Sources, aircraft_id: int, name: str, reads: Sequence[str], drives: Sequence[str]
 ) -> Controller:
-    """Take the matrices A, B, C, D of a MATLAB file."""
+    """Read a controller from the matrices A, B, C, D of a MATLAB file."""
     found = {}
     for matrix in _MATRICES:
         if not sources.has(matrix):
             if matrix == "D":
-                raise BadInput("the file holds no matrix D; save A, B, C and D as variables")
+                raise BadInput("the file has no matrix D; save A, B, C and D as variables")
             continue
         _, values = sources.find(matrix)
         found[matrix] = np.atleast_2d(np.asarray(values, dtype=float)).tolist()
@@ -108,7 +110,7 @@ def controller_of_matrices(
 
 def _from_matrices(content: object, reads: tuple[str, ...], drives: tuple[str, ...]) -> ControlLaw:
     if not isinstance(content, Mapping) or "D" not in content:
-        raise BadInput(f"a law lacks its matrices, at least D; {_EXAMPLE}")
+        raise BadInput(f"a control law has no matrix D; {_EXAMPLE}")
     A = _matrix(content.get("A", []), "A", None)
     n = A.shape[0]
     shapes = {"B": (n, len(reads)), "C": (len(drives), n), "D": (len(drives), len(reads))}
@@ -122,7 +124,7 @@ def _from_matrices(content: object, reads: tuple[str, ...], drives: tuple[str, .
 
 def _from_transfer(content: object, reads: tuple[str, ...], drives: tuple[str, ...]) -> ControlLaw:
     if not isinstance(content, Mapping):
-        raise BadInput(f"'transfer' must hold functions by surface and signal; {_EXAMPLE}")
+        raise BadInput(f"'transfer' must have transfer functions by surface and signal; {_EXAMPLE}")
     elements = {}
     for surface, by_signal in content.items():
         if surface not in drives or not isinstance(by_signal, Mapping):
@@ -136,7 +138,7 @@ def _from_transfer(content: object, reads: tuple[str, ...], drives: tuple[str, .
                 for key in ("num", "den")
             ]
             elements[where] = parts[0], parts[1]
-    return _record(Law(0.0, *from_transfer(elements, len(drives), len(reads))))
+    return _record(Law(0.0, *realise_transfer_functions(elements, len(drives), len(reads))))
 
 
 def _matrix(content: object, name: str, shape: tuple[int, int] | None) -> np.ndarray:
@@ -145,7 +147,7 @@ def _matrix(content: object, name: str, shape: tuple[int, int] | None) -> np.nda
     try:
         values = np.asarray(content, dtype=float)
     except (TypeError, ValueError) as error:
-        raise BadInput(f"{name} is no matrix of numbers; {_EXAMPLE}") from error
+        raise BadInput(f"{name} is not a numeric matrix; {_EXAMPLE}") from error
     if values.size == 0:
         return np.zeros((0, 0))
     return np.atleast_2d(values)
@@ -162,7 +164,7 @@ def _names(content: Mapping[str, Any], key: str) -> tuple[str, ...]:
     if not isinstance(listed, list) or not listed or not all(isinstance(x, str) for x in listed):
         raise BadInput(f"'{key}' must list names; {_EXAMPLE}")
     if len(set(listed)) < len(listed):
-        raise BadInput(f"'{key}' names something twice: {', '.join(listed)}")
+        raise BadInput(f"'{key}' has duplicate names: {', '.join(listed)}")
     return tuple(listed)
 
 

@@ -1,4 +1,4 @@
-"""Flutter from identified runs: fused, at any loading and air, with what is not known said."""
+"""Flutter prediction from fused identified models, at any loading and air density."""
 
 from __future__ import annotations
 
@@ -19,88 +19,88 @@ from flexsid.records.flutter import (
     TrackerForecast,
 )
 from flexsid.storage.store import Store
-from flexsid.sysid.stability.equivalent import separation
-from flexsid.sysid.stability.flutter import FlutterCrossing, follow_roots
+from flexsid.sysid.stability.equivalent import compute_separation
+from flexsid.sysid.stability.flutter import FlutterCrossing, track_roots
+from flexsid.sysid.stability.flutter_extrapolation import (
+    TestPoint,
+    extrapolate_damping,
+    extrapolate_envelope,
+    extrapolate_flutter_margin,
+)
 from flexsid.sysid.stability.prediction import (
     FlutterPrediction,
     IdentifiedModes,
 )
-from flexsid.sysid.stability.trackers import (
-    TestPoint,
-    damping_extrapolation,
-    envelope_function,
-    flutter_margin,
-)
-from flexsid.workflow.aircraft.flight_condition import standard_density
+from flexsid.workflow.aircraft.flight_condition import compute_standard_density
 from flexsid.workflow.flutter.flutter_models import (
     NEXT,
-    Answered,
+    FlutterModels,
     FlutterQuery,
     Group,
-    models_of,
-    named,
-    remembered_of,
-    spread_about,
+    compute_spread,
+    fuse_runs,
+    load_cached,
+    name_motion,
 )
 from flexsid.workflow.flutter.flutter_roots import (
-    equivalent_lines,
-    equivalent_points,
-    flutter_roots,
+    fit_equivalent_lines,
+    list_equivalent_points,
+    trace_flutter_roots,
 )
-from flexsid.workflow.flutter.run_flutter import FlownRun, Others, flown
-from flexsid.workflow.flutter.test_point_margin import is_safe, margin_of
+from flexsid.workflow.flutter.run_flutter import RunModel, UnmodelledModes, load_run_models
+from flexsid.workflow.flutter.test_point_margin import describe_margin, is_safe
 
 __all__ = [
     "FlutterQuery",
     "FusedModel",
-    "Others",
-    "flutter",
-    "flutter_map",
-    "flutter_roots",
-    "foretell",
-    "fused_model",
+    "UnmodelledModes",
+    "analyse_flutter",
+    "compute_flutter",
+    "fuse_model",
+    "map_flutter_speed",
+    "trace_flutter_roots",
 ]
 
-_STEP = 1.02  # of an airspeed: closer ones are one step of a campaign
-_TRACKERS = {
-    "Damping extrapolation": damping_extrapolation,
-    "Flutter margin (Zimmerman-Weissenburger)": flutter_margin,
-    "Envelope function": envelope_function,
+_STEP = 1.02  # ratio of airspeeds: closer ones are one step of a campaign
+_METHODS = {
+    "Damping extrapolation": extrapolate_damping,
+    "Flutter margin (Zimmerman-Weissenburger)": extrapolate_flutter_margin,
+    "Envelope function": extrapolate_envelope,
 }
 
 
-def flutter(store: Store, question: FlutterQuery) -> Flutter:
-    """Say where the aircraft of these runs loses stability, and what the next point risks.
+def analyse_flutter(store: Store, query: FlutterQuery) -> Flutter:
+    """Predict the flutter speed from identified runs, and the margin of the next test point.
 
     Raises
     ------
     BadInput
         If there is no run, runs are of several aircraft, or the loading is impossible.
     """
-    return remembered_of(store, "flutter", question, lambda: _tell(store, question))
+    return load_cached(store, "flutter", query, lambda: _analyse(store, query))
 
 
-def _tell(store: Store, question: FlutterQuery) -> Flutter:
-    answer = models_of(store, question)
-    best = answer.best.prediction
-    tested = answer.at.tested
-    following = question.next_m_s or NEXT * tested
+def _analyse(store: Store, query: FlutterQuery) -> Flutter:
+    models = fuse_runs(store, query)
+    best = models.best.prediction
+    tested = models.at.tested
+    next_speed = query.next_m_s or NEXT * tested
     interval, crossing = best.interval, best.crossing
-    known = answer.at.aircraft.flutter
+    known = models.at.aircraft.flutter
     return Flutter(
-        sentence=f"{best.sentence} {_searched(answer)}",
+        sentence=f"{best.sentence} {_describe_search(models)}",
         refusal=best.refusal,
-        searched_from_m_s=answer.at.band[0],
-        searched_to_m_s=answer.at.band[1],
-        next_point=margin_of(answer, following),
-        safe=is_safe(answer, following),
-        fuel_fraction=answer.fuel,
-        density_kg_m3=answer.at.density,
+        searched_from_m_s=models.at.band[0],
+        searched_to_m_s=models.at.band[1],
+        test_point_margin=describe_margin(models, next_speed),
+        safe=is_safe(models, next_speed),
+        fuel_fraction=models.fuel,
+        density_kg_m3=models.at.density,
         tested_m_s=tested,
         margin=None if crossing is None else crossing.airspeed / tested - 1.0,
-        next_m_s=following,
+        next_m_s=next_speed,
         airspeed_m_s=None if crossing is None else crossing.airspeed,
-        airspeed_std_m_s=_known(best.airspeed_std),
+        airspeed_std_m_s=_get_finite(best.airspeed_std),
         spread_m_s=best.spread,
         modal_std_m_s=best.modal_std,
         low_m_s=None if interval is None else interval[0],
@@ -110,53 +110,53 @@ def _tell(store: Store, question: FlutterQuery) -> Flutter:
         participation=()
         if crossing is None
         else tuple(
-            Participation(name=named(answer.at.modes, motion), share=share)
+            Participation(name=name_motion(models.at.modes, motion), share=share)
             for motion, share in sorted(crossing.participation.items(), key=lambda x: -x[1])
         ),
-        known_m_s=None
+        predicted_flutter_m_s=None
         if known is None
-        else float(np.interp(answer.fuel, known.fuel, known.speed_m_s)),
+        else float(np.interp(models.fuel, known.fuel, known.speed_m_s)),
         structures=tuple(
-            _structure(group, preferred=group is answer.best) for group in answer.groups
+            _summarise_structure(group, preferred=group is models.best) for group in models.groups
         ),
-        runs=tuple(_single(store, answer, part) for part in answer.best.parts),
-        progress=_progress(store, answer),
-        trackers=_trackers(answer),
-        equivalents=equivalent_lines(store, answer),
-        equivalent_points=equivalent_points(store, answer),
+        runs=tuple(_summarise_run(store, models, part) for part in models.best.parts),
+        progress=_list_progress(store, models),
+        trackers=_extrapolate(models),
+        equivalents=fit_equivalent_lines(store, models),
+        equivalent_points=list_equivalent_points(store, models),
     )
 
 
-def flutter_map(store: Store, question: FlutterQuery) -> FlutterMap:
-    """Flutter speed over fuel and altitude from the preferred structure's runs."""
-    return remembered_of(store, "map", question, lambda: _map(store, question))
+def map_flutter_speed(store: Store, query: FlutterQuery) -> FlutterMap:
+    """Map flutter speed over fuel and altitude with the preferred model structure."""
+    return load_cached(store, "map", query, lambda: _compute_map(store, query))
 
 
-def _map(store: Store, question: FlutterQuery) -> FlutterMap:
-    answer = models_of(store, question)
+def _compute_map(store: Store, query: FlutterQuery) -> FlutterMap:
+    models = fuse_runs(store, query)
     fuel, altitude = np.linspace(0.0, 1.0, 9), np.linspace(0.0, 6000.0, 7)
     speeds = np.full((altitude.size, fuel.size), np.nan)
-    band = np.linspace(*answer.at.band, 60)
+    band = np.linspace(*models.at.band, 60)
     for column, share in enumerate(fuel.tolist()):
-        aircraft = answer.fused_at(store, answer.best.parts, share).aircraft
+        aircraft = models.fuse(store, models.best.parts, share).aircraft
         for row, height in enumerate(altitude):
-            locus = follow_roots(aircraft, band, standard_density(float(height)))
-            crossing = next((c for c in locus.crossings if not _is_passed(c, answer)), None)
-            if crossing is not None and not answer.best.prediction.refusal:
+            locus = track_roots(aircraft, band, compute_standard_density(float(height)))
+            crossing = next((c for c in locus.crossings if not _is_passed(c, models)), None)
+            if crossing is not None and not models.best.prediction.refusal:
                 speeds[row, column] = crossing.airspeed
     return FlutterMap(fuel=fuel, altitude_m=altitude, airspeed_m_s=speeds)
 
 
-def _is_passed(crossing: FlutterCrossing, answer: Answered) -> bool:
-    """Whether an instability ends below the fastest speed flown."""
-    return crossing.recovers_at is not None and crossing.recovers_at < answer.at.tested
+def _is_passed(crossing: FlutterCrossing, models: FlutterModels) -> bool:
+    """Return whether an instability ends below the fastest speed flown."""
+    return crossing.recovers_at is not None and crossing.recovers_at < models.at.tested
 
 
 @dataclass(frozen=True, slots=True)
 class FusedModel:
-    """The preferred model of several runs at one loading, to be flown at any speed.
+    """Preferred fused model of several runs at one loading.
 
-    ``others`` are what the same runs say in other structures.
+    ``others`` are models of the same runs in other model structures.
     """
 
     aircraft: Aircraft
@@ -167,44 +167,46 @@ class FusedModel:
     tested_m_s: float
 
 
-def foretell(store: Store, question: FlutterQuery, report: Callable[[float, str], None]) -> None:
-    """Find everything that is asked of runs, run by run, so that it is there when asked for.
+def compute_flutter(
+    store: Store, query: FlutterQuery, report: Callable[[float, str], None]
+) -> None:
+    """Compute all flutter results run by run and cache them.
 
     Parameters
     ----------
-    store, question
+    store, query
         As for ``flutter``.
     report
-        Told the share that is done and what is done next; may raise to stop.
+        Called with the completed fraction and the next step; may raise to stop.
     """
-    numbers = list(dict.fromkeys(question.run_ids))
+    numbers = list(dict.fromkeys(query.run_ids))
     for k, number in enumerate(numbers):
-        report(0.6 * k / len(numbers), f"Putting run {number} together")
-        flown(store, number, question.others)
+        report(0.6 * k / len(numbers), f"Loading run {number}")
+        load_run_models(store, number, query.unmodelled_modes)
     for share, words, find in (
-        (0.6, "Predicting flutter", flutter),
-        (0.8, "Following roots", flutter_roots),
-        (0.9, "Drawing the map", flutter_map),
+        (0.6, "Predicting flutter", analyse_flutter),
+        (0.8, "Tracing roots", trace_flutter_roots),
+        (0.9, "Mapping flutter speed", map_flutter_speed),
     ):
         report(share, words)
-        find(store, question)
+        find(store, query)
 
 
-def fused_model(store: Store, question: FlutterQuery) -> FusedModel:
-    """Fuse the runs of a question as their flutter forecast does."""
-    answer = models_of(store, question)
-    others = tuple(group.found for group in answer.groups if group is not answer.best)
+def fuse_model(store: Store, query: FlutterQuery) -> FusedModel:
+    """Fuse runs as for their flutter prediction."""
+    models = fuse_runs(store, query)
+    others = tuple(group.found for group in models.groups if group is not models.best)
     return FusedModel(
-        answer.at.aircraft,
-        answer.best.found,
+        models.at.aircraft,
+        models.best.found,
         others,
-        answer.fuel,
-        answer.at.density,
-        answer.at.tested,
+        models.fuel,
+        models.at.density,
+        models.at.tested,
     )
 
 
-def _structure(group: Group, *, preferred: bool) -> StructureForecast:
+def _summarise_structure(group: Group, *, preferred: bool) -> StructureForecast:
     found, prediction, last = group.found, group.prediction, group.parts[-1]
     numbers = found.aircraft.modes.numbers
     free = {int(row) - 2 for row in found.uncertain.rows}
@@ -213,10 +215,12 @@ def _structure(group: Group, *, preferred: bool) -> StructureForecast:
         run_ids=tuple(part.run.id or 0 for part in group.parts),
         modes=tuple(n for k, n in enumerate(numbers) if k in free),
         held_modes=tuple(n for k, n in enumerate(numbers) if k not in free),
-        left_out_modes=last.left_out,
+        unmodelled_modes=last.omitted_modes,
         source=last.source,
         airspeed_m_s=None if crossing is None else crossing.airspeed,
-        airspeed_std_m_s=_known(float(np.hypot(prediction.airspeed_std, prediction.modal_std))),
+        airspeed_std_m_s=_get_finite(
+            float(np.hypot(prediction.airspeed_std, prediction.modal_std))
+        ),
         frequency_rad_s=None if crossing is None else crossing.frequency,
         sentence=prediction.sentence,
         preferred=preferred,
@@ -224,9 +228,9 @@ def _structure(group: Group, *, preferred: bool) -> StructureForecast:
     )
 
 
-def _single(store: Store, answer: Answered, part: FlownRun) -> RunForecast:
-    found = answer.fused_at(store, [part], answer.fuel)
-    prediction = answer.at.predict(found, [part], answer.fuel)
+def _summarise_run(store: Store, models: FlutterModels, part: RunModel) -> RunForecast:
+    found = models.fuse(store, [part], models.fuel)
+    prediction = models.at.predict(found, [part], models.fuel)
     crossing = prediction.crossing
     short = part.poles.get("SP", 0j)
     elastic = [abs(pole) for name, pole in part.poles.items() if name != "SP"]
@@ -235,58 +239,62 @@ def _single(store: Store, answer: Answered, part: FlownRun) -> RunForecast:
         label=part.maneuver.label,
         tested_m_s=part.maneuver.condition.airspeed_m_s,
         airspeed_m_s=None if crossing is None else crossing.airspeed,
-        airspeed_std_m_s=_known(float(np.hypot(prediction.airspeed_std, prediction.modal_std))),
+        airspeed_std_m_s=_get_finite(
+            float(np.hypot(prediction.airspeed_std, prediction.modal_std))
+        ),
         sentence=prediction.sentence,
-        separation=separation(elastic, abs(short)) if elastic and short.imag > 0.0 else None,
+        separation=compute_separation(elastic, abs(short))
+        if elastic and short.imag > 0.0
+        else None,
     )
 
 
-def _progress(store: Store, answer: Answered) -> tuple[ProgressForecast, ...]:
-    """What was known after every airspeed of the campaign, structures and their spread."""
+def _list_progress(store: Store, models: FlutterModels) -> tuple[ProgressForecast, ...]:
+    """List the flutter prediction after every airspeed of the campaign, with structure spread."""
     steps: list[float] = []
-    for speed in sorted(part.maneuver.condition.airspeed_m_s for part in answer.best.parts):
+    for speed in sorted(part.maneuver.condition.airspeed_m_s for part in models.best.parts):
         if steps and speed < _STEP * steps[-1]:
             steps[-1] = speed
         else:
             steps.append(speed)
-    return tuple(_until(store, answer, speed) for speed in steps)
+    return tuple(_predict_until(store, models, speed) for speed in steps)
 
 
-def _until(store: Store, answer: Answered, speed: float) -> ProgressForecast:
+def _predict_until(store: Store, models: FlutterModels, speed: float) -> ProgressForecast:
     def predict(group: Group) -> FlutterPrediction | None:
         parts = [p for p in group.parts if p.maneuver.condition.airspeed_m_s <= speed]
         if not parts:
             return None
-        return answer.predict(store, parts)
+        return models.predict(store, parts)
 
-    best = predict(answer.best)
+    best = predict(models.best)
     assert best is not None  # its parts gave the speed
     others = [
-        replace(group, prediction=told)
-        for group in answer.groups[1:]
-        if (told := predict(group)) is not None
+        replace(group, prediction=prediction)
+        for group in models.groups[1:]
+        if (prediction := predict(group)) is not None
     ]
     interval, crossing = best.interval, best.crossing
     if crossing is not None:
-        interval = replace(best, spread=spread_about(crossing.airspeed, others)).interval
+        interval = replace(best, spread=compute_spread(crossing.airspeed, others)).interval
     return ProgressForecast(
         tested_m_s=speed,
-        n_runs=sum(p.maneuver.condition.airspeed_m_s <= speed for p in answer.best.parts),
+        n_runs=sum(p.maneuver.condition.airspeed_m_s <= speed for p in models.best.parts),
         airspeed_m_s=None if crossing is None else crossing.airspeed,
         low_m_s=None if interval is None else interval[0],
         high_m_s=None if interval is None else interval[1],
     )
 
 
-def _trackers(answer: Answered) -> tuple[TrackerForecast, ...]:
-    """Classical trackers on the short period and the mode that dominates the flutter."""
-    found, best = answer.best.found, answer.best.prediction
+def _extrapolate(models: FlutterModels) -> tuple[TrackerForecast, ...]:
+    """Extrapolate damping, flutter margin and envelope of the short period and critical mode."""
+    found, best = models.best.found, models.best.prediction
     motions = found.aircraft.motions
     if best.crossing is not None:
         shares = best.crossing.participation
         motions = tuple(sorted(shares, key=lambda name: -shares[name]))
     elastic = [name for name in motions if name != "SP"]
-    critical = named(answer.at.modes, elastic[0]) if elastic else ""
+    critical = name_motion(models.at.modes, elastic[0]) if elastic else ""
     points = [
         TestPoint(
             part.maneuver.condition.airspeed_m_s,
@@ -294,13 +302,13 @@ def _trackers(answer: Answered) -> tuple[TrackerForecast, ...]:
             part.poles[critical],
             part.poles["SP"],
         )
-        for part in answer.best.parts
+        for part in models.best.parts
         if critical in part.poles and "SP" in part.poles
     ]
     result = []
-    for name, tracker in _TRACKERS.items():
+    for name, extrapolate in _METHODS.items():
         try:
-            speed = tracker(points)
+            speed = extrapolate(points)
             sentence = f"Extrapolated from {len(points)} test points of {critical} and SP."
         except FlexsidError as reason:
             speed, sentence = None, str(reason)
@@ -308,14 +316,14 @@ def _trackers(answer: Answered) -> tuple[TrackerForecast, ...]:
     return tuple(result)
 
 
-def _searched(answer: Answered) -> str:
-    """Sentence on the speeds in which crossings were looked for."""
-    low, high = answer.at.band
+def _describe_search(models: FlutterModels) -> str:
+    """Describe the searched range of airspeed."""
+    low, high = models.at.band
     return (
-        f"Searched from {low:.1f} to {high:.1f} m/s, {low / answer.at.tested:.2g} to"
-        f" {high / answer.at.tested:.2g} times the fastest speed flown; nothing is known beyond."
+        f"Searched from {low:.1f} to {high:.1f} m/s, {low / models.at.tested:.2g} to"
+        f" {high / models.at.tested:.2g} times the fastest speed flown."
     )
 
 
-def _known(std: float) -> float | None:
+def _get_finite(std: float) -> float | None:
     return std if np.isfinite(std) else None

@@ -1,4 +1,4 @@
-"""Models to foretell flutter with: runs put together again, at one loading, fused by structure."""
+"""Models for flutter prediction: identified runs at one loading, fused by model structure."""
 
 from __future__ import annotations
 
@@ -16,33 +16,33 @@ from flexsid.sysid.stability.flight_evidence import FlownPoint
 from flexsid.sysid.stability.prediction import (
     FlutterPrediction,
     IdentifiedModes,
-    at_own_crossing,
+    compute_structure_spread,
+    fuse_at_crossing,
     fuse_identified,
     fuse_with_trend,
     predict_flutter,
-    structure_spread,
 )
 from flexsid.sysid.stability.speeds import Aeroelastic
-from flexsid.workflow.aircraft.aircraft_models import flight_condition
-from flexsid.workflow.aircraft.flight_condition import complete_condition, standard_density
-from flexsid.workflow.cache import contents_of_runs, remembered
+from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
+from flexsid.workflow.aircraft.flight_condition import complete_condition, compute_standard_density
+from flexsid.workflow.cache import list_run_contents, load_or_compute
 from flexsid.workflow.flutter.run_flutter import (
-    FlownRun,
-    Others,
-    at_fuel,
-    flown,
-    modes_of,
-    with_fewer,
+    RunModel,
+    UnmodelledModes,
+    load_run_models,
+    load_run_modes,
+    refit_with_fewer_modes,
+    scale_to_fuel,
 )
 from flexsid.workflow.modal_data.aligned_modes import AircraftModes
-from flexsid.workflow.model_structures.run_results import result_of
+from flexsid.workflow.model_structures.run_results import get_result
 
 _T = TypeVar("_T")
 
 NEXT = 1.03
-"""Of the fastest point flown: the next one if nobody says another."""
+"""Default next test point, as a ratio of the fastest flown airspeed."""
 
-_BAND = (0.35, 2.0)  # of the fastest point flown: where flutter is looked for
+_BAND = (0.35, 2.0)  # of the fastest flown point: range of the flutter search
 _MOST_RUNS = 100  # in a prediction: minutes where each is fitted again
 _FUEL, _ALTITUDE_M, _NEXT_M_S = (0.0, 1.0), (-1000.0, 11_000.0), (0.1, 1000.0)
 _ALIKE = 0.25  # of the fuel: flutter speeds of FLEX-28 differ by less than 1 % over so much
@@ -51,35 +51,35 @@ _CONTRADICTED = -0.5  # log likelihood a value: residuals of two thirds more pow
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlutterQuery:
-    """Runs, and the loading and air to answer for; the fastest maneuver's by default.
+    """Runs, loading and air density of a flutter prediction; the fastest maneuver's by default.
 
-    Modes that a run left out are carried as predicted in a second fit around them, where a
-    prediction knows them, unless ``others`` leaves them to the static response that the
-    run's derivatives hold. With ``trend`` derivatives drift linearly with dynamic pressure,
-    where there are runs enough of a structure to tell.
+    Modes omitted by a run are included in a second fit with derivatives of a prediction that
+    has them, unless ``unmodelled_modes`` leaves them residualised in the run's derivatives.
+    With ``trend`` derivatives vary linearly with dynamic pressure, where a structure has
+    enough runs.
     """
 
     run_ids: tuple[int, ...]
     fuel: float | None = None
     altitude_m: float | None = None
     next_m_s: float | None = None
-    others: Others = Others.PREDICTED
+    unmodelled_modes: UnmodelledModes = UnmodelledModes.PREDICTED
     trend: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Runs of one structure, their derivatives fused, and where these lose stability."""
+    """Runs of one model structure with their fused derivatives and flutter prediction."""
 
-    parts: list[FlownRun]
+    parts: list[RunModel]
     found: IdentifiedModes
     prediction: FlutterPrediction
 
-    def told_apart(self, speed: float) -> float:
-        """A flutter speed of these runs as it counts in the spread about ``speed``. [m/s]
+    def weight_speed(self, speed: float) -> float:
+        """Return the flutter speed of these runs as weighted in the spread about ``speed``. [m/s]
 
-        What the last mode changed bounds what further modes would change, two standard
-        deviations away; another structure is as likely as the preferred one.
+        The change by the last mode bounds the change by further modes at two standard
+        deviations; another structure is as likely as the preferred one.
         """
         crossing = self.prediction.crossing
         if crossing is None:
@@ -90,7 +90,7 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class _At:
-    """What holds for all runs of a question: aircraft, air, fastest point, how to fuse."""
+    """Common to all runs of a query: aircraft, air density, fastest point, kind of fusion."""
 
     aircraft: Aircraft
     modes: AircraftModes
@@ -100,19 +100,19 @@ class _At:
 
     @property
     def band(self) -> tuple[float, float]:
-        """Airspeeds in which flutter is looked for. [m/s]"""
+        """Range of airspeed of the flutter search. [m/s]"""
         return _BAND[0] * self.tested, _BAND[1] * self.tested
 
     def predict(
-        self, found: IdentifiedModes, parts: Sequence[FlownRun], fuel: float, spread: float = 0.0
+        self, found: IdentifiedModes, parts: Sequence[RunModel], fuel: float, spread: float = 0.0
     ) -> FlutterPrediction:
-        """Where fused runs lose stability, compared with what was flown."""
-        called = {str(number): name for number, name in self.modes.names.items()}
+        """Predict flutter of fused runs and check the prediction against flown points."""
+        names = {str(number): name for number, name in self.modes.names.items()}
         flown_points = [self._evidence(part, fuel) for part in parts]
-        return predict_flutter(found, self.band, self.density, spread, called, flown_points)
+        return predict_flutter(found, self.band, self.density, spread, names, flown_points)
 
-    def _evidence(self, part: FlownRun, fuel: float) -> FlownPoint:
-        """What a run identified, at the airspeed of equal dynamic pressure in this air."""
+    def _evidence(self, part: RunModel, fuel: float) -> FlownPoint:
+        """Return identified roots of a run at the airspeed of equal dynamic pressure."""
         condition = part.maneuver.condition
         return replace(
             part.evidence,
@@ -122,8 +122,8 @@ class _At:
 
 
 @dataclass(frozen=True, slots=True)
-class Answered:
-    """Everything that an answer and its figures are made of; the preferred group is ``best``."""
+class FlutterModels:
+    """Fused models of a flutter query by model structure; the preferred group is ``best``."""
 
     at: _At
     groups: list[Group]
@@ -131,41 +131,41 @@ class Answered:
     fuel: float
 
     def predict(
-        self, store: Store, parts: Sequence[FlownRun], spread: float = 0.0
+        self, store: Store, parts: Sequence[RunModel], spread: float = 0.0
     ) -> FlutterPrediction:
-        """Where some or all runs of one structure lose stability, as flight allows."""
-        found = self.fused_at(store, parts, self.fuel)
+        """Predict flutter with some or all runs of one structure."""
+        found = self.fuse(store, parts, self.fuel)
         return self.at.predict(found, parts, self.fuel, spread)
 
-    def fused_at(self, store: Store, parts: Sequence[FlownRun], fuel: float) -> IdentifiedModes:
-        """Runs of one structure, some or all, fused at a loading."""
-        return _fused(store, parts, self.at, fuel)[0]
+    def fuse(self, store: Store, parts: Sequence[RunModel], fuel: float) -> IdentifiedModes:
+        """Fuse some or all runs of one structure at a loading."""
+        return _fuse(store, parts, self.at, fuel)[0]
 
 
-def models_of(store: Store, question: FlutterQuery) -> Answered:
-    """Put runs together, carry them to one loading and fuse those of one structure.
+def fuse_runs(store: Store, query: FlutterQuery) -> FlutterModels:
+    """Load runs, scale them to one loading and fuse those of one model structure.
 
     Raises
     ------
     BadInput
         If there is no run, runs are of several aircraft, or the loading is impossible.
     """
-    anywhere = replace(question, next_m_s=None)
-    return remembered_of(store, "models", anywhere, lambda: _models(store, anywhere))
+    any_speed = replace(query, next_m_s=None)
+    return load_cached(store, "models", any_speed, lambda: _models(store, any_speed))
 
 
-def _check(question: FlutterQuery) -> None:
-    """Refuse too many runs, percent taken as a fraction, feet as metres, impossible airspeeds."""
-    if len(set(question.run_ids)) > _MOST_RUNS:
+def _check(query: FlutterQuery) -> None:
+    """Check the number of runs, and fuel, altitude and airspeed for wrong units."""
+    if len(set(query.run_ids)) > _MOST_RUNS:
         raise BadInput(
-            f"{len(set(question.run_ids))} runs; expected at most {_MOST_RUNS}, since each may be"
-            " fitted again; choose one run of each maneuver, or the fastest maneuvers",
+            f"{len(set(query.run_ids))} runs; expected at most {_MOST_RUNS}, since each may be"
+            " fitted again; select one run of each maneuver, or the fastest maneuvers",
             code="too-many-runs",
         )
     for value, (low, high), what, unit in (
-        (question.fuel, _FUEL, "fuel fraction", "of full tanks (0.5 for 50 %)"),
-        (question.altitude_m, _ALTITUDE_M, "altitude", "m"),
-        (question.next_m_s, _NEXT_M_S, "airspeed of the next point", "m/s"),
+        (query.fuel, _FUEL, "fuel fraction", "of full tanks (0.5 for 50 %)"),
+        (query.altitude_m, _ALTITUDE_M, "altitude", "m"),
+        (query.next_m_s, _NEXT_M_S, "airspeed of the next point", "m/s"),
     ):
         if value is not None and not low <= value <= high:
             raise BadInput(
@@ -173,16 +173,16 @@ def _check(question: FlutterQuery) -> None:
             )
 
 
-def remembered_of(store: Store, what: str, question: FlutterQuery, find: Callable[[], _T]) -> _T:
-    """What was found before for this question, or find it."""
-    _check(question)
-    return remembered((what, question, contents_of_runs(store, question.run_ids)), find)
+def load_cached(store: Store, what: str, query: FlutterQuery, find: Callable[[], _T]) -> _T:
+    """Return the cached result of a query, or compute it."""
+    _check(query)
+    return load_or_compute((what, query, list_run_contents(store, query.run_ids)), find)
 
 
-def loaded(
-    aircraft: Aircraft, modes: AircraftModes, parts: Sequence[FlownRun], fuel: float, density: float
+def build_loaded_model(
+    aircraft: Aircraft, modes: AircraftModes, parts: Sequence[RunModel], fuel: float, density: float
 ) -> Aeroelastic:
-    """Structure and trim at a loading; derivatives of the last part, until they are replaced."""
+    """Build modes and trim at a loading, with the derivatives of the last part."""
     last = parts[-1]
     condition = complete_condition(
         aircraft,
@@ -194,14 +194,14 @@ def loaded(
     )
     structure = modes.table.at(fuel).select(last.found.aircraft.modes.numbers)
     return Aeroelastic(
-        flight_condition(aircraft, condition),
-        structure.tuned(_structural(modes, parts)),
+        build_flight_condition(aircraft, condition),
+        structure.tuned(_average_factors(modes, parts)),
         last.found.aircraft.derivatives,
     )
 
 
-def _structural(modes: AircraftModes, parts: Sequence[FlownRun]) -> dict[str, float]:
-    """Factors on the table's frequencies and dampings that the parts found, on average."""
+def _average_factors(modes: AircraftModes, parts: Sequence[RunModel]) -> dict[str, float]:
+    """Average the estimated factors on frequencies and damping ratios of the modal table."""
     found: dict[str, float] = {}
     for number in parts[-1].found.aircraft.modes.numbers:
         ratios = []
@@ -214,85 +214,92 @@ def _structural(modes: AircraftModes, parts: Sequence[FlownRun]) -> dict[str, fl
     return found
 
 
-def named(modes: AircraftModes, motion: str) -> str:
-    """What to call a motion."""
+def name_motion(modes: AircraftModes, motion: str) -> str:
+    """Return the display name of a motion."""
     return motion if not motion.isdigit() else modes.names.get(int(motion), f"mode {motion}")
 
 
-def _models(store: Store, question: FlutterQuery) -> Answered:
-    if not question.run_ids:
-        raise BadInput("choose at least one run that succeeded", code="no-run")
+def _models(store: Store, query: FlutterQuery) -> FlutterModels:
+    if not query.run_ids:
+        raise BadInput("no run is selected; select at least one run that succeeded", code="no-run")
     parts = [
         part
-        for number in dict.fromkeys(question.run_ids)
-        for part in flown(store, number, question.others)
+        for number in dict.fromkeys(query.run_ids)
+        for part in load_run_models(store, number, query.unmodelled_modes)
     ]
-    parts, refused = _likelier(_once(parts))
-    owners = {part.maneuver.aircraft_id for part in parts}
-    if len(owners) > 1:
-        raise BadInput("the runs are of different aircraft", code="different-aircraft")
-    aircraft = store.aircraft.get(owners.pop())
-    modes = modes_of(store, parts[0].run, parts[0].maneuver)
+    parts, refused = _drop_worse_fits(_drop_duplicates(parts))
+    assigned_inputs = {part.maneuver.aircraft_id for part in parts}
+    if len(assigned_inputs) > 1:
+        raise BadInput(
+            "the runs belong to different aircraft; select runs of one aircraft",
+            code="different-aircraft",
+        )
+    aircraft = store.aircraft.get(assigned_inputs.pop())
+    modes = load_run_modes(store, parts[0].run, parts[0].maneuver)
     fastest = max(parts, key=lambda part: part.maneuver.condition.airspeed_m_s).maneuver.condition
-    fuel = fastest.fuel_fraction if question.fuel is None else question.fuel
+    fuel = fastest.fuel_fraction if query.fuel is None else query.fuel
     density = fastest.density_kg_m3
-    if question.altitude_m is not None:
-        density = standard_density(question.altitude_m)
-    at = _At(aircraft, modes, density, fastest.airspeed_m_s, question.trend)
-    structures = _by_structure(parts)
+    if query.altitude_m is not None:
+        density = compute_standard_density(query.altitude_m)
+    at = _At(aircraft, modes, density, fastest.airspeed_m_s, query.trend)
+    structures = _group_by_structure(parts)
     if len(structures) == 1:
-        fewer = [check for part in parts if (check := with_fewer(store, part)) is not None]
-        structures += _by_structure(fewer)
-    fused: list[tuple[list[FlownRun], IdentifiedModes, str]] = []
+        fewer = [
+            check for part in parts if (check := refit_with_fewer_modes(store, part)) is not None
+        ]
+        structures += _group_by_structure(fewer)
+    fused: list[tuple[list[RunModel], IdentifiedModes, str]] = []
     for same in structures:
-        found, note = _fused(store, same, at, fuel)
-        fused.append((same, found, f"{_of_others(same[-1])}{refused}{note}{_of_ends(same)}"))
-    groups = _foretold(fused, at, fuel)
-    return Answered(at, groups, groups[0], fuel)
+        found, note = _fuse(store, same, at, fuel)
+        fused.append(
+            (same, found, f"{_describe_modes(same[-1])}{refused}{note}{_describe_outcomes(same)}")
+        )
+    groups = _predict_groups(fused, at, fuel)
+    return FlutterModels(at, groups, groups[0], fuel)
 
 
-def _by_structure(parts: Sequence[FlownRun]) -> list[list[FlownRun]]:
-    found: dict[tuple[object, ...], list[FlownRun]] = {}
+def _group_by_structure(parts: Sequence[RunModel]) -> list[list[RunModel]]:
+    found: dict[tuple[object, ...], list[RunModel]] = {}
     for part in parts:
-        key = (part.found.aircraft.modes.numbers, part.source is None, *_free_places(part))
+        key = (part.found.aircraft.modes.numbers, part.source is None, *_list_free(part))
         found.setdefault(key, []).append(part)
     return list(found.values())
 
 
-def _likelier(parts: Sequence[FlownRun]) -> tuple[list[FlownRun], str]:
-    """Second fits dropped where the data speak against the modes carried, and what to say.
+def _drop_worse_fits(parts: Sequence[RunModel]) -> tuple[list[RunModel], str]:
+    """Drop second fits whose additional modes reduce the likelihood; return parts and a note.
 
-    Where residuals are errors of either model rather than noise they differ little, and
-    neither is dropped: each is part of the other's spread.
+    Where residuals are model errors rather than noise, likelihoods differ little and neither
+    fit is dropped: each is part of the other's spread.
     """
-    carried = [part.gain for part in parts if part.source is not None]
-    if not carried or np.mean(carried) >= _CONTRADICTED:
+    gains = [part.gain for part in parts if part.source is not None]
+    if not gains or np.mean(gains) >= _CONTRADICTED:
         return list(parts), ""
     sources = sorted({part.source for part in parts if part.source is not None})
-    told = (
-        f" Carried as predicted by {' and '.join(sources)}, further modes fit the data worse,"
-        " so they are left out."
+    note = (
+        f" With derivatives of {' and '.join(sources)}, further modes fit the data worse"
+        " and are omitted."
     )
-    return [part for part in parts if part.source is None], told
+    return [part for part in parts if part.source is None], note
 
 
-def _once(parts: Sequence[FlownRun]) -> list[FlownRun]:
-    """Second fits dropped where a run of the same maneuver carries the same modes itself."""
-    known = {_content(part) for part in parts if part.source is None}
-    return [part for part in parts if part.source is None or _content(part) not in known]
+def _drop_duplicates(parts: Sequence[RunModel]) -> list[RunModel]:
+    """Drop second fits where a run of the same maneuver estimated the same modes."""
+    known = {_get_content(part) for part in parts if part.source is None}
+    return [part for part in parts if part.source is None or _get_content(part) not in known]
 
 
-def _content(part: FlownRun) -> tuple[int, frozenset[int]]:
+def _get_content(part: RunModel) -> tuple[int, frozenset[int]]:
     return part.run.maneuver_id, frozenset(part.found.aircraft.modes.numbers)
 
 
-def _foretold(
-    fused: Sequence[tuple[list[FlownRun], IdentifiedModes, str]], at: _At, fuel: float
+def _predict_groups(
+    fused: Sequence[tuple[list[RunModel], IdentifiedModes, str]], at: _At, fuel: float
 ) -> list[Group]:
-    """Predictions of all structures, the preferred one first and with the others' spread.
+    """Predict flutter for all structures, the preferred one first, with the structure spread.
 
-    Preferred is whom flight does not contradict, then who carries most modes, then who estimated
-    most of them, then most runs; a second fit with one mode fewer never is.
+    Preferred is the structure that flight does not contradict, then with most modes, then with
+    most estimated modes, then with most runs; never a second fit with one mode fewer.
     """
 
     def weight(one: Group) -> tuple[bool, bool, int, int, int]:
@@ -306,7 +313,7 @@ def _foretold(
         )
 
     groups = [
-        Group(same, found, _noted(at.predict(found, same, fuel), note))
+        Group(same, found, _add_note(at.predict(found, same, fuel), note))
         for same, found, note in fused
     ]
     first, *rest = sorted(groups, key=weight, reverse=True)
@@ -314,99 +321,101 @@ def _foretold(
     if crossing is None:
         return [first, *rest]
     note = next(note for same, _, note in fused if same is first.parts)
-    spread = spread_about(crossing.airspeed, rest)
+    spread = compute_spread(crossing.airspeed, rest)
     best = at.predict(first.found, first.parts, fuel, spread)
-    return [Group(first.parts, first.found, _noted(best, note)), *rest]
+    return [Group(first.parts, first.found, _add_note(best, note)), *rest]
 
 
-def spread_about(speed: float, groups: Sequence[Group]) -> float:
-    """Standard deviation that other structures give a flutter speed. [m/s]"""
-    told = [group.told_apart(speed) for group in groups if group.prediction.crossing is not None]
-    return structure_spread(told, speed)
+def compute_spread(speed: float, groups: Sequence[Group]) -> float:
+    """Compute the standard deviation of the flutter speed between model structures. [m/s]"""
+    speeds = [
+        group.weight_speed(speed) for group in groups if group.prediction.crossing is not None
+    ]
+    return compute_structure_spread(speeds, speed)
 
 
-def _noted(prediction: FlutterPrediction, note: str) -> FlutterPrediction:
+def _add_note(prediction: FlutterPrediction, note: str) -> FlutterPrediction:
     return replace(prediction, sentence=prediction.sentence + note)
 
 
-def _of_others(part: FlownRun) -> str:
-    """Sentence on the modes that the run itself did not identify."""
+def _describe_modes(part: RunModel) -> str:
+    """Describe the modes that the run did not estimate."""
     free = {int(row) - 2 for row in part.found.uncertain.rows}
     held = [n for k, n in enumerate(part.found.aircraft.modes.numbers) if k not in free]
     if part.check:
-        return " One mode fewer, in a second fit, to see what the last one changes."
-    told = ""
+        return " One mode fewer, in a second fit, to bound the effect of omitted modes."
+    text = ""
     if held and part.source is not None:
-        told += f" Modes {_listed(held)} as predicted by {part.source}, in a second fit."
+        text += f" Modes {_join(held)} with derivatives of {part.source}, in a second fit."
     elif held:
-        told += f" Modes {_listed(held)} as the runs hold them."
-    if part.left_out:
-        told += (
-            f" Modes {_listed(part.left_out)} left out; the derivatives hold their static"
-            " response where it was flown."
+        text += f" Modes {_join(held)} fixed at the values of the runs."
+    if part.omitted_modes:
+        text += (
+            f" Modes {_join(part.omitted_modes)} omitted; the derivatives include their static"
+            " response at the flown condition."
         )
-    return told
+    return text
 
 
-def _of_ends(parts: Sequence[FlownRun]) -> str:
-    """Sentence on runs whose estimate did not end well."""
+def _describe_outcomes(parts: Sequence[RunModel]) -> str:
+    """Describe runs that did not converge."""
     ends: dict[str, list[int]] = {}
     for part in parts:
-        ends.setdefault(result_of(part.run).fit.outcome, []).append(part.run.id or 0)
+        ends.setdefault(get_result(part.run).fit.outcome, []).append(part.run.id or 0)
     return "".join(
-        f" {'Run' if len(ids) == 1 else 'Runs'} {_listed(ids)} ended with {outcome}."
+        f" {'Run' if len(ids) == 1 else 'Runs'} {_join(ids)} ended with {outcome}."
         for outcome, ids in ends.items()
         if outcome != Outcome.CONVERGED
     )
 
 
-def _listed(numbers: Sequence[int]) -> str:
+def _join(numbers: Sequence[int]) -> str:
     return ", ".join(map(str, numbers))
 
 
-def _fused(
-    store: Store, flown_parts: Sequence[FlownRun], at: _At, fuel: float
+def _fuse(
+    store: Store, flown_parts: Sequence[RunModel], at: _At, fuel: float
 ) -> tuple[IdentifiedModes, str]:
-    """Derivatives of one structure at a loading, and what to say of how they were fused."""
+    """Fuse derivatives of one structure at a loading; return them and a note on the fusion."""
     parts = [
-        _weighing(at_fuel(store, part, fuel), shares)
-        for part, shares in zip(flown_parts, _shared(flown_parts), strict=True)
+        _scale_covariance(scale_to_fuel(store, part, fuel), shares)
+        for part, shares in zip(flown_parts, _count_shared(flown_parts), strict=True)
     ]
     to = replace(
-        loaded(at.aircraft, at.modes, flown_parts, fuel, at.density),
+        build_loaded_model(at.aircraft, at.modes, flown_parts, fuel, at.density),
         derivatives=parts[-1].aircraft.derivatives,
     )
     constant = fuse_identified(parts, to)
     if not at.trend:
         return constant, ""
     try:
-        found = at_own_crossing(
+        found = fuse_at_crossing(
             lambda pressure: fuse_with_trend(parts, to, pressure), at.band, at.density, at.tested
         )
     except BadInput as error:
         if error.code != "no-trend":
             raise
-        return constant, " Derivatives constant, for a drift needs more points."
-    told = " Derivatives drift with dynamic pressure and stand for where stability is lost"
+        return constant, " Derivatives are constant, since a trend needs more points."
+    note = " Derivatives vary with dynamic pressure and are evaluated at the flutter point"
     held = predict_flutter(constant, at.band, at.density)
     if held.crossing is None:
-        return found, f"{told}; held constant, they never lose it."
+        return found, f"{note}; constant derivatives predict no flutter."
     error = f" ± {2.0 * held.airspeed_std:.2f}" if np.isfinite(held.airspeed_std) else ""
-    return found, f"{told}; held constant, they lose it at {held.crossing.airspeed:.2f}{error} m/s."
+    return found, f"{note}; constant derivatives predict {held.crossing.airspeed:.2f}{error} m/s."
 
 
-def _shared(parts: Sequence[FlownRun]) -> list[int]:
-    """How many runs use the data of each, itself included."""
-    used = [{part.run.maneuver_id, *part.run.settings.together_with} for part in parts]
+def _count_shared(parts: Sequence[RunModel]) -> list[int]:
+    """Count the runs that use the data of each run, itself included."""
+    used = [{part.run.maneuver_id, *part.run.settings.additional_maneuver_ids} for part in parts]
     return [max(sum(m in other for other in used) for m in own) for own in used]
 
 
-def _weighing(found: IdentifiedModes, shares: int) -> IdentifiedModes:
-    """Runs of one maneuver repeat what it tells, so that each weighs its share only."""
+def _scale_covariance(found: IdentifiedModes, shares: int) -> IdentifiedModes:
+    """Multiply the covariance by the number of runs that share the data."""
     uncertain = found.uncertain
     return replace(found, uncertain=replace(uncertain, covariance=shares * uncertain.covariance))
 
 
-def _free_places(part: FlownRun) -> tuple[tuple[int, int], ...]:
+def _list_free(part: RunModel) -> tuple[tuple[int, int], ...]:
     uncertain = part.found.uncertain
     return tuple(zip(uncertain.rows.tolist(), uncertain.columns.tolist(), strict=True))

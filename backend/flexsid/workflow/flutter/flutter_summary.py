@@ -1,4 +1,4 @@
-"""Flutter summaries of structural programs: kept, with the speeds where roots go unstable."""
+"""Flutter summaries of structural programs, with the speeds at which roots become unstable."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from flexsid.records.modal_table import FlutterPoint, FlutterSummary, Instabilit
 from flexsid.storage.store import Store
 
 NEUTRAL = 1e-4
-"""Structural damping g: within it a root is neutral, as an undamped mode without air forces."""
+"""Structural damping g: below it a root is neutral, as an undamped mode in vacuo."""
 
-STILL = 2.0 * np.pi * 0.05
-"""rad/s: a root within it of the origin is a motion of the rigid body, or round-off of it."""
+RIGID_BODY_OMEGA = 2.0 * np.pi * 0.05
+"""rad/s: a root closer to the origin is a rigid-body motion or round-off."""
 
 _RISING = 1e-3
 """1/s: a root that grows more slowly (doubling in 700 s) is neutral."""
 
 _JUMP = 0.25
-"""Share of its frequency that a root may change by between rows and be taken for the same."""
+"""Largest relative change in frequency of one root between rows."""
 
 _DENSITY_SWEEPS = ("PKNL", "PKNLS")
 _WITHOUT_ONSET = ("K",)
 _BEFORE = (
-    "Kept by an earlier version, which did not keep subcases, Mach numbers and densities apart: "
+    "Stored by an earlier version, which did not separate subcases, Mach numbers and densities: "
     "import the file again."
 )
 
@@ -46,44 +46,46 @@ class _Root:
     mach: np.ndarray
 
 
-def keep_flutter_summary(
+def save_flutter_summary(
     store: Store, aircraft: Aircraft, sources: Sources, name: str, speed_unit: str
 ) -> FlutterSummary:
-    """Store the flutter summaries that files hold, with the speeds where roots go unstable.
+    """Store flutter summaries of files, with the speeds at which roots become unstable.
 
     Parameters
     ----------
     store, aircraft
-        Where to keep them.
+        Database and aircraft.
     sources
-        Files; at least one of them holds a summary.
+        Files, at least one with a summary.
     name
-        What to call it.
+        Name of the summary.
     speed_unit
-        Of the velocities, which no printout states (VREF may make them anything).
+        Unit of the velocities, which the printout does not state (VREF scales them).
 
     Raises
     ------
     BadInput
-        If no file holds a summary.
+        If no file has a summary.
     """
     assert aircraft.id is not None
     files = [source for source in sources.items if "flutter/velocity" in source.arrays]
     if not files:
-        raise BadInput("the files hold no flutter summary", code="no-flutter-summary")
+        raise BadInput("the files have no flutter summary", code="no-flutter-summary")
     speed = units.factor(speed_unit, "speed")
     points: list[FlutterPoint] = []
     notes = [f"Velocities are in {speed_unit}."]
     parts: list[dict[str, np.ndarray]] = []
     total = 0
     for source in files:
-        arrays = _arrays(source, speed)
+        arrays = _read_arrays(source, speed)
         for number in np.unique(arrays["analysis"]):
-            title, method = _title(source, int(number), len(files) > 1)
+            title, method = _describe(source, int(number), len(files) > 1)
             rows = arrays["analysis"] == number
-            found, said = flutter_points({k: v[rows] for k, v in arrays.items()}, title, method)
+            found, remarks = find_instabilities(
+                {k: v[rows] for k, v in arrays.items()}, title, method
+            )
             points += found
-            notes += [f"{title[:1].upper()}{title[1:]}: {text}" for text in said]
+            notes += [f"{title[:1].upper()}{title[1:]}: {text}" for text in remarks]
         arrays["analysis"] = arrays["analysis"] + total
         total = int(arrays["analysis"].max()) + 1
         parts.append(arrays)
@@ -104,24 +106,24 @@ def keep_flutter_summary(
     return store.flutter_summaries.add(record)
 
 
-def with_warning(summary: FlutterSummary) -> FlutterSummary:
-    """Add to a summary of an earlier version what is wrong with it."""
+def add_warning(summary: FlutterSummary) -> FlutterSummary:
+    """Add the warning of an earlier version to its summary."""
     if "analysis" in summary.arrays:
         return summary
     return replace(summary, notes=(*summary.notes, _BEFORE))
 
 
-def flutter_points(
+def find_instabilities(
     arrays: dict[str, np.ndarray], title: str, method: str
 ) -> tuple[list[FlutterPoint], list[str]]:
-    """Where the roots of one analysis lose their damping, and what no speed is read from.
+    """Find the speeds at which roots of one analysis become unstable; return points and notes.
 
     Parameters
     ----------
     arrays
         As stored in a FlutterSummary, of one analysis.
     title, method
-        What the analysis is, and the method of its solution.
+        Description of the analysis, and its solution method.
 
     Notes
     -----
@@ -130,14 +132,14 @@ def flutter_points(
     where dynamic pressure falls, as their airspeeds need not rise.
     """
     if method in _WITHOUT_ONSET:
-        return [], [f"no speeds are read, as method {method} does not follow its roots."]
+        return [], [f"no speed is read, since method {method} does not follow its roots."]
     points: list[FlutterPoint] = []
     neutral: list[int] = []
     notes: list[str] = []
     for number in np.unique(arrays["root"]):
-        root = _root(arrays, int(number), method)
+        root = _select_root(arrays, int(number), method)
         size = np.hypot(root.growth, root.omega)
-        if (np.abs(root.damping) < NEUTRAL).all() or (size < STILL).all():
+        if (np.abs(root.damping) < NEUTRAL).all() or (size < RIGID_BODY_OMEGA).all():
             rising = float(root.growth.max())
             if rising < _RISING or (root.damping < NEUTRAL).all():
                 neutral.append(root.number)
@@ -148,12 +150,12 @@ def flutter_points(
                     "speed is read from it."
                 )
             continue
-        state = np.where((np.abs(root.damping) < NEUTRAL) | (size < STILL), 0, 1)
+        state = np.where((np.abs(root.damping) < NEUTRAL) | (size < RIGID_BODY_OMEGA), 0, 1)
         state = state * np.sign(root.damping).astype(int)
         before = 0
         for row in range(state.size):
             if state[row] > 0 and before <= 0:
-                points.append(_onset(root, row, before, title, notes))
+                points.append(_interpolate_onset(root, row, before, title, notes))
             before = int(state[row]) or before
     if neutral:
         listed = ", ".join(map(str, neutral))
@@ -161,8 +163,10 @@ def flutter_points(
     return points, notes
 
 
-def _onset(root: _Root, row: int, before: int, title: str, notes: list[str]) -> FlutterPoint:
-    """Where a root goes unstable that is so in this row, and was not before."""
+def _interpolate_onset(
+    root: _Root, row: int, before: int, title: str, notes: list[str]
+) -> FlutterPoint:
+    """Interpolate the speed at which a root becomes unstable between rows."""
     first, share = row, 0.0
     if before < 0:  # seen stable: the last row without growth lies on the other side of zero
         first = int(np.flatnonzero(root.damping[:row] <= 0)[-1])
@@ -172,19 +176,19 @@ def _onset(root: _Root, row: int, before: int, title: str, notes: list[str]) -> 
     def at(values: np.ndarray) -> float:
         return float(values[first] + share * (values[after] - values[first]))
 
-    kind = Instability.DIVERGENCE if root.omega[after] < STILL else Instability.FLUTTER
+    kind = Instability.DIVERGENCE if root.omega[after] < RIGID_BODY_OMEGA else Instability.FLUTTER
     omega = at(root.omega)
     if kind is Instability.DIVERGENCE:
         omega = 0.0
-    elif root.omega[first] < STILL:
+    elif root.omega[first] < RIGID_BODY_OMEGA:
         omega = float(root.omega[after])
     larger = float(max(root.omega[first], root.omega[after]))
-    if abs(float(root.omega[after] - root.omega[first])) > max(_JUMP * larger, STILL):
+    if abs(float(root.omega[after] - root.omega[first])) > max(_JUMP * larger, RIGID_BODY_OMEGA):
         notes.append(
             f"root {root.number} changes from {root.omega[first] / (2.0 * np.pi):.3g} to "
             f"{root.omega[after] / (2.0 * np.pi):.3g} Hz between {root.airspeed[first]:.4g} and "
-            f"{root.airspeed[after]:.4g} m/s, where it goes unstable: the roots may be exchanged "
-            "there; a finer sweep tells."
+            f"{root.airspeed[after]:.4g} m/s, where it becomes unstable: roots may be exchanged "
+            "there; check with a finer sweep."
         )
     density, mach = at(root.density), at(root.mach)
     return FlutterPoint(
@@ -199,7 +203,7 @@ def _onset(root: _Root, row: int, before: int, title: str, notes: list[str]) -> 
     )
 
 
-def _root(arrays: dict[str, np.ndarray], number: int, method: str) -> _Root:
+def _select_root(arrays: dict[str, np.ndarray], number: int, method: str) -> _Root:
     rows = np.flatnonzero(arrays["root"] == number)
     speed = arrays["airspeed"][rows]
     if method in _DENSITY_SWEEPS:
@@ -216,7 +220,7 @@ def _root(arrays: dict[str, np.ndarray], number: int, method: str) -> _Root:
     )
 
 
-def _arrays(source: SourceFile, speed: float) -> dict[str, np.ndarray]:
+def _read_arrays(source: SourceFile, speed: float) -> dict[str, np.ndarray]:
     found = {
         path.removeprefix("flutter/"): np.asarray(values)
         for path, values in source.arrays.items()
@@ -234,8 +238,8 @@ def _arrays(source: SourceFile, speed: float) -> dict[str, np.ndarray]:
     }
 
 
-def _title(source: SourceFile, number: int, with_file: bool) -> tuple[str, str]:
-    """What an analysis is, in words, and its method."""
+def _describe(source: SourceFile, number: int, with_file: bool) -> tuple[str, str]:
+    """Describe an analysis; return the text and its method."""
     found = source.arrays
     rows = np.asarray(found["flutter/analysis"]) == number
     subcase = int(np.asarray(found["flutter/subcase"])[number])

@@ -1,4 +1,4 @@
-"""What one run says of flutter: as it is, around modes carried as predicted, with one fewer."""
+"""Models of one run for flutter prediction: as estimated, with further modes, with one fewer."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
-from flexsid.sysid.stability.bands import Uncertain
+from flexsid.sysid.stability.bands import UncertainDerivatives
 from flexsid.sysid.stability.flight_evidence import FlownPoint
 from flexsid.sysid.stability.prediction import (
     MODAL_FREQUENCY,
@@ -21,21 +21,24 @@ from flexsid.sysid.stability.prediction import (
     StiffnessError,
 )
 from flexsid.sysid.stability.speeds import Aeroelastic
-from flexsid.workflow.aircraft.derivative_predictions import best_prediction, prediction_at
-from flexsid.workflow.cache import contents_of_runs, remembered
+from flexsid.workflow.aircraft.derivative_predictions import (
+    interpolate_prediction,
+    select_prediction,
+)
+from flexsid.workflow.cache import list_run_contents, load_or_compute
 from flexsid.workflow.modal_data.aligned_modes import AircraftModes, find_modal_tables, load_modes
-from flexsid.workflow.model_structures.run_results import result_of
-from flexsid.workflow.runs.identified_models import identified
+from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.runs.identified_models import load_identified_model
 from flexsid.workflow.runs.out_of_band_refits import (
-    carrying,
-    fit_again,
-    left_out,
-    with_one_mode_fewer,
+    extend_with_predicted_modes,
+    find_omitted_modes,
+    refit,
+    remove_highest_mode,
 )
 
 
-class Others(StrEnum):
-    """What becomes of the modes that a run left out."""
+class UnmodelledModes(StrEnum):
+    """Treatment of the modes omitted by a run."""
 
     PREDICTED = "predicted"
     RESIDUALIZED = "residualized"
@@ -43,20 +46,20 @@ class Others(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Root:
-    """A root above the real axis that a run identified. [rad/s]"""
+    """An identified root with positive imaginary part. [rad/s]"""
 
     value: complex
     damping_std: float | None
 
 
 @dataclass(frozen=True, slots=True)
-class FlownRun:
-    """One run put together again.
+class RunModel:
+    """Identified model of one run.
 
-    ``source`` names the prediction that modes were carried from in a second fit, None of
-    the run as it is, and ``gain`` is how much likelier a measured value is with them (log
-    likelihood); ``left_out`` are the modes that a prediction knows beyond it. ``check`` is a
-    second fit with one mode fewer. ``evidence`` are all roots that the fit has where it was flown.
+    ``source`` is the prediction of further modes in a second fit, None for the run as estimated,
+    and ``gain`` the increase in log likelihood per measured value by them; ``omitted_modes`` are
+    modes of a prediction that the model lacks. ``check`` is a second fit with one mode fewer.
+    ``evidence`` are all roots of the fit at the flown condition.
     """
 
     run: EstimationRun
@@ -65,7 +68,7 @@ class FlownRun:
     roots: Mapping[str, Root]
     evidence: FlownPoint
     source: str | None
-    left_out: tuple[int, ...]
+    omitted_modes: tuple[int, ...]
     gain: float = 0.0
     check: bool = False
 
@@ -75,28 +78,33 @@ class FlownRun:
         return {name: root.value for name, root in self.roots.items()}
 
 
-def flown(store: Store, run_id: int, others: Others) -> tuple[FlownRun, ...]:
-    """A run as it is, and with the modes it left out as predicted where that is asked for."""
-    contents = contents_of_runs(store, (run_id,))
-    return remembered(("flown", others, contents), lambda: _put_together(store, run_id, others))
+def load_run_models(
+    store: Store, run_id: int, unmodelled_modes: UnmodelledModes
+) -> tuple[RunModel, ...]:
+    """Load a run as estimated, and with omitted modes of a prediction where requested."""
+    contents = list_run_contents(store, (run_id,))
+    return load_or_compute(
+        ("flown", unmodelled_modes, contents),
+        lambda: _build_models(store, run_id, unmodelled_modes),
+    )
 
 
-def at_fuel(store: Store, part: FlownRun, fuel: float) -> IdentifiedModes:
-    """A run's derivatives carried to another fuel weight by how the prediction changes.
+def scale_to_fuel(store: Store, part: RunModel, fuel: float) -> IdentifiedModes:
+    """Scale derivatives of a run to another fuel weight by the ratio of predicted values.
 
-    Mode shapes change with fuel, and with them every generalised force; what a prediction
-    gets wrong in level it still gets right in proportion. A derivative that passes through
-    zero grows by a large factor, and its error with it, so that it weighs little.
+    Mode shapes change with fuel, and with them every generalised force; a prediction with a wrong
+    level is assumed right in proportion. A derivative that passes through zero is multiplied by a
+    large factor, and its error with it, so that its weight is small.
     """
     before = part.maneuver.condition.fuel_fraction
     table = part.found.aircraft.derivatives
-    wanted = part.run.prediction_id or result_of(part.run).prediction_id
-    prediction = best_prediction(
-        store, part.maneuver.aircraft_id, wanted, table.modes, table.inputs
+    prediction_id = part.run.prediction_id or get_result(part.run).prediction_id
+    prediction = select_prediction(
+        store, part.maneuver.aircraft_id, prediction_id, table.modes, table.inputs
     )
     if prediction is None or fuel == before:
         return part.found
-    there, here = (prediction_at(store, prediction, f) for f in (fuel, before))
+    there, here = (interpolate_prediction(store, prediction, f) for f in (fuel, before))
     rows, columns = coefficients(table.modes), variables(table.modes, table.inputs)
     factor = np.ones(table.values.shape)
     for i, row in enumerate(rows):
@@ -114,52 +122,58 @@ def at_fuel(store: Store, part: FlownRun, fuel: float) -> IdentifiedModes:
     )
 
 
-def _put_together(store: Store, run_id: int, others: Others) -> tuple[FlownRun, ...]:
+def _build_models(
+    store: Store, run_id: int, unmodelled_modes: UnmodelledModes
+) -> tuple[RunModel, ...]:
     run = store.runs.get(run_id)
     maneuver = store.maneuvers.get(run.maneuver_id)
-    model = identified(store, run)
-    result = result_of(run)
-    modes = modes_of(store, run, maneuver)
+    model = load_identified_model(store, run)
+    result = get_result(run)
+    modes = load_run_modes(store, run, maneuver)
     own = model.model.modes.numbers
-    alone = FlownRun(
+    alone = RunModel(
         run,
         maneuver,
-        _identified(
+        _build_identified_modes(
             model.model,
             model.derivatives,
             tuple(parameter.name for parameter in result.parameters),
             np.asarray(store.arrays.get(result.covariance)),
         ),
         {p.name: Root(complex(p.real, p.imag), p.damping_std) for p in result.poles if p.imag > 0},
-        _evidence(
+        _collect_roots(
             [(complex(p.real, p.imag), p.real_std) for p in result.poles],
             maneuver,
-            _band(store, run),
+            _find_band(store, run),
             f"run {run_id}",
         ),
         None,
-        left_out(store, run, modes, own),
+        find_omitted_modes(store, run, modes, own),
     )
-    wider = carrying(store, run, model, modes) if others is Others.PREDICTED else None
-    around = None if wider is None else _again(store, alone, wider.run)
+    wider = (
+        extend_with_predicted_modes(store, run, model, modes)
+        if unmodelled_modes is UnmodelledModes.PREDICTED
+        else None
+    )
+    around = None if wider is None else _refit(store, alone, wider.run)
     if wider is None or around is None:
         return (alone,)
-    return (replace(around, source=wider.source, left_out=()), alone)
+    return (replace(around, source=wider.source, omitted_modes=()), alone)
 
 
-def with_fewer(store: Store, part: FlownRun) -> FlownRun | None:
-    """The run fitted again with one mode fewer; None where that cannot be."""
-    fewer = with_one_mode_fewer(part.run)
+def refit_with_fewer_modes(store: Store, part: RunModel) -> RunModel | None:
+    """Fit a run again with one mode fewer; None where not possible."""
+    fewer = remove_highest_mode(part.run)
     if fewer is None:
         return None
-    contents = contents_of_runs(store, (part.run.id or 0,))
-    found = remembered(("checked", contents), lambda: _again(store, part, fewer))
+    contents = list_run_contents(store, (part.run.id or 0,))
+    found = load_or_compute(("checked", contents), lambda: _refit(store, part, fewer))
     return None if found is None else replace(found, check=True)
 
 
-def _again(store: Store, alone: FlownRun, run: EstimationRun) -> FlownRun | None:
-    """What a second fit of a run makes of its data."""
-    again = fit_again(store, run)
+def _refit(store: Store, alone: RunModel, run: EstimationRun) -> RunModel | None:
+    """Fit a run again with another model; None where the fit has no optimum."""
+    again = refit(store, run)
     if again is None or not again[1].estimate.outcome.is_optimum:
         return None
     fitted, computed = again
@@ -167,15 +181,15 @@ def _again(store: Store, alone: FlownRun, run: EstimationRun) -> FlownRun | None
     values = computed.held | dict(zip(estimate.names, estimate.values.tolist(), strict=True))
     model = replace(fitted, modes=fitted.modes.tuned(values))
     table = DerivativeTable.from_names(model.modes.numbers, model.inputs, values)
-    before = result_of(alone.run).fit
+    before = get_result(alone.run).fit
     gain = 0.0
     if before.cost is not None and estimate.steps:
         gain = (before.cost - estimate.steps[-1].cost) / (before.n_lines * len(before.r_squared))
     return replace(
         alone,
-        found=_identified(model, table, estimate.names, estimate.corrected_covariance),
+        found=_build_identified_modes(model, table, estimate.names, estimate.corrected_covariance),
         roots={p.name: Root(p.value, p.damping_std) for p in computed.poles if p.value.imag > 0},
-        evidence=_evidence(
+        evidence=_collect_roots(
             [(p.value, p.real_std) for p in computed.poles],
             alone.maneuver,
             alone.evidence.band,
@@ -185,13 +199,13 @@ def _again(store: Store, alone: FlownRun, run: EstimationRun) -> FlownRun | None
     )
 
 
-def _evidence(
+def _collect_roots(
     poles: Sequence[tuple[complex, float | None]],
     maneuver: Maneuver,
     band: tuple[float, float],
     name: str,
 ) -> FlownPoint:
-    """The roots of a fit where it was flown; standard errors that are unknown are NaN."""
+    """Return the roots of a fit at the flown condition; unknown standard errors are NaN."""
     upper = [(root, std) for root, std in poles if root.imag >= 0.0]
     return FlownPoint(
         maneuver.condition.airspeed_m_s,
@@ -202,24 +216,24 @@ def _evidence(
     )
 
 
-def _band(store: Store, run: EstimationRun) -> tuple[float, float]:
-    """Lowest and highest frequency of the data that a run was fitted to. [rad/s]"""
-    every = [store.arrays.get(block.arrays["omega"]) for block in result_of(run).blocks]
+def _find_band(store: Store, run: EstimationRun) -> tuple[float, float]:
+    """Return the lowest and highest frequency of the data of a run. [rad/s]"""
+    every = [store.arrays.get(block.arrays["omega"]) for block in get_result(run).blocks]
     return float(min(omega.min() for omega in every)), float(max(omega.max() for omega in every))
 
 
-def _identified(
+def _build_identified_modes(
     model: AeroelasticModel,
     derivatives: DerivativeTable,
     names: tuple[str, ...],
     covariance: np.ndarray,
 ) -> IdentifiedModes:
-    """Derivatives with the part of a covariance that belongs to them."""
+    """Build identified modes from derivatives and their part of the covariance."""
     rows = coefficients(derivatives.modes)
     columns = variables(derivatives.modes, derivatives.inputs)
     places = {f"{r}_{c}": (i, j) for i, r in enumerate(rows) for j, c in enumerate(columns)}
-    chosen = [k for k, name in enumerate(names) if name in places]
-    where = np.array([places[names[k]] for k in chosen], dtype=int).reshape(-1, 2)
+    selected = [k for k, name in enumerate(names) if name in places]
+    where = np.array([places[names[k]] for k in selected], dtype=int).reshape(-1, 2)
     relative_std = [
         float(np.sqrt(covariance[names.index(f"omega_{number}"), names.index(f"omega_{number}")]))
         if f"omega_{number}" in names
@@ -228,13 +242,13 @@ def _identified(
     ]
     return IdentifiedModes(
         Aeroelastic(model.condition, model.modes, derivatives),
-        Uncertain(where[:, 0], where[:, 1], covariance[np.ix_(chosen, chosen)]),
+        UncertainDerivatives(where[:, 0], where[:, 1], covariance[np.ix_(selected, selected)]),
         StiffnessError(np.array(relative_std), model.condition.dynamic_pressure),
     )
 
 
-def modes_of(store: Store, run: EstimationRun, maneuver: Maneuver) -> AircraftModes:
-    """The modal and damping tables that a run was estimated with."""
+def load_run_modes(store: Store, run: EstimationRun, maneuver: Maneuver) -> AircraftModes:
+    """Load the modes of the tables with which a run was estimated."""
     tables = find_modal_tables(
         store, maneuver.aircraft_id, run.modal_table_id, run.damping_table_id
     )

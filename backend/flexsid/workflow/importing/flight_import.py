@@ -1,4 +1,4 @@
-"""Ingest: bring files into the store, all of an import or nothing."""
+"""Import of files into the database; each import is one transaction."""
 
 from __future__ import annotations
 
@@ -8,40 +8,40 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from flexsid.errors import BadInput, FlexsidError
-from flexsid.importers import confined
+from flexsid.importers import sandbox
 from flexsid.importers.channels import RawChannel
-from flexsid.importers.mapping import parse_mapping, recognise
+from flexsid.importers.mapping import find_known_mapping, parse_mapping
 from flexsid.importers.modal_table import extract_modal_table
-from flexsid.importers.plausibility import Doubt, find_doubt, find_small
+from flexsid.importers.plausibility import UnitWarning, find_small_outputs, find_unit_warning
 from flexsid.importers.predictions import extract_prediction
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.modal_table import ModalTable
 from flexsid.records.prediction import DerivativePrediction
-from flexsid.storage.arrays import describe
+from flexsid.storage.arrays import describe_array
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.parsed_files import ParsedUpload, explain
+from flexsid.workflow.importing.parsed_files import ParsedUpload, parse_upload
 from flexsid.workflow.importing.persistence import (
     Writing,
     check_axes,
     check_sensors,
-    keep_aircraft,
-    keep_flight,
-    keep_maneuver,
-    keep_modal_table,
-    keep_prediction,
-    keep_recording,
+    store_aircraft,
+    store_flight,
+    store_maneuver,
+    store_modal_table,
+    store_prediction,
+    store_recording,
 )
 from flexsid.workflow.importing.unconfirmed_values import check_builtin, refuse_guesses
 
-BringAlong = Callable[[Store, str], None]
+AddBuiltinAircraft = Callable[[Store, str], None]
 """Adds an aircraft that comes with the software, by its name, unless it is there."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Imported:
-    """What an import added or, for aircraft, tables and predictions, found there already."""
+    """Records of an import: added, or existing aircraft, tables and predictions."""
 
     aircraft: Aircraft
     flight: Flight | None = None
@@ -63,21 +63,21 @@ def read_upload(
     mapping
         TOML file, or its text; None to recognise files of a known form.
     names
-        What the files are called, where they lie under temporary names.
+        Original names of files stored under temporary names.
 
     Raises
     ------
     BadInput
-        If a file or the mapping is not what it must be; the message names the
-        row and column, or the key.
+        If a file or the mapping is invalid; the message has the row and column, or
+        the key.
     """
     if not files:
         raise BadInput("No file was given; an import needs at least one.", code="bad-mapping")
     text = _text(mapping)
     parsed = None if text is None else parse_mapping(text)
-    sources = confined.read_all(files, names)
+    sources = sandbox.read_all(files, names)
     if parsed is None:
-        known = recognise(sources)
+        known = find_known_mapping(sources)
         if known is None:
             raise BadInput(
                 "The files have no known form; give a mapping that names their channels "
@@ -85,78 +85,78 @@ def read_upload(
                 code="mapping-needed",
             )
         parsed = parse_mapping(known)
-    return explain(sources, parsed)
+    return parse_upload(sources, parsed)
 
 
-def hashed(upload: ParsedUpload) -> ParsedUpload:
-    """Hash the samples of an upload, unless that was done before."""
+def hash_upload(upload: ParsedUpload) -> ParsedUpload:
+    """Hash the samples of an upload, if not yet hashed."""
     if upload.rows or not upload.channels:
         return upload
-    rows = {c.name: describe(c.samples, c.unit) for c in upload.channels}
+    rows = {c.name: describe_array(c.samples, c.unit) for c in upload.channels}
     return replace(upload, rows=rows)
 
 
-def keep_upload(
+def store_upload(
     store: Store,
     upload: ParsedUpload,
     aircraft_id: int | None = None,
     report: Callable[[float], None] = lambda fraction: None,
-    bring_along: BringAlong | None = None,
+    add_builtin_aircraft: AddBuiltinAircraft | None = None,
     *,
     confirmed: bool = False,
 ) -> Imported:
-    """Store everything that an upload holds in one transaction.
+    """Store the contents of an upload in one transaction.
 
     Parameters
     ----------
     store
-        Where to keep it.
+        Database.
     upload
         Files with their mapping.
     aircraft_id
-        Aircraft chosen by the user; needed where the mapping names none.
+        Aircraft selected by the user; needed where the mapping names none.
     report
-        Is told which fraction of the samples is written; what it raises undoes all.
-    bring_along
+        Called with the fraction of samples written; an exception rolls the import back.
+    add_builtin_aircraft
         Adds the aircraft that comes with the software when the upload needs it.
     confirmed
-        Whether somebody has confirmed all that the mapping marks as guessed.
+        Whether the guessed values of the mapping are confirmed.
 
     Raises
     ------
     BadInput
-        If the files do not hold what the mapping says, or something is guessed or a unit
-        doubtful and nobody confirmed it; nothing is stored.
+        If the files do not match the mapping, or a guessed value or implausible unit is
+        not confirmed; nothing is stored.
     Conflict
-        If this maneuver is already there, or a name stands for something else.
+        If the maneuver exists already, or a name is used for other content.
     """
-    _ask(upload.channels)
+    _check_units(upload.channels)
     if not confirmed:
         refuse_guesses(store, upload)
-    upload = hashed(upload)
+    upload = hash_upload(upload)
     mapping, sources = upload.mapping, upload.sources
     writing = Writing(upload.rows, report)
     with store.transaction():
-        if upload.builtin is not None and bring_along is not None:
-            bring_along(store, upload.builtin)
-        aircraft = keep_aircraft(store, mapping.aircraft, aircraft_id)
+        if upload.builtin is not None and add_builtin_aircraft is not None:
+            add_builtin_aircraft(store, upload.builtin)
+        aircraft = store_aircraft(store, mapping.aircraft, aircraft_id)
         check_sensors(aircraft, upload.channels)
         check_axes(aircraft, upload.channels)
         check_builtin(aircraft, upload)
         flight = maneuver = None
         recorded: tuple[FlightChannel, ...] = ()
         if mapping.flight is not None and mapping.recording is not None:
-            flight = keep_flight(store, aircraft, mapping.flight)
+            flight = store_flight(store, aircraft, mapping.flight)
             if upload.maneuver is None:
-                recorded = keep_recording(store, flight, upload.channels, writing)
+                recorded = store_recording(store, flight, upload.channels, writing)
             else:
-                maneuver = keep_maneuver(store, aircraft, flight, upload.maneuver, writing)
+                maneuver = store_maneuver(store, aircraft, flight, upload.maneuver, writing)
         tables = tuple(
-            keep_modal_table(store, aircraft, extract_modal_table(part, sources))
+            store_modal_table(store, aircraft, extract_modal_table(part, sources))
             for part in mapping.modal_tables
         )
         predictions = tuple(
-            keep_prediction(
+            store_prediction(
                 store, aircraft, extract_prediction(part, sources, aircraft.geometry.chord_m)
             )
             for part in mapping.predictions
@@ -179,9 +179,9 @@ def import_files(
     *,
     confirmed: bool = False,
 ) -> Imported:
-    """Read files and store what they hold: ``read_upload``, then ``keep_upload``."""
+    """Read files and store their contents: ``read_upload``, then ``store_upload``."""
     upload = read_upload(files, mapping)
-    return keep_upload(store, upload, aircraft_id, confirmed=confirmed)
+    return store_upload(store, upload, aircraft_id, confirmed=confirmed)
 
 
 def import_each(
@@ -189,25 +189,24 @@ def import_each(
     files: Sequence[Path],
     mapping: Path | str | None = None,
     aircraft_id: int | None = None,
-    bring_along: BringAlong | None = None,
+    add_builtin_aircraft: AddBuiltinAircraft | None = None,
     *,
     confirmed: bool = False,
 ) -> Iterator[tuple[Path, Imported | FlexsidError]]:
-    """Import a campaign: every file is an import of its own, read through the same mapping.
+    """Import a campaign: every file separately, with the same mapping.
 
     The next file is read while one is written.
 
     Yields
     ------
     file, result
-        In the order of the files; what one of them is refused for, others do not
-        suffer.
+        In the order of the files; an error in one file does not affect the others.
     """
     text = _text(mapping)
 
     def read(file: Path) -> ParsedUpload | FlexsidError:
         try:
-            return hashed(read_upload([file], text))
+            return hash_upload(read_upload([file], text))
         except FlexsidError as error:
             return error
 
@@ -221,11 +220,11 @@ def import_each(
                 try:
                     yield (
                         file,
-                        keep_upload(
+                        store_upload(
                             store,
                             upload,
                             aircraft_id,
-                            bring_along=bring_along,
+                            add_builtin_aircraft=add_builtin_aircraft,
                             confirmed=confirmed,
                         ),
                     )
@@ -251,30 +250,30 @@ def import_maneuver(
     upload = read_upload(files, mapping)
     if upload.mapping.maneuver is None:
         raise BadInput("The mapping describes no maneuver.", code="bad-mapping", key="maneuver")
-    maneuver = keep_upload(store, upload, aircraft_id).maneuver
+    maneuver = store_upload(store, upload, aircraft_id).maneuver
     assert maneuver is not None
     return maneuver
 
 
-def find_doubts(channels: Sequence[RawChannel]) -> tuple[Doubt, ...]:
-    """Units that do not fit the size of their samples and that nobody confirmed."""
-    sized = [find_doubt(c.name, c.unit, c.role, c.samples) for c in channels]
-    doubts = [doubt for doubt in sized if doubt is not None]
-    known = {doubt.channel for doubt in doubts}
-    small = find_small([(c.name, c.unit, c.role, c.samples) for c in channels])
-    doubts += [doubt for doubt in small if doubt.channel not in known]
+def find_unit_warnings(channels: Sequence[RawChannel]) -> tuple[UnitWarning, ...]:
+    """Find implausible units that are not confirmed in the mapping."""
+    sized = [find_unit_warning(c.name, c.unit, c.role, c.samples) for c in channels]
+    warnings = [warning for warning in sized if warning is not None]
+    known = {warning.channel for warning in warnings}
+    small = find_small_outputs([(c.name, c.unit, c.role, c.samples) for c in channels])
+    warnings += [warning for warning in small if warning.channel not in known]
     confirmed = {channel.name: channel.confirmed for channel in channels}
-    return tuple(doubt for doubt in doubts if doubt.code not in confirmed[doubt.channel])
+    return tuple(warning for warning in warnings if warning.code not in confirmed[warning.channel])
 
 
-def _ask(channels: Sequence[RawChannel]) -> None:
-    doubts = find_doubts(channels)
-    if doubts:
+def _check_units(channels: Sequence[RawChannel]) -> None:
+    warnings = find_unit_warnings(channels)
+    if warnings:
         raise BadInput(
-            " ".join(doubt.question for doubt in doubts[:5]),
-            code="doubtful-unit",
-            column=doubts[0].channel,
-            questions=[asdict(doubt) for doubt in doubts],
+            " ".join(warning.message for warning in warnings[:5]),
+            code="unconfirmed-unit",
+            column=warnings[0].channel,
+            queries=[asdict(warning) for warning in warnings],
         )
 
 

@@ -1,4 +1,4 @@
-"""Cutting: maneuvers out of the recording of a whole flight."""
+"""Cutting of maneuvers out of the recording of a whole flight."""
 
 from __future__ import annotations
 
@@ -14,26 +14,30 @@ from flexsid.records.cutting import Cut, FoundManeuver
 from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.maneuver import Channel, Excitation, Maneuver, Role
 from flexsid.records.views import ChannelHistories, ChannelTrace
-from flexsid.storage.arrays import describe
+from flexsid.storage.arrays import describe_array
 from flexsid.storage.channels import read_flight_channels
 from flexsid.storage.store import Store
-from flexsid.sysid.preparation.cutting import ExcitedInterval, find_excitations, find_marked
+from flexsid.sysid.preparation.cutting import (
+    ExcitedInterval,
+    find_excitations,
+    find_marked_intervals,
+)
 from flexsid.units import si_unit, to_si
-from flexsid.workflow.aircraft.flight_condition import airspeed_ratio, complete_condition
+from flexsid.workflow.aircraft.flight_condition import complete_condition, compute_airspeed_ratio
 from flexsid.workflow.aircraft.thrust import TOTAL_TEMPERATURE
-from flexsid.workflow.importing.persistence import largest_correlation
-from flexsid.workflow.importing.recorded_excitation import excitation_of
-from flexsid.workflow.measurements.excitation_interval import excitation_interval, samples_between
-from flexsid.workflow.measurements.symmetric_motion import settle_axis
+from flexsid.workflow.importing.persistence import compute_largest_correlation
+from flexsid.workflow.importing.recorded_excitation import build_excitation
+from flexsid.workflow.measurements.excitation_interval import get_excitation_interval, slice_samples
+from flexsid.workflow.measurements.symmetric_motion import determine_axis
 
 TRIM_S = 2.0
-"""Steady flight kept before an excitation."""
+"""Steady flight included before an excitation. [s]"""
 
 DECAY_S = 4.0
-"""Kept after an excitation, for the response to decay."""
+"""Included after an excitation, for the response to decay. [s]"""
 
 _MARKER = re.compile(r"(^|_)(fta|marker|event|test_?point)($|_)", re.IGNORECASE)
-_MEASURED = {  # of a condition by the names that channels have
+_MEASURED = {  # quantity of a condition by channel name
     "airspeed": "airspeed",
     "density": "density",
     "altitude": "altitude",
@@ -51,12 +55,12 @@ _LEAST_SAMPLES = 16
 
 
 def find_maneuvers(store: Store, flight_id: int) -> tuple[FoundManeuver, ...]:
-    """Look for maneuvers in a flight: by its commands, else its marker, else its surfaces.
+    """Find maneuvers in a flight by its commands, else its marker, else its surfaces.
 
     Raises
     ------
     BadInput
-        If the flight has no recording, or nothing in it tells.
+        If the flight has no recording, or neither commands, marker nor surfaces.
     """
     flight = store.flights.get(flight_id)
     channels = store.flight_channels.find(flight_id=flight_id)
@@ -67,20 +71,20 @@ def find_maneuvers(store: Store, flight_id: int) -> tuple[FoundManeuver, ...]:
         )
     end_s = min(c.start_s + c.n_samples / c.rate_hz for c in channels)
     begin_s = max(c.start_s for c in channels)
-    numbers = _numbers(store, flight_id, channels)
-    found, names, clock, basis = _excitations(store, flight_id, channels)
-    designs = _known_excitations(store, flight)
+    numbers = _read_marker(store, flight_id, channels)
+    found, names, clock, basis = _find_intervals(store, flight_id, channels)
+    designs = _map_excitations(store, flight)
     cut = store.maneuvers.find(flight_id=flight_id, deleted_at=None)
     result: list[FoundManeuver] = []
     for place, one in enumerate(found):
         at_s = clock.start_s + one.first / clock.rate_hz
         over_s = clock.start_s + one.stop / clock.rate_hz
-        before_s = begin_s if place == 0 else _time(clock, found[place - 1].stop)
-        after_s = end_s if place + 1 == len(found) else _time(clock, found[place + 1].first)
-        excitation = excitation_of(one, names, clock.rate_hz, clock.start_s)
+        before_s = begin_s if place == 0 else _get_time(clock, found[place - 1].stop)
+        after_s = end_s if place + 1 == len(found) else _get_time(clock, found[place + 1].first)
+        excitation = build_excitation(one, names, clock.rate_hz, clock.start_s)
         fta = one.marker or _marker_at(numbers, 0.5 * (at_s + over_s))
         if fta is None and excitation is not None:
-            fta = designs.get(_key(excitation))
+            fta = designs.get(_build_key(excitation))
         start_s = max(at_s - TRIM_S, 0.5 * (before_s + at_s) if place else begin_s)
         stop_s = min(over_s + DECAY_S, after_s)
         result.append(
@@ -92,20 +96,20 @@ def find_maneuvers(store: Store, flight_id: int) -> tuple[FoundManeuver, ...]:
                 n_periods=one.n_periods,
                 fta=fta,
                 basis=basis,
-                maneuver_id=_cut_there(cut, at_s, over_s),
+                maneuver_id=_find_existing(cut, at_s, over_s),
             )
         )
     return tuple(result)
 
 
 def cut_maneuver(store: Store, flight_id: int, cut: Cut) -> Maneuver:
-    """Make a maneuver of a window of a flight; the recording stays as it is.
+    """Cut a maneuver out of a flight; the recording is not changed.
 
     Raises
     ------
     BadInput
-        If the window lies outside the recording, holds no input, or the condition cannot be
-        told from what was recorded.
+        If the window lies outside the recording or has no input, or the condition was not
+        recorded.
     Conflict
         If the flight has a maneuver of this label.
     """
@@ -116,12 +120,12 @@ def cut_maneuver(store: Store, flight_id: int, cut: Cut) -> Maneuver:
             f"the window from {cut.start_s:g} to {cut.stop_s:g} s is empty", code="bad-window"
         )
     recorded = read_flight_channels(store.database, flight_id)
-    pieces = _pieces(recorded, cut)
+    pieces = _cut_channels(recorded, cut)
     if not any(channel.role is Role.INPUT for channel, _ in pieces):
         raise BadInput("no input was recorded in this window", code="no-input")
-    condition = complete_condition(aircraft, _measured(pieces, aircraft))
+    condition = complete_condition(aircraft, _average_condition(pieces, aircraft))
     inputs = [samples for channel, samples in pieces if channel.role is Role.INPUT]
-    axis = settle_axis(cut.axis, aircraft, pieces)
+    axis = determine_axis(cut.axis, aircraft, pieces)
     alike = len({samples.size for samples in inputs}) == 1
     with store.transaction():
         for known in store.maneuvers.find(flight_id=flight_id, deleted_at=None):
@@ -133,33 +137,36 @@ def cut_maneuver(store: Store, flight_id: int, cut: Cut) -> Maneuver:
                     maneuver_id=known.id,
                 )
         first = pieces[0][0]
-        kept = store.maneuvers.add(
+        stored = store.maneuvers.add(
             Maneuver(
                 aircraft_id=flight.aircraft_id,
                 flight_id=flight_id,
                 label=cut.label,
                 start_s=max(channel.start_s for channel, _ in pieces),
-                duration_s=_duration(pieces),
+                duration_s=_find_duration(pieces),
                 condition=condition,
                 fta=cut.fta,
                 axis=axis,
-                excitation=_within(store, flight_id, cut),
-                airspeed_ratio=airspeed_ratio(condition),
-                max_input_correlation=largest_correlation(inputs) if alike else None,
+                excitation=_find_excitation(store, flight_id, cut),
+                airspeed_ratio=compute_airspeed_ratio(condition),
+                max_input_correlation=compute_largest_correlation(inputs) if alike else None,
                 source_file=first.source_file,
                 source_hash=first.source_hash,
                 note=cut.note,
             )
         )
-        rows = [describe(samples, channel.unit) for channel, samples in pieces]
+        rows = [describe_array(samples, channel.unit) for channel, samples in pieces]
         hashes = store.arrays.put_many(rows)
         store.channels.add_many(
-            [_channel(c, hash_, kept.id) for (c, _), hash_ in zip(pieces, hashes, strict=True)]
+            [
+                _build_channel(c, hash_, stored.id)
+                for (c, _), hash_ in zip(pieces, hashes, strict=True)
+            ]
         )
-    return kept
+    return stored
 
 
-def flight_history(
+def read_flight_history(
     store: Store,
     flight_id: int,
     names: Sequence[str] = (),
@@ -167,12 +174,12 @@ def flight_history(
     stop_s: float | None = None,
     points: int = 2000,
 ) -> ChannelHistories:
-    """Channels of a whole flight over a window; its commands or inputs by default."""
+    """Read channels of a flight over a window; its commands or inputs by default."""
     channels = store.flight_channels.find(flight_id=flight_id)
     store.flights.get(flight_id)
-    chosen = tuple(names) or _first_look(channels)
+    selected = tuple(names) or _select_default(channels)
     known = {channel.name for channel in channels}
-    for name in chosen:
+    for name in selected:
         if name not in known:
             raise BadInput(
                 f"the flight has no channel '{name}'; it has {', '.join(sorted(known)) or 'none'}",
@@ -182,8 +189,8 @@ def flight_history(
     low = -np.inf if start_s is None else start_s
     high = np.inf if stop_s is None else stop_s
     traces = []
-    for channel, samples in read_flight_channels(store.database, flight_id, chosen).values():
-        window = samples_between((low, high), channel.start_s, channel.rate_hz, channel.n_samples)
+    for channel, samples in read_flight_channels(store.database, flight_id, selected).values():
+        window = slice_samples((low, high), channel.start_s, channel.rate_hz, channel.n_samples)
         index = np.arange(window.start, window.stop)
         traces.append(
             ChannelTrace(
@@ -197,35 +204,35 @@ def flight_history(
     return ChannelHistories(maneuver_id=0, traces=tuple(traces), excitation_s=None, points=points)
 
 
-def _first_look(channels: Iterable[FlightChannel]) -> tuple[str, ...]:
+def _select_default(channels: Iterable[FlightChannel]) -> tuple[str, ...]:
     by_role = {role: [c.name for c in channels if c.role is role] for role in Role}
     shown = by_role[Role.COMMAND] or by_role[Role.INPUT]
     return (*shown[:3], *by_role[Role.OUTPUT][:1])
 
 
-def _excitations(
+def _find_intervals(
     store: Store, flight_id: int, channels: list[FlightChannel]
 ) -> tuple[tuple[ExcitedInterval, ...], tuple[str, ...], FlightChannel, str]:
-    """What ran, in which channels, on which clock, and what told it."""
+    """Find excited intervals, with their channels, clock and basis."""
     commands = [c for c in channels if c.role is Role.COMMAND]
-    marker = _marker(channels)
+    marker = _find_marker(channels)
     surfaces = [c for c in channels if c.role is Role.INPUT]
-    chosen, basis = (commands, "recorded excitation") if commands else ([], "")
-    if not chosen and marker is not None:
+    selected, basis = (commands, "recorded excitation") if commands else ([], "")
+    if not selected and marker is not None:
         values = read_flight_channels(store.database, flight_id, [marker.name])[marker.name][1]
-        found = find_marked(np.asarray(values, dtype=float), marker.rate_hz)
+        found = find_marked_intervals(np.asarray(values, dtype=float), marker.rate_hz)
         return found, (), marker, f"marker {marker.name}"
-    if not chosen:
-        chosen, basis = surfaces, "motion of the surfaces"
-    if not chosen:
+    if not selected:
+        selected, basis = surfaces, "motion of the surfaces"
+    if not selected:
         raise BadInput(
-            "neither commands nor a marker nor surfaces were recorded: choose the window yourself",
-            code="nothing-tells",
+            "neither commands, marker nor surfaces were recorded; set the window manually",
+            code="no-boundaries",
         )
-    clock = chosen[0]
+    clock = selected[0]
     same = [
         c
-        for c in chosen
+        for c in selected
         if (c.rate_hz, c.start_s, c.n_samples) == (clock.rate_hz, clock.start_s, clock.n_samples)
     ]
     read = read_flight_channels(store.database, flight_id, [c.name for c in same])
@@ -234,8 +241,8 @@ def _excitations(
     return find_excitations(samples, clock.rate_hz), names, clock, basis
 
 
-def _within(store: Store, flight_id: int, cut: Cut) -> Excitation | None:
-    """The excitation found in a flight that lies whole in a window."""
+def _find_excitation(store: Store, flight_id: int, cut: Cut) -> Excitation | None:
+    """Find the excitation of a flight that lies completely within a window."""
     try:
         found = find_maneuvers(store, flight_id)
     except BadInput:
@@ -243,19 +250,19 @@ def _within(store: Store, flight_id: int, cut: Cut) -> Excitation | None:
     for one in found:
         if one.excitation is None:
             continue
-        first_s, last_s = excitation_interval(one.excitation)
+        first_s, last_s = get_excitation_interval(one.excitation)
         if cut.start_s <= first_s and last_s <= cut.stop_s + 1e-6:
             return one.excitation
     return None
 
 
-def _pieces(
+def _cut_channels(
     recorded: dict[str, tuple[FlightChannel, np.ndarray]], cut: Cut
 ) -> list[tuple[FlightChannel, np.ndarray]]:
-    """Every channel over the window, with its new first sample and number of samples."""
+    """Cut every channel to the window, with its new start and number of samples."""
     pieces = []
     for channel, samples in recorded.values():
-        window = samples_between(
+        window = slice_samples(
             (cut.start_s, cut.stop_s), channel.start_s, channel.rate_hz, channel.n_samples
         )
         count = window.stop - window.start
@@ -277,10 +284,10 @@ def _pieces(
     return pieces
 
 
-def _measured(
+def _average_condition(
     pieces: Sequence[tuple[FlightChannel, np.ndarray]], aircraft: Aircraft
 ) -> dict[str, float]:
-    """Averages of what was recorded of the condition, in SI."""
+    """Average the recorded condition channels, in SI."""
     measured: dict[str, float] = {}
     engines = () if aircraft.thrust is None else aircraft.thrust.engines
     known = _MEASURED | {name: name for name in engines}
@@ -301,13 +308,13 @@ def _measured(
     return measured
 
 
-def _duration(pieces: Sequence[tuple[FlightChannel, np.ndarray]]) -> float:
+def _find_duration(pieces: Sequence[tuple[FlightChannel, np.ndarray]]) -> float:
     start_s = max(channel.start_s for channel, _ in pieces)
     stop_s = min(channel.start_s + channel.n_samples / channel.rate_hz for channel, _ in pieces)
     return stop_s - start_s
 
 
-def _channel(piece: FlightChannel, array: str, maneuver_id: int | None) -> Channel:
+def _build_channel(piece: FlightChannel, array: str, maneuver_id: int | None) -> Channel:
     return Channel(
         name=piece.name,
         unit=piece.unit,
@@ -324,14 +331,14 @@ def _channel(piece: FlightChannel, array: str, maneuver_id: int | None) -> Chann
     )
 
 
-def _marker(channels: Iterable[FlightChannel]) -> FlightChannel | None:
+def _find_marker(channels: Iterable[FlightChannel]) -> FlightChannel | None:
     return next((c for c in channels if c.role is Role.CONDITION and _MARKER.search(c.name)), None)
 
 
-def _numbers(
+def _read_marker(
     store: Store, flight_id: int, channels: Iterable[FlightChannel]
 ) -> tuple[FlightChannel, np.ndarray] | None:
-    marker = _marker(channels)
+    marker = _find_marker(channels)
     if marker is None:
         return None
     return read_flight_channels(store.database, flight_id, [marker.name])[marker.name]
@@ -347,22 +354,22 @@ def _marker_at(numbers: tuple[FlightChannel, np.ndarray] | None, time_s: float) 
     return round(float(values[place])) or None
 
 
-def _known_excitations(store: Store, flight: Flight) -> dict[tuple[object, ...], int]:
-    """Numbers of flight test aids by the harmonics that maneuvers of this aircraft had."""
+def _map_excitations(store: Store, flight: Flight) -> dict[tuple[object, ...], int]:
+    """Map harmonics of maneuvers of this aircraft to flight test aid numbers."""
     return {
-        _key(known.excitation): known.fta
+        _build_key(known.excitation): known.fta
         for known in store.maneuvers.find(aircraft_id=flight.aircraft_id, deleted_at=None)
         if known.excitation is not None and known.fta is not None
     }
 
 
-def _key(excitation: Excitation) -> tuple[object, ...]:
-    lines = sorted((name, tuple(lines)) for name, lines in excitation.harmonics.items())
-    return (round(excitation.period_s, 3), *lines)
+def _build_key(excitation: Excitation) -> tuple[object, ...]:
+    harmonics = sorted((name, tuple(own)) for name, own in excitation.harmonics.items())
+    return (round(excitation.period_s, 3), *harmonics)
 
 
-def _cut_there(cut: Iterable[Maneuver], at_s: float, over_s: float) -> int | None:
-    """A maneuver that holds most of an excitation already."""
+def _find_existing(cut: Iterable[Maneuver], at_s: float, over_s: float) -> int | None:
+    """Find an existing maneuver that covers most of an excitation."""
     for known in cut:
         shared = min(over_s, known.start_s + known.duration_s) - max(at_s, known.start_s)
         if shared > 0.5 * (over_s - at_s):
@@ -370,5 +377,5 @@ def _cut_there(cut: Iterable[Maneuver], at_s: float, over_s: float) -> int | Non
     return None
 
 
-def _time(clock: FlightChannel, sample: int) -> float:
+def _get_time(clock: FlightChannel, sample: int) -> float:
     return clock.start_s + sample / clock.rate_hz

@@ -1,4 +1,4 @@
-"""Upload: files that were read, and what their mapping makes of them."""
+"""Parsed uploads: files with their mapping and channels."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from flexsid.storage.arrays import ArrayRow
 
 @dataclass(frozen=True, slots=True)
 class ParsedUpload:
-    """Files that were read and the mapping that explains them; nothing is stored yet.
+    """Files with their mapping, before storage.
 
-    The channels have been taken out of the files and checked; those of a whole
-    flight belong to no maneuver.
+    Channels are extracted from the files and checked; those of a whole flight belong to no
+    maneuver.
     """
 
     sources: Sources
@@ -31,18 +31,18 @@ class ParsedUpload:
 
     @property
     def builtin(self) -> str | None:
-        """Name of the aircraft that the workbench brings along and this upload needs."""
+        """Name of the built-in aircraft that this upload needs."""
         part = self.mapping.aircraft
         return part.name if part is not None and part.builtin else None
 
 
-def explain(sources: Sources, mapping: mappings.Mapping) -> ParsedUpload:
-    """Take out of files what a mapping says that they hold.
+def parse_upload(sources: Sources, mapping: mappings.Mapping) -> ParsedUpload:
+    """Extract the channels of files with a mapping.
 
     Raises
     ------
     BadInput
-        If the files do not hold what the mapping says.
+        If the files do not match the mapping.
     """
     if mapping.recording is None:
         return ParsedUpload(sources, mapping)
@@ -57,7 +57,7 @@ def explain(sources: Sources, mapping: mappings.Mapping) -> ParsedUpload:
 
 
 def _check_rates(channels: Sequence[RawChannel]) -> None:
-    """Refuse a rate at which nobody samples motion: its time may be in another unit."""
+    """Check that sampling rates are usual; otherwise time may be in another unit."""
     low, high = USUAL_RATES_HZ
     for channel in channels:
         clock = channel.clock
@@ -65,7 +65,7 @@ def _check_rates(channels: Sequence[RawChannel]) -> None:
         if moving and not low <= clock.rate_hz <= high and UNUSUAL_RATE not in clock.confirmed:
             raise BadInput(
                 f"Channel '{channel.name}' has {clock.rate_hz:.4g} samples per second; {low:g} to "
-                f"{high:g} are usual. Is the unit of time right? If it is, write "
+                f"{high:g} are usual. Check the unit of time; if it is right, write "
                 f'confirmed = ["{UNUSUAL_RATE}"] in [time].',
                 code="unusual-rate",
                 column=channel.name,

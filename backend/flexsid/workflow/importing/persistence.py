@@ -1,4 +1,4 @@
-"""Keeping: what an import holds becomes records, inside the transaction of the import."""
+"""Storage of the records of an import, within its transaction."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from flexsid.importers.modal_table import RawModalTable
 from flexsid.importers.plausibility import OTHER_AXIS
 from flexsid.importers.predictions import RawPrediction
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.axes import axis_in_name
+from flexsid.records.axes import find_axis_in_name
 from flexsid.records.flight import Flight, FlightChannel
 from flexsid.records.maneuver import GROUND, Channel, Maneuver, Role
 from flexsid.records.modal_table import ModalTable
@@ -27,13 +27,13 @@ from flexsid.storage.repository import Repository
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import Derivative
 from flexsid.workflow.aircraft.flight_condition import (
-    airspeed_ratio,
     complete_condition,
-    parked_condition,
+    complete_parked_condition,
+    compute_airspeed_ratio,
 )
-from flexsid.workflow.aircraft.thrust import keep_thrust
-from flexsid.workflow.importing.recorded_excitation import recorded_excitation
-from flexsid.workflow.measurements.symmetric_motion import settle_axis
+from flexsid.workflow.aircraft.thrust import set_thrust_table
+from flexsid.workflow.importing.recorded_excitation import find_recorded_excitation
+from flexsid.workflow.measurements.symmetric_motion import determine_axis
 
 BYTES_AT_ONCE = 16 * 1024**2
 """Samples written by one statement."""
@@ -41,7 +41,7 @@ BYTES_AT_ONCE = 16 * 1024**2
 _Named = TypeVar("_Named", ModalTable, DerivativePrediction)
 
 
-def largest_correlation(inputs: Sequence[np.ndarray]) -> float | None:
+def compute_largest_correlation(inputs: Sequence[np.ndarray]) -> float | None:
     """Largest pairwise correlation of input time histories; None for fewer than two.
 
     Parameters
@@ -58,20 +58,20 @@ def largest_correlation(inputs: Sequence[np.ndarray]) -> float | None:
     return largest
 
 
-def keep_aircraft(store: Store, part: AircraftPart | None, aircraft_id: int | None) -> Aircraft:
-    """Find the aircraft that was chosen or that the mapping names, or add what it defines."""
+def store_aircraft(store: Store, part: AircraftPart | None, aircraft_id: int | None) -> Aircraft:
+    """Find the selected or named aircraft, or add the one defined in the mapping."""
     if aircraft_id is not None:
         aircraft = store.aircraft.get(aircraft_id)
         if part is not None and part.name != aircraft.name:
             raise BadInput(
-                f"The mapping is for '{part.name}', but '{aircraft.name}' was chosen.",
+                f"The mapping is for '{part.name}', but '{aircraft.name}' was selected.",
                 code="bad-mapping",
                 key="aircraft.name",
             )
         return aircraft
     if part is None:
         raise BadInput(
-            "Mapping: 'aircraft' is missing; name the aircraft or choose one.",
+            "Mapping: 'aircraft' is missing; name the aircraft or select one.",
             code="bad-mapping",
             key="aircraft",
         )
@@ -87,7 +87,7 @@ def keep_aircraft(store: Store, part: AircraftPart | None, aircraft_id: int | No
     if part.definition is not None and part.definition.thrust is None:
         part = replace(part, definition=replace(part.definition, thrust=known[0].thrust))
     elif part.definition is not None and known[0].thrust is None:
-        known = [keep_thrust(store, known[0].id or 0, part.definition.thrust)]
+        known = [set_thrust_table(store, known[0].id or 0, part.definition.thrust)]
     if part.definition is not None and replace(known[0], id=None) != part.definition:
         raise Conflict(
             f"Aircraft '{part.name}' is there already with another definition; take the definition "
@@ -97,7 +97,7 @@ def keep_aircraft(store: Store, part: AircraftPart | None, aircraft_id: int | No
     return known[0]
 
 
-def keep_flight(store: Store, aircraft: Aircraft, part: FlightPart) -> Flight:
+def store_flight(store: Store, aircraft: Aircraft, part: FlightPart) -> Flight:
     """Find a flight by its number, or add it."""
     assert aircraft.id is not None
     known = store.flights.find(aircraft_id=aircraft.id, number=part.number)
@@ -113,7 +113,7 @@ def keep_flight(store: Store, aircraft: Aircraft, part: FlightPart) -> Flight:
     )
 
 
-def keep_maneuver(
+def store_maneuver(
     store: Store, aircraft: Aircraft, flight: Flight, raw: RawManeuver, writing: Writing
 ) -> Maneuver:
     """Add a maneuver with its channels; the same file gives the same maneuver only once."""
@@ -128,8 +128,8 @@ def keep_maneuver(
                 code="already-imported",
                 maneuver_id=known.id,
             )
-    axis = settle_axis(raw.axis, aircraft, [(c, c.samples) for c in raw.channels])
-    complete = parked_condition if axis == GROUND else complete_condition
+    axis = determine_axis(raw.axis, aircraft, [(c, c.samples) for c in raw.channels])
+    complete = complete_parked_condition if axis == GROUND else complete_condition
     condition = complete(aircraft, raw.condition)
     inputs = [channel.samples for channel in raw.channels if channel.role is Role.INPUT]
     maneuver = store.maneuvers.add(
@@ -142,9 +142,9 @@ def keep_maneuver(
             condition=condition,
             fta=raw.fta,
             axis=axis,
-            excitation=raw.excitation or recorded_excitation(raw.channels),
-            airspeed_ratio=None if axis == GROUND else airspeed_ratio(condition),
-            max_input_correlation=largest_correlation(inputs),
+            excitation=raw.excitation or find_recorded_excitation(raw.channels),
+            airspeed_ratio=None if axis == GROUND else compute_airspeed_ratio(condition),
+            max_input_correlation=compute_largest_correlation(inputs),
             source_file=raw.source_file,
             source_hash=raw.source_hash,
             note=raw.note,
@@ -152,15 +152,17 @@ def keep_maneuver(
     )
     assert maneuver.id is not None
     for some in writing.over(raw.channels):
-        rows = [Channel(**kept, maneuver_id=maneuver.id) for kept in _kept(store, some, writing)]
+        rows = [
+            Channel(**row, maneuver_id=maneuver.id) for row in _store_samples(store, some, writing)
+        ]
         store.channels.add_many(rows)
     return maneuver
 
 
-def keep_recording(
+def store_recording(
     store: Store, flight: Flight, channels: Sequence[RawChannel], writing: Writing
 ) -> tuple[FlightChannel, ...]:
-    """Keep channels of a whole flight, beside those that it has from other files."""
+    """Add channels to the recording of a flight."""
     assert flight.id is not None
     known = {channel.name: channel for channel in store.flight_channels.find(flight_id=flight.id)}
     for channel in channels:
@@ -173,13 +175,18 @@ def keep_recording(
                 flight_id=flight.id,
             )
     for some in writing.over(channels):
-        rows = [FlightChannel(**kept, flight_id=flight.id) for kept in _kept(store, some, writing)]
+        rows = [
+            FlightChannel(**row, flight_id=flight.id)
+            for row in _store_samples(store, some, writing)
+        ]
         store.flight_channels.add_many(rows)
     return tuple(store.flight_channels.find(flight_id=flight.id))
 
 
-def _kept(store: Store, channels: Sequence[RawChannel], writing: Writing) -> list[dict[str, Any]]:
-    """What channels of maneuvers and of flights have in common; the samples are kept."""
+def _store_samples(
+    store: Store, channels: Sequence[RawChannel], writing: Writing
+) -> list[dict[str, Any]]:
+    """Store samples; return the fields common to channels of maneuvers and flights."""
     arrays = store.arrays.put_many([writing.rows[channel.name] for channel in channels])
     return [
         {
@@ -201,7 +208,7 @@ def _kept(store: Store, channels: Sequence[RawChannel], writing: Writing) -> lis
 
 @dataclass(frozen=True, slots=True)
 class Writing:
-    """Hands out channels, some megabytes at a time, and tells which fraction is written.
+    """Divides channels into parts of some megabytes and reports the fraction written.
 
     ``rows`` are the samples of every channel, by its name.
     """
@@ -210,7 +217,7 @@ class Writing:
     report: Callable[[float], None]
 
     def over(self, channels: Sequence[RawChannel]) -> Iterator[Sequence[RawChannel]]:
-        """Hand out the channels."""
+        """Yield the channels in parts."""
         first = size = 0
         for last, channel in enumerate(channels, start=1):
             size += channel.samples.nbytes
@@ -221,7 +228,7 @@ class Writing:
 
 
 def check_sensors(aircraft: Aircraft, channels: Sequence[RawChannel]) -> None:
-    """Refuse a channel of a sensor that the aircraft does not have."""
+    """Check that the aircraft has the sensor of every channel."""
     known = {sensor.name for sensor in aircraft.sensors}
     for channel in channels:
         if channel.sensor is not None and channel.sensor not in known:
@@ -234,7 +241,7 @@ def check_sensors(aircraft: Aircraft, channels: Sequence[RawChannel]) -> None:
 
 
 def check_axes(aircraft: Aircraft, channels: Sequence[RawChannel]) -> None:
-    """Ask about a column of the file that is called by another axis than its sensor's.
+    """Check the axis in the name of every column against the axis of its sensor.
 
     Raises
     ------
@@ -246,19 +253,19 @@ def check_axes(aircraft: Aircraft, channels: Sequence[RawChannel]) -> None:
         sensor = sensors.get(channel.name)
         if sensor is None or OTHER_AXIS in channel.confirmed:
             continue
-        recorded = axis_in_name(sensor.kind, channel.field.rpartition(".")[2])
+        recorded = find_axis_in_name(sensor.kind, channel.field.rpartition(".")[2])
         if recorded not in (None, sensor.axis):
             raise BadInput(
-                f"Column '{channel.field}' is called as a {sensor.kind.value} of axis {recorded}, "
-                f"but the mapping makes it '{channel.name}', which is of axis {sensor.axis}. "
-                f'Correct its name; if it is right, write confirmed = ["{OTHER_AXIS}"].',
-                code="doubtful-axis",
+                f"Column '{channel.field}' has the name of a {sensor.kind.value} of axis"
+                f" {recorded}, but is mapped to '{channel.name}' of axis {sensor.axis}. "
+                f'Correct the name; if it is right, write confirmed = ["{OTHER_AXIS}"].',
+                code="unconfirmed-axis",
                 column=channel.field,
                 channel=channel.name,
             )
 
 
-def keep_modal_table(store: Store, aircraft: Aircraft, raw: RawModalTable) -> ModalTable:
+def store_modal_table(store: Store, aircraft: Aircraft, raw: RawModalTable) -> ModalTable:
     """Add a modal table, or find the same."""
     assert aircraft.id is not None
     table = ModalTable(
@@ -274,10 +281,10 @@ def keep_modal_table(store: Store, aircraft: Aircraft, raw: RawModalTable) -> Mo
         origin=raw.origin,
     )
     known = store.modal_tables.find(aircraft_id=aircraft.id, name=raw.name)
-    return _keep_once(store.modal_tables, table, known, f"Modal table '{raw.name}'")
+    return _add_once(store.modal_tables, table, known, f"Modal table '{raw.name}'")
 
 
-def keep_prediction(store: Store, aircraft: Aircraft, raw: RawPrediction) -> DerivativePrediction:
+def store_prediction(store: Store, aircraft: Aircraft, raw: RawPrediction) -> DerivativePrediction:
     """Add predicted derivatives, or find the same."""
     assert aircraft.id is not None
     for name in raw.names:
@@ -292,13 +299,13 @@ def keep_prediction(store: Store, aircraft: Aircraft, raw: RawPrediction) -> Der
         note=raw.note,
     )
     known = store.predictions.find(aircraft_id=aircraft.id, source=raw.source)
-    return _keep_once(store.predictions, prediction, known, f"Prediction '{raw.source}'")
+    return _add_once(store.predictions, prediction, known, f"Prediction '{raw.source}'")
 
 
-def _keep_once(
+def _add_once(
     repository: Repository[_Named], record: _Named, known: Sequence[_Named], what: str
 ) -> _Named:
-    """Several maneuvers may come with the same tables: keep them once, never change them."""
+    """Add a record, or return the existing one with the same content; never change one."""
     for same in known:
         if replace(same, id=None) == record:
             return same

@@ -1,4 +1,4 @@
-"""Describing: what files hold, a mapping proposed for them, and what a mapping makes of them."""
+"""Preview of an upload: contents of files, proposed mapping, and channels of a mapping."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ import numpy as np
 from flexsid import units
 from flexsid.errors import BadInput
 from flexsid.importers.channels import RawChannel
-from flexsid.importers.mapping import parse_mapping, recognise
-from flexsid.importers.plausibility import Doubt
-from flexsid.importers.proposal import ask_again, find_time, list_columns, propose
-from flexsid.importers.recognised import recognise as recognise_name
+from flexsid.importers.column_names import recognise_column as recognise_name
+from flexsid.importers.mapping import find_known_mapping, parse_mapping
+from flexsid.importers.plausibility import UnitWarning
+from flexsid.importers.proposal import find_time, list_columns, mark_guessed, write_proposal
 from flexsid.importers.source import Sources
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
 from flexsid.records.views import ChannelHistories, ChannelTrace
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.flight_import import find_doubts
-from flexsid.workflow.importing.parsed_files import ParsedUpload, explain
+from flexsid.workflow.importing.flight_import import find_unit_warnings
+from flexsid.workflow.importing.parsed_files import ParsedUpload, parse_upload
 from flexsid.workflow.importing.unconfirmed_values import Guess, find_guesses
 
 MOST_FIELDS = 500
@@ -54,7 +54,7 @@ class UploadedFile:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proposal:
-    """A mapping to begin with; ``origin`` says where it comes from."""
+    """A proposed mapping; ``origin`` is its source."""
 
     text: str
     origin: str
@@ -63,7 +63,7 @@ class Proposal:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MappedChannel:
-    """A channel as a mapping makes it."""
+    """A channel of a mapping."""
 
     name: str
     unit: str
@@ -79,7 +79,7 @@ class MappedChannel:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MappingProblem:
-    """Why a mapping does not do yet; ``key`` is its key or the channel meant."""
+    """An error in a mapping; ``key`` is its key or the channel."""
 
     code: str
     message: str
@@ -88,21 +88,21 @@ class MappingProblem:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Checked:
-    """What a mapping makes of an upload, with questions where a unit is doubtful.
+    """Channels of an upload by a mapping, with warnings on implausible units.
 
-    ``guesses`` are values that nobody has confirmed; nothing is imported before.
-    ``rules`` are its ``[[channels]]`` as they are written, for the table of the page.
+    ``guesses`` are unconfirmed values; they prevent the import.
+    ``rules`` are the ``[[channels]]`` of the mapping as written, for the table in the page.
     """
 
     rules: list[dict[str, Any]]
     channels: tuple[MappedChannel, ...]
-    questions: tuple[Doubt, ...]
+    queries: tuple[UnitWarning, ...]
     guesses: tuple[Guess, ...]
     problem: MappingProblem | None
 
 
 def describe_files(sources: Sources) -> list[UploadedFile]:
-    """Name the files."""
+    """List the files with hash and number of fields."""
     return [
         UploadedFile(name=source.name, sha256=source.sha256, n_fields=len(source.arrays))
         for source in sources.items
@@ -129,53 +129,53 @@ def describe_fields(sources: Sources) -> list[FoundField]:
                 unit=column.unit,
                 n_samples=column.samples.size,
                 rate_hz=rate,
-                first=tuple(_plain(value) for value in column.samples[:4]),
-                smallest=_plain(column.samples.min()),
-                largest=_plain(column.samples.max()),
+                first=tuple(_get_finite(value) for value in column.samples[:4]),
+                smallest=_get_finite(column.samples.min()),
+                largest=_get_finite(column.samples.max()),
             )
         )
     return found
 
 
 def propose_mapping(store: Store, sources: Sources) -> Proposal:
-    """Find the mapping to begin with: of a known form, kept before, or made of the names."""
-    fitting = [kept for kept in store.mappings.find() if _fits(kept.text, sources)]
-    names = tuple(kept.name for kept in fitting)
-    known = recognise(sources)
+    """Propose a mapping: of a known form, a saved one, or from the column names."""
+    fitting = [saved for saved in store.mappings.find() if _fits(saved.text, sources)]
+    names = tuple(saved.name for saved in fitting)
+    known = find_known_mapping(sources)
     if known is not None:
         return Proposal(text=known, origin="a known form of file", fitting=names)
     if fitting:
-        text = ask_again(fitting[-1].text)
+        text = mark_guessed(fitting[-1].text)
         if text is not None:
-            origin = f"the kept mapping '{fitting[-1].name}'"
+            origin = f"the saved mapping '{fitting[-1].name}'"
             return Proposal(text=text, origin=origin, fitting=names)
-    chosen = _likely_aircraft(store, sources)
-    flights = store.flights.find(aircraft_id=chosen.id) if chosen is not None else []
+    selected = _find_likely_aircraft(store, sources)
+    flights = store.flights.find(aircraft_id=selected.id) if selected is not None else []
     number = max((flight.number for flight in flights), default=0) + 1
-    text = propose(
+    text = write_proposal(
         sources,
-        "?" if chosen is None else chosen.name,
+        "?" if selected is None else selected.name,
         number,
-        {} if chosen is None else _own_names(chosen),
+        {} if selected is None else _list_names(selected),
     )
     return Proposal(text=text, origin="the names of the columns", fitting=names)
 
 
 def check_mapping(store: Store, sources: Sources, text: str) -> Checked:
-    """Say what a mapping makes of files, and what is wrong with it."""
-    rules = _rules(text)
+    """Apply a mapping to files; return channels, warnings and the first error."""
+    rules = _read_rules(text)
     try:
-        upload = explain(sources, parse_mapping(text))
+        upload = parse_upload(sources, parse_mapping(text))
     except BadInput as error:
         key = error.context.get("key") or error.context.get("column")
         problem = MappingProblem(
             code=error.code, message=error.message, key=None if key is None else str(key)
         )
-        return Checked(rules=rules, channels=(), questions=(), guesses=(), problem=problem)
+        return Checked(rules=rules, channels=(), queries=(), guesses=(), problem=problem)
     return Checked(
         rules=rules,
-        channels=tuple(_mapped(channel) for channel in upload.channels),
-        questions=find_doubts(upload.channels),
+        channels=tuple(_describe_channel(channel) for channel in upload.channels),
+        queries=find_unit_warnings(upload.channels),
         guesses=find_guesses(store, upload),
         problem=None,
     )
@@ -184,24 +184,24 @@ def check_mapping(store: Store, sources: Sources, text: str) -> Checked:
 def preview_channels(
     sources: Sources, text: str, names: Sequence[str], points: int
 ) -> ChannelHistories:
-    """Time histories of channels as a mapping makes them; the first few where none is named.
+    """Read time histories of mapped channels; the first few by default.
 
     Raises
     ------
     BadInput
         If the mapping does not fit the files.
     """
-    upload: ParsedUpload = explain(sources, parse_mapping(text))
-    chosen = [c for c in upload.channels if not names or c.name in names][:MOST_DRAWN]
+    upload: ParsedUpload = parse_upload(sources, parse_mapping(text))
+    selected = [c for c in upload.channels if not names or c.name in names][:MOST_DRAWN]
     return ChannelHistories(
         maneuver_id=0,  # none yet
-        traces=tuple(_trace(channel) for channel in chosen),
+        traces=tuple(_build_trace(channel) for channel in selected),
         excitation_s=None,
         points=points,
     )
 
 
-def _trace(channel: RawChannel) -> ChannelTrace:
+def _build_trace(channel: RawChannel) -> ChannelTrace:
     clock = channel.clock
     return ChannelTrace(
         name=channel.name,
@@ -212,7 +212,7 @@ def _trace(channel: RawChannel) -> ChannelTrace:
     )
 
 
-def _mapped(channel: RawChannel) -> MappedChannel:
+def _describe_channel(channel: RawChannel) -> MappedChannel:
     return MappedChannel(
         name=channel.name,
         unit=channel.unit,
@@ -227,7 +227,7 @@ def _mapped(channel: RawChannel) -> MappedChannel:
     )
 
 
-def _rules(text: str) -> list[dict[str, Any]]:
+def _read_rules(text: str) -> list[dict[str, Any]]:
     try:
         rows = tomllib.loads(text).get("channels", [])
     except (tomllib.TOMLDecodeError, RecursionError):
@@ -236,32 +236,32 @@ def _rules(text: str) -> list[dict[str, Any]]:
 
 
 def _fits(text: str, sources: Sources) -> bool:
-    """Tell whether a mapping finds all that it names in these files."""
+    """Return whether the files have everything that a mapping names."""
     try:
-        explain(sources, parse_mapping(text))
+        parse_upload(sources, parse_mapping(text))
     except BadInput:
         return False
     return True
 
 
-def _likely_aircraft(store: Store, sources: Sources) -> Aircraft | None:
-    """Aircraft of whose surfaces and sensors the files name most; None where they name none."""
+def _find_likely_aircraft(store: Store, sources: Sources) -> Aircraft | None:
+    """Find the aircraft with most surfaces and sensors in the files; None without any."""
     columns = list_columns(sources)
     named = {column.field.rpartition(".")[2] for column in columns}
     named |= {recognise_name(column.field, column.unit).name for column in columns}
     best, most = None, 0
     for aircraft in store.aircraft.find():
-        shared = len(named & _own_names(aircraft).keys())
+        shared = len(named & _list_names(aircraft).keys())
         if shared >= max(most, 1):
             best, most = aircraft, shared
     return best
 
 
-def _own_names(aircraft: Aircraft) -> dict[str, Role]:
+def _list_names(aircraft: Aircraft) -> dict[str, Role]:
     surfaces = {surface.name: Role.INPUT for surface in aircraft.surfaces}
     return {**surfaces, **{sensor.name: Role.OUTPUT for sensor in aircraft.sensors}}
 
 
-def _plain(value: Any) -> float | None:
+def _get_finite(value: Any) -> float | None:
     number = float(value)
     return number if np.isfinite(number) else None

@@ -1,4 +1,4 @@
-"""Excited: which multisines ran, told by the commands that were recorded."""
+"""Recorded excitation: multisines found in the recorded commands."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from flexsid.records.maneuver import Excitation, Role
 from flexsid.sysid.preparation.cutting import ExcitedInterval, find_excitations
 
 COMMAND = "_command"
-"""Ends the name of the channel that holds the excitation of an input."""
+"""Suffix of the channel with the excitation of an input."""
 
 
-def recorded_excitation(channels: Sequence[RawChannel]) -> Excitation | None:
-    """The one multisine set that the commands of a maneuver hold; None where it is not one."""
+def find_recorded_excitation(channels: Sequence[RawChannel]) -> Excitation | None:
+    """Find the multisine in the commands of a maneuver; None unless there is exactly one."""
     commands = [channel for channel in channels if channel.role is Role.COMMAND]
     if not commands:
         return None
@@ -25,15 +25,17 @@ def recorded_excitation(channels: Sequence[RawChannel]) -> Excitation | None:
     found = find_excitations(samples, clock.rate_hz)
     if len(found) != 1:
         return None
-    return excitation_of(found[0], [channel.name for channel in same], clock.rate_hz, clock.start_s)
+    return build_excitation(
+        found[0], [channel.name for channel in same], clock.rate_hz, clock.start_s
+    )
 
 
-def excitation_of(
+def build_excitation(
     one: ExcitedInterval, channels: Sequence[str], rate_hz: float, start_s: float
 ) -> Excitation | None:
-    """The excitation that was found in channels on one clock; None for no multisine."""
+    """Build the excitation of an interval; None without multisine."""
     names = [name.removesuffix(COMMAND) for name in channels]
-    harmonics = {n: lines for n, lines in zip(names, one.harmonics, strict=False) if lines}
+    harmonics = {n: own for n, own in zip(names, one.harmonics, strict=False) if own}
     if not harmonics:
         return None
     return Excitation(

@@ -1,4 +1,4 @@
-"""Guesses: values of a mapping that nobody has confirmed, with their consequences."""
+"""Unconfirmed values of a mapping, with their consequences."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _MOST_NAMED = 6
 
 
 class GuessKind(StrEnum):
-    """What a guess is about."""
+    """Kind of an unconfirmed value."""
 
     AIRCRAFT = "aircraft"
     FLIGHT = "flight"
@@ -44,7 +44,7 @@ class GuessKind(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Guess:
-    """A value that nobody has confirmed, at its key, and the consequence of taking it."""
+    """An unconfirmed value with its key and consequence."""
 
     kind: GuessKind
     key: str
@@ -53,12 +53,12 @@ class Guess:
 
 
 def find_guesses(store: Store, upload: ParsedUpload) -> tuple[Guess, ...]:
-    """List what nobody has confirmed in the mapping of an upload, with the consequences."""
+    """List the unconfirmed values of the mapping of an upload, with their consequences."""
     return tuple(_guess(store, upload, own) for own in upload.mapping.guessed)
 
 
 def refuse_guesses(store: Store, upload: ParsedUpload) -> None:
-    """Refuse to import what is guessed.
+    """Check that the mapping has no unconfirmed values.
 
     Raises
     ------
@@ -70,8 +70,8 @@ def refuse_guesses(store: Store, upload: ParsedUpload) -> None:
         named = " ".join(f"{own.key} = {own.value}: {own.consequence}." for own in found[:5])
         more = f" And {len(found) - 5} more." if len(found) > 5 else ""
         raise BadInput(
-            f"{len(found)} values of the mapping were guessed and nobody confirmed them. "
-            f"{named}{more} Correct what is wrong, then take the key out of 'guessed' of its table "
+            f"{len(found)} values of the mapping are guessed and not confirmed. "
+            f"{named}{more} Correct wrong values, then take the key out of 'guessed' of its table "
             "(or confirm all of them: --confirm on the command line, confirmed=true over HTTP).",
             code="unconfirmed",
             key=upload.mapping.guessed[0].path,
@@ -80,7 +80,7 @@ def refuse_guesses(store: Store, upload: ParsedUpload) -> None:
 
 
 def check_builtin(aircraft: Aircraft, upload: ParsedUpload) -> None:
-    """Refuse files of a known form whose channels are not those of the aircraft of that form.
+    """Check that files of a known form have channels of the built-in aircraft only.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def _of_aircraft(store: Store, upload: ParsedUpload) -> str:
     part = upload.mapping.aircraft
     known = store.aircraft.find(name=part.name) if part is not None else []
     if not known:
-        return "it is not in the database yet" if upload.builtin else "there is no such aircraft"
+        return "not in the database yet" if upload.builtin else "unknown aircraft"
     own = _own_names(known[0])
     fitting = [channel.name for channel in upload.channels if channel.name in own]
     return (
@@ -143,7 +143,7 @@ def _of_flight(store: Store, upload: ParsedUpload) -> str:
         if known and flight is not None
         else []
     )
-    return "added to the flight that is there already" if flights else "a new flight"
+    return "added to the existing flight" if flights else "a new flight"
 
 
 def _of_condition(upload: ParsedUpload, key: str) -> str:
@@ -169,7 +169,7 @@ def _of_clock(clock: Clock) -> str:
 
 def _of_unit(channels: Sequence[RawChannel]) -> str:
     if not channels:
-        return "no channel has it"
+        return "of no channel"
     if len(channels) > 1:
         shown = [f"{own.name} {_size(own, own.unit)}" for own in channels[:_MOST_NAMED]]
         more = f" and {len(channels) - _MOST_NAMED} more" if len(channels) > _MOST_NAMED else ""

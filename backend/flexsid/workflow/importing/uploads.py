@@ -1,7 +1,7 @@
-"""Uploads: files read once, looked at, described, and then imported.
+"""Uploads: files read once, previewed and then imported.
 
 An upload is a folder with the samples of its files and a state, so that the page can be
-loaded again and a server that was stopped says what became of it.
+reloaded, and an import interrupted by a stopped server is reported.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ from pathlib import Path
 from typing import Any
 
 from flexsid.errors import Cancelled, Conflict, FlexsidError, UnknownRecord
-from flexsid.importers import confined
+from flexsid.importers import sandbox
 from flexsid.importers.mapping import parse_mapping
 from flexsid.importers.source import Sources
-from flexsid.storage.files import close_folder, sync
+from flexsid.storage.files import make_private_folder, sync
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.flight_import import BringAlong, Imported, keep_upload
-from flexsid.workflow.importing.parsed_files import explain
+from flexsid.workflow.importing.flight_import import AddBuiltinAircraft, Imported, store_upload
+from flexsid.workflow.importing.parsed_files import parse_upload
 from flexsid.workflow.importing.unconfirmed_values import refuse_guesses
 
 _log = logging.getLogger(__name__)
 
-KEPT_DAYS = 7
+RETENTION_DAYS = 7
 _STATE = "state.json"
 _NAME = re.compile(r"u[0-9a-f]{16}")
 
 
 class UploadState(StrEnum):
-    """How far an upload has come."""
+    """State of an upload."""
 
     READ = "read"
     IMPORTING = "importing"
@@ -48,7 +48,7 @@ class UploadState(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UploadProgress:
-    """An upload and what became of it; ``progress`` is the fraction that is written."""
+    """An upload with its state; ``progress`` is the fraction written."""
 
     id: str
     state: UploadState = UploadState.READ
@@ -63,45 +63,47 @@ class UploadProgress:
 class Uploads:
     """The uploads of one server, and the thread that imports them one after the other."""
 
-    def __init__(self, store: Store, folder: Path, bring_along: BringAlong | None = None) -> None:
+    def __init__(
+        self, store: Store, folder: Path, add_builtin_aircraft: AddBuiltinAircraft | None = None
+    ) -> None:
         self._store = store
         self._folder = folder
-        self._bring_along = bring_along
+        self._add_builtin_aircraft = add_builtin_aircraft
         self._lock = threading.Lock()
         self._progress: dict[str, float] = {}
         self._cancelled: set[str] = set()
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="import")
 
     def start(self) -> None:
-        """Say of imports that a stopped server left that they were interrupted; forget old ones."""
+        """Mark imports interrupted by a stopped server as failed; delete old uploads."""
         for path in self._folder.glob(f"*/{_STATE}"):
             upload = _load(path)
             if upload.state is UploadState.IMPORTING:
                 message = (
-                    "The server was stopped during this import; what was not finished was not "
-                    "stored. Import again: what is there already is refused, never doubled."
+                    "The server was stopped during this import, and unfinished parts were not "
+                    "stored. Import again; existing records are refused, not duplicated."
                 )
                 failed = replace(
                     upload, state=UploadState.FAILED, code="interrupted", message=message
                 )
                 self._save(failed)
-        self._forget_old()
+        self._delete_old()
 
     def stop(self) -> None:
-        """Cancel what is imported; its transaction is undone."""
+        """Cancel running imports; their transactions are rolled back."""
         with self._lock:
             self._cancelled.update(self._progress)
         self._worker.shutdown(wait=True, cancel_futures=True)
 
     def read(self, files: Sequence[Path], names: Sequence[str]) -> UploadProgress:
-        """Read files into a new upload; those of long ago are forgotten meanwhile."""
-        self._forget_old()
+        """Read files into a new upload; delete old uploads."""
+        self._delete_old()
         upload = UploadProgress(id=f"u{secrets.token_hex(8)}")
         folder = self._folder / upload.id
-        close_folder(self._folder)
+        make_private_folder(self._folder)
         folder.mkdir(mode=0o700)
         try:
-            confined.decode(files, names, folder)
+            sandbox.decode(files, names, folder)
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
             raise
@@ -115,15 +117,15 @@ class Uploads:
             return replace(upload, progress=self._progress.get(identity, 0.0))
         return upload
 
-    def under_way(self) -> list[UploadProgress]:
-        """What is being imported, or waits for it."""
+    def list_active(self) -> list[UploadProgress]:
+        """List uploads that are being imported or waiting."""
         with self._lock:
             waiting = list(self._progress)
         return [upload for upload in map(self.get, waiting) if upload.progress is not None]
 
     def sources(self, identity: str) -> Sources:
-        """Return what the files hold."""
-        return confined.load(self._at(identity))
+        """Return the contents of the files."""
+        return sandbox.load(self._at(identity))
 
     def import_later(
         self,
@@ -138,14 +140,13 @@ class Uploads:
         Raises
         ------
         BadInput
-            If the mapping is not what it must be, or something in it is guessed that nobody
-            ``confirmed``.
+            If the mapping is invalid, or has guessed values without ``confirmed``.
         Conflict
             If the upload is being imported.
         """
         mapping = parse_mapping(text)
         if mapping.guessed and not confirmed:
-            refuse_guesses(self._store, explain(self.sources(identity), mapping))
+            refuse_guesses(self._store, parse_upload(self.sources(identity), mapping))
         with self._lock:
             upload = self.get(identity)
             if upload.state is UploadState.IMPORTING:
@@ -157,8 +158,8 @@ class Uploads:
         self._worker.submit(self._import, identity, text, aircraft_id, confirmed)
         return replace(begun, progress=0.0)
 
-    def forget(self, identity: str) -> None:
-        """Cancel the import of an upload, or forget its files."""
+    def delete(self, identity: str) -> None:
+        """Cancel the import of an upload, or delete its files."""
         folder = self._at(identity)
         with self._lock:
             if identity in self._progress:
@@ -166,44 +167,44 @@ class Uploads:
                 return
         shutil.rmtree(folder, ignore_errors=True)
 
-    def _forget_old(self) -> None:
+    def _delete_old(self) -> None:
         for path in self._folder.glob(f"*/{_STATE}"):
             busy = path.parent.name in self._progress
-            if not busy and time.time() - path.stat().st_mtime > KEPT_DAYS * 86400:
+            if not busy and time.time() - path.stat().st_mtime > RETENTION_DAYS * 86400:
                 shutil.rmtree(path.parent, ignore_errors=True)
 
     def _import(self, identity: str, text: str, aircraft_id: int | None, confirmed: bool) -> None:
         def report(fraction: float) -> None:
             self._progress[identity] = fraction
             if identity in self._cancelled:
-                raise Cancelled("The import was cancelled; nothing of it was stored.")
+                raise Cancelled("The import was cancelled; nothing was stored.")
 
         try:
             report(0.0)
-            upload = explain(self.sources(identity), parse_mapping(text))
-            imported = keep_upload(
+            upload = parse_upload(self.sources(identity), parse_mapping(text))
+            imported = store_upload(
                 self._store,
                 upload,
                 aircraft_id,
                 report,
-                self._bring_along,
+                self._add_builtin_aircraft,
                 confirmed=confirmed,
             )
-            ended = _ended(identity, imported)
+            result = _build_result(identity, imported)
         except FlexsidError as error:
-            ended = UploadProgress(
+            result = UploadProgress(
                 id=identity, state=UploadState.FAILED, code=error.code, message=error.message
             )
-        except Exception as error:  # what nobody foresaw must still end the import in words
+        except Exception as error:  # any other error ends the import with a message
             _log.exception("the import of %s failed", identity)
-            ended = UploadProgress(
+            result = UploadProgress(
                 id=identity,
                 state=UploadState.FAILED,
                 code="internal-error",
                 message=f"The import failed ({type(error).__name__}); nothing was stored.",
             )
         with self._lock:
-            self._save(ended)
+            self._save(result)
             self._progress.pop(identity, None)
             self._cancelled.discard(identity)
 
@@ -211,7 +212,8 @@ class Uploads:
         folder = self._folder / identity
         if _NAME.fullmatch(identity) is None or not (folder / _STATE).is_file():
             raise UnknownRecord(
-                f"There is no upload '{identity[:40]}'; uploads are kept {KEPT_DAYS} days."
+                f"There is no upload '{identity[:40]}'; uploads are stored for {RETENTION_DAYS}"
+                " days."
             )
         return folder
 
@@ -229,7 +231,7 @@ def _load(path: Path) -> UploadProgress:
     return UploadProgress(**values)
 
 
-def _ended(identity: str, imported: Imported) -> UploadProgress:
+def _build_result(identity: str, imported: Imported) -> UploadProgress:
     maneuver, flight = imported.maneuver, imported.flight
     return UploadProgress(
         id=identity,

@@ -1,4 +1,4 @@
-"""The flight condition of a maneuver with its spread, and whether one linear model holds."""
+"""Flight condition of a maneuver with its spread, and validity of a time-invariant model."""
 
 from __future__ import annotations
 
@@ -16,28 +16,32 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.sensors import SensorRows
-from flexsid.sysid.stability.poles import separation_factor
+from flexsid.sysid.stability.poles import compute_separation_factor
 from flexsid.units import si_unit
-from flexsid.workflow.aircraft.aircraft_models import flight_condition
+from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
 from flexsid.workflow.aircraft.derivative_predictions import (
-    best_prediction,
-    predicted_modes,
-    prediction_at,
+    interpolate_prediction,
+    list_predicted_modes,
+    select_prediction,
 )
 from flexsid.workflow.aircraft.longitudinal import require_longitudinal
-from flexsid.workflow.aircraft.thrust import TOTAL_TEMPERATURE, table_thrust, total_temperature
-from flexsid.workflow.measurements.transforms import load_channels
+from flexsid.workflow.aircraft.thrust import (
+    TOTAL_TEMPERATURE,
+    compute_total_temperature,
+    interpolate_thrust,
+)
+from flexsid.workflow.measurements.maneuver_spectra import load_channels
 from flexsid.workflow.modal_data.aligned_modes import find_modal_tables, load_modes
 
-MOST_FUEL = 0.03
-"""Fuel burnt over a maneuver of four periods, which the paper's allow. [1]"""
+MAX_FUEL_CHANGE = 0.03
+"""Fuel burnt over a maneuver of four periods that the paper accepts. [fraction]"""
 
-MOST_DRIFT = 0.03
-"""Share of airspeed; dynamic pressure and with it every coefficient drifts twice as much."""
+MAX_AIRSPEED_DRIFT = 0.03
+"""Relative drift of airspeed; dynamic pressure drifts twice as much."""
 
 
-def flown_condition(store: Store, maneuver: Maneuver) -> FlightConditionQuality:
-    """Average what was recorded of the condition, and judge its drift.
+def assess_condition(store: Store, maneuver: Maneuver) -> FlightConditionQuality:
+    """Average the recorded condition and assess its drift.
 
     Notes
     -----
@@ -52,14 +56,16 @@ def flown_condition(store: Store, maneuver: Maneuver) -> FlightConditionQuality:
     )
     names = {average.name for average in averages}
     aircraft = store.aircraft.get(maneuver.aircraft_id)
-    averages += tuple(a for a in _tabled(aircraft, maneuver, loaded) if a.name not in names)
+    averages += tuple(
+        a for a in _average_table_values(aircraft, maneuver, loaded) if a.name not in names
+    )
     by_name = {average.name: average for average in averages}
     fuel, speed = by_name.get("fuel_fraction"), by_name.get("airspeed")
     fuel_change = None if fuel is None else abs(fuel.drift)
     drift = None if speed is None or speed.mean == 0.0 else abs(speed.drift / speed.mean)
     known = [
         value <= most
-        for value, most in ((fuel_change, MOST_FUEL), (drift, MOST_DRIFT))
+        for value, most in ((fuel_change, MAX_FUEL_CHANGE), (drift, MAX_AIRSPEED_DRIFT))
         if value is not None
     ]
     return FlightConditionQuality(
@@ -68,15 +74,15 @@ def flown_condition(store: Store, maneuver: Maneuver) -> FlightConditionQuality:
         fuel_fraction=maneuver.condition.fuel_fraction,
         fuel_change=fuel_change,
         airspeed_drift=drift,
-        separation_factor=_separation(store, maneuver),
+        separation_factor=_compute_separation_factor(store, maneuver),
         time_invariant=all(known) if known else None,
     )
 
 
-def _tabled(
+def _average_table_values(
     aircraft: Aircraft, maneuver: Maneuver, loaded: Sequence[tuple[Channel, np.ndarray]]
 ) -> Iterator[Average]:
-    """What the tables of the aircraft make of the fuel and the engines, sample by sample."""
+    """Average mass properties and thrust from the tables of the aircraft, sample by sample."""
     known = {channel.name: (channel, np.asarray(values, float)) for channel, values in loaded}
     if "fuel_fraction" in known:
         table, fuel = aircraft.mass, known["fuel_fraction"][1]
@@ -90,24 +96,24 @@ def _tabled(
     if engines is None or not all(name in known for name in engines.engines):
         return
     condition = maneuver.condition
-    air = np.array(total_temperature(condition.density_kg_m3, condition.airspeed_m_s))
+    air = np.array(compute_total_temperature(condition.density_kg_m3, condition.airspeed_m_s))
     inputs = {name: known[name] for name in engines.engines}
     clocks = {(c.rate_hz, c.start_s, c.n_samples) for c, _ in inputs.values()}
     if TOTAL_TEMPERATURE in known:
         channel, air = known[TOTAL_TEMPERATURE]
         clocks.add((channel.rate_hz, channel.start_s, channel.n_samples))
     speeds = {name: values for name, (_, values) in inputs.items()}
-    if len(clocks) > 1:  # averages then, as the condition has them
+    if len(clocks) > 1:  # then averages
         speeds = {name: values.mean(keepdims=True) for name, values in speeds.items()}
         air = air.mean(keepdims=True)
-    with contextlib.suppress(BadInput):  # beyond the table: nothing is known
-        yield _average("thrust", "N", table_thrust(engines, speeds, air))
+    with contextlib.suppress(BadInput):  # outside the table
+        yield _average("thrust", "N", interpolate_thrust(engines, speeds, air))
 
 
 def _average(name: str, unit: str, values: np.ndarray) -> Average:
-    place = np.arange(values.size) - 0.5 * (values.size - 1)
-    power = float(place @ place)
-    slope = float(place @ values) / power if power > 0 else 0.0
+    sample = np.arange(values.size) - 0.5 * (values.size - 1)
+    power = float(sample @ sample)
+    slope = float(sample @ values) / power if power > 0 else 0.0
     return Average(
         name=name,
         unit=unit,
@@ -119,8 +125,8 @@ def _average(name: str, unit: str, values: np.ndarray) -> Average:
     )
 
 
-def _separation(store: Store, maneuver: Maneuver) -> float | None:
-    """Of the model that the prediction with most modes makes at this condition."""
+def _compute_separation_factor(store: Store, maneuver: Maneuver) -> float | None:
+    """Compute the separation factor of the model with the most predicted modes."""
     aircraft: Aircraft = store.aircraft.get(maneuver.aircraft_id)
     try:
         modal, damping = find_modal_tables(store, maneuver.aircraft_id, None, None)
@@ -128,16 +134,20 @@ def _separation(store: Store, maneuver: Maneuver) -> float | None:
         symmetric = tuple(n for n in modes.table.numbers if modes.symmetric[n])
         require_longitudinal(maneuver)
         inputs = symmetric_surfaces(aircraft)
-        prediction = best_prediction(store, maneuver.aircraft_id, None, symmetric, inputs)
+        prediction = select_prediction(store, maneuver.aircraft_id, None, symmetric, inputs)
         if prediction is None:
             return None
-        covered = predicted_modes(prediction, symmetric)
+        covered = list_predicted_modes(prediction, symmetric)
         fuel = maneuver.condition.fuel_fraction
-        values = {n: value for n, (value, _) in prediction_at(store, prediction, fuel).items()}
+        values = {
+            n: value for n, (value, _) in interpolate_prediction(store, prediction, fuel).items()
+        }
         table = DerivativeTable.from_names(covered, (), values)
         shapes = modes.table.at(fuel).select(covered)
         blind = SensorRows((), np.zeros((4, 0, 2 + len(covered))))
-        model = AeroelasticModel(flight_condition(aircraft, maneuver.condition), shapes, (), blind)
-        return separation_factor(model.state_space(table).A, len(covered))
+        model = AeroelasticModel(
+            build_flight_condition(aircraft, maneuver.condition), shapes, (), blind
+        )
+        return compute_separation_factor(model.state_space(table).A, len(covered))
     except FlexsidError:
         return None

@@ -1,7 +1,7 @@
-"""Conditioning: corrections of channels that were decided, applied wherever samples are read.
+"""Conditioning: stored corrections of channels, applied wherever samples are read.
 
-What was recorded is never changed: steps stand beside it, and one that is undone is as if it
-had never been, except that it can be seen.
+Recorded samples are never changed: steps are stored separately, and an undone step has no
+effect but stays in the record.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.conditioning import ConditioningStep, Correction, StepKind
 from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
-from flexsid.sysid.preparation.artefacts import repair
+from flexsid.sysid.preparation.spikes_and_dropouts import repair_samples
 from flexsid.workflow.measurements.recording import Conditioning
 
 _LONGEST_DELAY_S = 1.0
 _SCALES = (0.01, 100.0)
 
 
-def conditioning_of(store: Store, maneuver_id: int | None) -> dict[str, Conditioning]:
-    """Corrections in force by channel; channels without any are not in it."""
+def read_conditioning(store: Store, maneuver_id: int | None) -> dict[str, Conditioning]:
+    """Read the active corrections by channel; channels without any are omitted."""
     found: dict[str, Conditioning] = {}
     for step in store.conditioning.find(maneuver_id=maneuver_id, undone_at=None):
         one, before = step.correction, found.get(step.channel, Conditioning())
@@ -39,10 +39,10 @@ def conditioning_of(store: Store, maneuver_id: int | None) -> dict[str, Conditio
     return found
 
 
-def take_steps(
+def add_conditioning_steps(
     store: Store, maneuver_id: int, corrections: Sequence[Correction], author: str = ""
 ) -> list[ConditioningStep]:
-    """Take corrections, all or none.
+    """Store corrections, all or none.
 
     Raises
     ------
@@ -56,12 +56,12 @@ def take_steps(
     channels = read_channels(store.database, maneuver_id, [c.channel for c in corrections])
     with store.transaction():
         store.maneuvers.get(maneuver_id)
-        taken = {
+        existing = {
             (step.channel, step.correction.kind)
             for step in store.conditioning.find(maneuver_id=maneuver_id, undone_at=None)
             if step.correction.kind is not StepKind.REPAIR
         }
-        kept = []
+        steps = []
         for one in corrections:
             if one.channel not in channels:
                 raise BadInput(
@@ -69,7 +69,7 @@ def take_steps(
                     code="unknown-channel",
                     channel=one.channel,
                 )
-            if (one.channel, one.kind) in taken:
+            if (one.channel, one.kind) in existing:
                 raise Conflict(
                     f"'{one.channel}' has a {one.kind.value} already; undo that first",
                     code="already-conditioned",
@@ -78,23 +78,23 @@ def take_steps(
             channel, samples = channels[one.channel]
             _check(one, np.asarray(samples, dtype=float), channel.rate_hz)
             if one.kind is not StepKind.REPAIR:
-                taken.add((one.channel, one.kind))
+                existing.add((one.channel, one.kind))
             step = ConditioningStep(
                 maneuver_id=maneuver_id, correction=one, channel=one.channel, author=author
             )
-            kept.append(store.conditioning.add(step))
-    return kept
+            steps.append(store.conditioning.add(step))
+    return steps
 
 
 def undo_step(store: Store, maneuver_id: int, step_id: int, author: str = "") -> ConditioningStep:
-    """Undo a step; it stays in the record with who undid it.
+    """Undo a step; it stays in the record with the author of the undo.
 
     Raises
     ------
     UnknownRecord
         If the maneuver has no such step.
     Conflict
-        If it was undone before.
+        If it is undone already.
     """
     with store.transaction():
         step = store.conditioning.get(step_id)
@@ -111,7 +111,7 @@ def _check(one: Correction, samples: np.ndarray, rate_hz: float) -> None:
     if one.kind is StepKind.DELAY:
         if not abs(one.delay_s) <= _LONGEST_DELAY_S or one.delay_s == 0.0:
             raise BadInput(
-                f"'{name}': a delay of {one.delay_s:g} s is none that a recorder has; up to "
+                f"'{name}': a delay of {one.delay_s:g} s is not plausible; up to "
                 f"{_LONGEST_DELAY_S:g} s are expected, and not zero",
                 code="bad-delay",
                 channel=name,
@@ -119,9 +119,9 @@ def _check(one: Correction, samples: np.ndarray, rate_hz: float) -> None:
     elif one.kind is StepKind.CALIBRATION:
         if not (_SCALES[0] <= abs(one.scale) <= _SCALES[1] and math.isfinite(one.bias)):
             raise BadInput(
-                f"'{name}': scale factor {one.scale:g} with bias {one.bias:g} is impossible; "
-                f"scale factors from {_SCALES[0]:g} to {_SCALES[1]:g}, below zero where a sign is "
-                "wrong, are expected",
+                f"'{name}': scale factor {one.scale:g} with bias {one.bias:g} is not plausible; "
+                f"scale factors from {_SCALES[0]:g} to {_SCALES[1]:g} are expected, negative for a "
+                "wrong sign",
                 code="bad-calibration",
                 channel=name,
             )
@@ -130,4 +130,4 @@ def _check(one: Correction, samples: np.ndarray, rate_hz: float) -> None:
             f"'{name}': a repair needs the samples to replace", code="no-stretch", channel=name
         )
     else:
-        repair(samples, one.stretches, rate_hz)
+        repair_samples(samples, one.stretches, rate_hz)

@@ -1,4 +1,4 @@
-"""Measurement: what every analysis of a maneuver starts from, without a database."""
+"""Samples and spectra of a maneuver for an analysis, without a database."""
 
 from __future__ import annotations
 
@@ -9,42 +9,43 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.sysid.signals import FrequencyData, FrequencyResponse
-from flexsid.sysid.spectra.response import bare_airframe_responses
+from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
 from flexsid.workflow.aircraft.aircraft_models import (
     OutputDefinition,
-    input_correction,
-    output_instrument,
+    compute_input_correction,
+    get_output_instrument,
 )
 from flexsid.workflow.measurements.recording import Recording, SpectrumFrequencies
 
 
 @dataclass(frozen=True, slots=True)
 class ExcitationData:
-    """What excited a maneuver, whether a model has it for an input or not.
+    """Spectra of all excited inputs, inputs of the model or not.
 
-    ``owner`` is the input that owns each line, -1 for none of them.
+    ``assigned_input`` is the index of the input that each harmonic is assigned to, -1 for none.
     """
 
     inputs: FrequencyData
     commands: FrequencyData | None
-    owner: np.ndarray
+    assigned_input: np.ndarray
 
 
 @dataclass(frozen=True, slots=True)
-class MeasuredLines:
-    """Spectra at the lines of a maneuver.
+class MeasuredSpectra:
+    """Spectra at the frequencies of a maneuver.
 
-    ``inputs`` are true deflections; ``outputs`` are as recorded, ``instruments``
-    (n_omega, n_y) lies between. ``owner`` is the input that owns each line, -1 for
-    none; ``excited`` are the inputs and all others that were excited. ``input_noise``
-    (n_omega, n_u) is the variance of the inputs' spectra where their sensors' noise is
-    known; ``output_noise`` (n_y) is the standard deviation of the outputs' spectra, NaN where
-    their sensors' noise is not known. ``crowding`` is how many lines share the resolution of
-    the record, at least one. ``edges_s`` are the times at which the record may begin or end in
-    motion, ``window_s`` those between which it was transformed.
+    ``inputs`` are true deflections; ``outputs`` are as recorded and contain the instrument
+    responses ``instruments`` (n_omega, n_y). ``assigned_input`` is the index of the input that
+    each harmonic is assigned to, -1 for none; ``excited`` has all excited inputs.
+    ``input_noise`` (n_omega, n_u) is the variance of the inputs' spectra where the noise of
+    their sensors is known; ``output_noise`` (n_y) is the standard deviation of the outputs'
+    spectra, NaN where the noise of their sensors is not known. ``resolution_overlap`` is the
+    number of frequencies per resolution 1/T of the record, at least one. ``record_ends_s`` are
+    the times at which the record may begin or end in motion, ``window_s`` the limits of the
+    transformed interval.
     """
 
-    owner: np.ndarray
+    assigned_input: np.ndarray
     inputs: FrequencyData
     excited: ExcitationData
     outputs: FrequencyData
@@ -52,81 +53,84 @@ class MeasuredLines:
     commands: FrequencyData | None
     input_noise: np.ndarray | None
     output_noise: np.ndarray
-    crowding: float
-    edges_s: tuple[float, ...] = ()
+    resolution_overlap: float
+    record_ends_s: tuple[float, ...] = ()
     window_s: tuple[float, float] | None = None
 
     @property
     def omega(self) -> np.ndarray:
-        """Frequencies of the lines. [rad/s]"""
+        """Frequencies of the spectra. [rad/s]"""
         return self.outputs.omega
 
     def true_outputs(self) -> FrequencyData:
-        """Output spectra with the instruments taken out."""
+        """Return the output spectra with the instrument responses removed."""
         return FrequencyData(self.omega, self.outputs.values / self.instruments, self.outputs.names)
 
     def responses(self) -> dict[str, FrequencyResponse]:
-        """Bare-airframe responses of every input at its own lines.
+        """Estimate bare-airframe responses of every input at its harmonics.
 
-        Other inputs that were excited take part, for their motion has to be taken out.
+        Excited inputs that are no inputs of the model are included to remove their motion.
 
         Raises
         ------
         BadInput
-            If it is not known which input owns which line.
+            If the assignment of harmonics to inputs is not known.
         """
         excited = self.excited
         names = excited.inputs.names
-        if (excited.owner >= 0).any() and (excited.owner < 0).any():
+        if (excited.assigned_input >= 0).any() and (excited.assigned_input < 0).any():
             raise BadInput(
-                f"some lines belong to none of {', '.join(names)}: frequency responses need the "
-                "deflection of every input that was excited; import the others as inputs, or "
-                "leave out their band",
-                code="inputs-left-out",
+                f"some harmonics are assigned to none of {', '.join(names)}: frequency responses "
+                "need the deflection of every excited input; import the other inputs, or exclude "
+                "their band",
+                code="inputs-excluded",
             )
-        if (excited.owner < 0).any():
+        if (excited.assigned_input < 0).any():
             raise BadInput(
-                "frequency responses need to know which harmonics each input was given; import "
+                "frequency responses need the harmonics assigned to each input; import "
                 "the maneuver with its [excitation], or use OE or EE",
                 code="no-excitation",
             )
         commands = excited.inputs if excited.commands is None else excited.commands
-        found = bare_airframe_responses(
-            excited.inputs, self.true_outputs(), commands, excited.owner
+        found = estimate_bare_airframe_responses(
+            excited.inputs, self.true_outputs(), commands, excited.assigned_input
         )
         return {name: found[name] for name in self.inputs.names}
 
 
 @dataclass(frozen=True, slots=True)
 class ManeuverMeasurement:
-    """What ``MeasuredLines`` are made of: samples as read, and how to transform them.
+    """Samples of a maneuver and the settings of their transform to ``MeasuredSpectra``.
 
-    ``lines`` are owned by the inputs, ``excited`` are the same lines owned by the inputs and
-    the others that were excited.
+    ``frequencies`` are the frequencies assigned to the inputs, ``excited`` are the same frequencies
+    assigned to all excited inputs.
     """
 
     recording: Recording
     aircraft: Aircraft
     inputs: tuple[str, ...]
     outputs: tuple[OutputDefinition, ...]
-    lines: SpectrumFrequencies
+    frequencies: SpectrumFrequencies
     excited: SpectrumFrequencies
     has_commands: bool
 
     @property
-    def highest(self) -> float:
-        """Highest line. [rad/s]"""
-        return float(self.lines.omega[-1])
+    def max_omega(self) -> float:
+        """Highest frequency. [rad/s]"""
+        return float(self.frequencies.omega[-1])
 
-    def measured(self) -> MeasuredLines:
-        """Transform inputs, outputs and recorded excitation; needs no database."""
-        inputs, every, lines = self.inputs, self.excited.inputs, self.lines
-        recorded = self.recording.spectra(every, lines)
-        factors = np.stack([input_correction(self.aircraft, n, lines.omega) for n in every], axis=1)
-        deflections = FrequencyData(lines.omega, recorded.values * factors, every)
-        shape = (len(self.outputs), lines.omega.size)
+    def transform(self) -> MeasuredSpectra:
+        """Transform inputs, outputs and recorded excitation."""
+        inputs, every, frequencies = self.inputs, self.excited.inputs, self.frequencies
+        recorded = self.recording.spectra(every, frequencies)
+        factors = np.stack(
+            [compute_input_correction(self.aircraft, n, frequencies.omega) for n in every], axis=1
+        )
+        deflections = FrequencyData(frequencies.omega, recorded.values * factors, every)
+        shape = (len(self.outputs), frequencies.omega.size)
         responses = [
-            output_instrument(self.aircraft, o).response(lines.omega) for o in self.outputs
+            get_output_instrument(self.aircraft, o).response(frequencies.omega)
+            for o in self.outputs
         ]
         clocks = {c.name: (c.n_samples, c.rate_hz) for c, _ in self.recording.channels}
         duration_s = max(clocks[n][0] / clocks[n][1] for n in inputs)
@@ -148,24 +152,24 @@ class ManeuverMeasurement:
             noise = density * np.abs(factors[:, : len(inputs)]) ** 2
         commands = None
         if self.has_commands:
-            data = self.recording.spectra(command_names(every), lines)
-            commands = FrequencyData(lines.omega, data.values, every)
-        return MeasuredLines(
-            owner=lines.owner,
+            data = self.recording.spectra(list_command_names(every), frequencies)
+            commands = FrequencyData(frequencies.omega, data.values, every)
+        return MeasuredSpectra(
+            assigned_input=frequencies.assigned_input,
             inputs=deflections.pick(inputs),
-            excited=ExcitationData(deflections, commands, self.excited.owner),
-            outputs=self.recording.spectra(tuple(o.name for o in self.outputs), lines),
+            excited=ExcitationData(deflections, commands, self.excited.assigned_input),
+            outputs=self.recording.spectra(tuple(o.name for o in self.outputs), frequencies),
             instruments=np.reshape(np.array(responses, dtype=complex), shape).T,
             commands=None if commands is None else commands.pick(inputs),
             input_noise=noise,
-            output_noise=spectral_noise(self.outputs, rates, duration_s),
-            crowding=_crowding(lines.omega, duration_s),
-            edges_s=self._edges(),
-            window_s=self._window(),
+            output_noise=compute_spectral_noise(self.outputs, rates, duration_s),
+            resolution_overlap=_compute_resolution_overlap(frequencies.omega, duration_s),
+            record_ends_s=self._find_record_ends(),
+            window_s=self._find_window(),
         )
 
-    def _window(self) -> tuple[float, float] | None:
-        """Begin and end of the transformed outputs; None for whole periods."""
+    def _find_window(self) -> tuple[float, float] | None:
+        """Return begin and end of the transformed outputs; None for whole periods."""
         excitation = self.recording.maneuver.excitation
         if excitation is not None and excitation.n_periods > 1:
             return None
@@ -176,8 +180,11 @@ class ManeuverMeasurement:
         longest = max(recorded, key=lambda c: c.n_samples / c.rate_hz)
         return longest.start_s, longest.start_s + longest.n_samples / longest.rate_hz
 
-    def _edges(self) -> tuple[float, ...]:
-        """Begin and end of the record; whole periods have neither, a multisine begins at trim."""
+    def _find_record_ends(self) -> tuple[float, ...]:
+        """Return the times at which the record may begin or end in motion.
+
+        Whole periods have none; a multisine begins at trim.
+        """
         excitation = self.recording.maneuver.excitation
         recorded = [c for c, _ in self.recording.channels if c.name in self.inputs]
         end_s = max(c.start_s + c.n_samples / c.rate_hz for c in recorded)
@@ -186,12 +193,12 @@ class ManeuverMeasurement:
         return () if excitation.n_periods > 1 else (end_s,)
 
 
-def spectral_noise(
+def compute_spectral_noise(
     outputs: tuple[OutputDefinition, ...], rate_hz: float | np.ndarray, duration_s: float
 ) -> np.ndarray:
-    """Standard deviation of outputs' spectra that the noise of their sensors gives.
+    """Compute the standard deviation of outputs' spectra due to sensor noise.
 
-    NaN where the aircraft does not say how much noise a sensor has. [output unit * s]
+    NaN where the aircraft record has no noise of a sensor. [output unit * s]
 
     Notes
     -----
@@ -204,12 +211,12 @@ def spectral_noise(
     return np.sqrt(np.array(variance, dtype=float) * duration_s / rate_hz)
 
 
-def command_names(inputs: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of the channels that hold the recorded excitation of inputs."""
+def list_command_names(inputs: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names of the channels with the recorded excitation of inputs."""
     return tuple(f"{name}_command" for name in inputs)
 
 
-def _crowding(omega: np.ndarray, duration_s: float) -> float:
+def _compute_resolution_overlap(omega: np.ndarray, duration_s: float) -> float:
     if omega.size < 2:
         return 1.0
     spacing_hz = float(np.median(np.diff(np.unique(omega)))) / (2.0 * np.pi)

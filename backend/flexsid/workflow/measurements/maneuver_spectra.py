@@ -1,23 +1,103 @@
-"""Measured: the spectra of one maneuver that every analysis starts from."""
+"""Channels and spectra of one maneuver, read from the database."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping, Sequence
 
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Aircraft
-from flexsid.records.maneuver import Maneuver, Role
+from flexsid.records.aircraft import Aircraft, SensorKind
+from flexsid.records.maneuver import Channel, Maneuver, Role
+from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
+from flexsid.sysid.signals import FrequencyData
+from flexsid.units import to_si
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
+from flexsid.workflow.measurements.conditioning import read_conditioning
 from flexsid.workflow.measurements.maneuver_data import (
     ManeuverMeasurement,
-    MeasuredLines,
-    command_names,
+    MeasuredSpectra,
+    list_command_names,
 )
-from flexsid.workflow.measurements.recording import SpectrumFrequencies, maneuver_lines
-from flexsid.workflow.measurements.transforms import read_recording
+from flexsid.workflow.measurements.recording import (
+    Recording,
+    SpectrumFrequencies,
+    select_frequencies,
+)
+
+
+def load_channels(
+    store: Store, maneuver_id: int, names: Sequence[str] | None = None, *, aligned: bool = True
+) -> list[tuple[Channel, np.ndarray]]:
+    """Load channels with their samples in SI units, conditioned.
+
+    Parameters
+    ----------
+    store, maneuver_id, names
+        Maneuver and names of its channels, all by default.
+    aligned
+        Whether delay corrections are applied; False where they are applied to the spectra.
+
+    Raises
+    ------
+    BadInput
+        If the maneuver has no channel of a name.
+    """
+    found = read_channels(store.database, maneuver_id, names)
+    requested = list(found) if names is None else list(names)
+    _check_recorded(store, maneuver_id, requested, found)
+    steps = read_conditioning(store, maneuver_id)
+    result = []
+    for channel, samples in (found[name] for name in requested):
+        values = to_si(samples, channel.unit)
+        if channel.name in steps:
+            one = steps[channel.name]
+            correct = one.align if aligned else one.correct
+            values = correct(np.asarray(values, dtype=float), channel.rate_hz)
+        result.append((channel, values))
+    return result
+
+
+def read_spectra(
+    store: Store,
+    maneuver: Maneuver,
+    aircraft: Aircraft,
+    names: tuple[str, ...],
+    frequencies: SpectrumFrequencies,
+) -> FrequencyData:
+    """Read and transform channels and combinations of a maneuver, conditioned."""
+    return read_recording(store, maneuver, aircraft, names).spectra(names, frequencies)
+
+
+def read_recording(
+    store: Store, maneuver: Maneuver, aircraft: Aircraft, names: Sequence[str]
+) -> Recording:
+    """Read the recorded channels behind channels and combinations.
+
+    Raises
+    ------
+    BadInput
+        If the maneuver has no channel of a name.
+    """
+    assert maneuver.id is not None
+    combinations = {c.name: c.terms for c in aircraft.combinations}
+    composed = {part for terms in combinations.values() for part, _ in terms}
+    found = read_channels(store.database, maneuver.id, (*names, *composed))
+    parts = {
+        name: ((name, 1.0),) if name in found else combinations.get(name, ((name, 1.0),))
+        for name in names
+    }
+    needed = list(dict.fromkeys(part for terms in parts.values() for part, _ in terms))
+    _check_recorded(store, maneuver.id, needed, found)
+    attitudes = {s.name for s in aircraft.sensors if s.kind is SensorKind.ATTITUDE}
+    return Recording(
+        maneuver=maneuver,
+        channels=tuple(found[name] for name in needed),
+        parts=parts,
+        attitudes=frozenset(attitudes.intersection(needed)),
+        conditioning=read_conditioning(store, maneuver.id),
+    )
 
 
 def read_measurement(
@@ -30,39 +110,39 @@ def read_measurement(
 ) -> ManeuverMeasurement:
     """Read the inputs, outputs and recorded excitation of a maneuver.
 
-    Inputs that were excited besides those named are read, too.
+    Excited inputs that are not named are read, too.
 
     Raises
     ------
     BadInput
-        If a channel is not recorded in its role, or the band holds no line.
+        If a channel is not recorded in its role, or the band contains no frequency.
     """
     roles = {c.name: c.role for c in store.channels.find(maneuver_id=maneuver.id)}
     _check_inputs(inputs, roles)
-    lines = maneuver_lines(maneuver, band_hz)
+    frequencies = select_frequencies(maneuver, band_hz)
     surfaces = {surface.name for surface in aircraft.surfaces}
-    excited = [lines.inputs[k] for k in np.unique(lines.owner) if k >= 0]
+    excited = [frequencies.inputs[k] for k in np.unique(frequencies.assigned_input) if k >= 0]
     others = [n for n in excited if roles.get(n) is Role.INPUT and n in surfaces]
     every = tuple(dict.fromkeys((*inputs, *others)))
-    commands = command_names(every)
+    commands = list_command_names(every)
     has_commands = all(roles.get(name) is Role.COMMAND for name in commands)
     names = (*every, *(output.name for output in outputs), *(commands if has_commands else ()))
     recording = read_recording(store, maneuver, aircraft, names)
-    own = _owned_by(lines, inputs)
+    own = _assign_inputs(frequencies, inputs)
     recording.check(own)
     return ManeuverMeasurement(
-        recording, aircraft, inputs, outputs, own, _owned_by(lines, every), has_commands
+        recording, aircraft, inputs, outputs, own, _assign_inputs(frequencies, every), has_commands
     )
 
 
-def measure(
+def read_measured_spectra(
     store: Store,
     maneuver: Maneuver,
     aircraft: Aircraft,
     inputs: tuple[str, ...],
     outputs: tuple[OutputDefinition, ...],
     band_hz: tuple[float, float] | None = None,
-) -> MeasuredLines:
+) -> MeasuredSpectra:
     """Read and transform inputs, outputs and recorded excitation of a maneuver.
 
     Raises
@@ -70,7 +150,20 @@ def measure(
     BadInput
         As ``read_measurement``.
     """
-    return read_measurement(store, maneuver, aircraft, inputs, outputs, band_hz).measured()
+    return read_measurement(store, maneuver, aircraft, inputs, outputs, band_hz).transform()
+
+
+def _check_recorded(
+    store: Store, maneuver_id: int, requested: Sequence[str], found: Container[str]
+) -> None:
+    missing = [name for name in requested if name not in found]
+    if missing:
+        recorded = [channel.name for channel in store.channels.find(maneuver_id=maneuver_id)]
+        raise BadInput(
+            f"the maneuver has no channel '{missing[0]}'; it has {', '.join(recorded)}",
+            code="unknown-channel",
+            channel=missing[0],
+        )
 
 
 def _check_inputs(names: tuple[str, ...], roles: Mapping[str, Role]) -> None:
@@ -87,8 +180,12 @@ def _check_inputs(names: tuple[str, ...], roles: Mapping[str, Role]) -> None:
         raise BadInput("the maneuver has no recorded input", code="no-input")
 
 
-def _owned_by(lines: SpectrumFrequencies, inputs: tuple[str, ...]) -> SpectrumFrequencies:
-    """Owners counted in the chosen inputs; -1 for the lines of inputs left out."""
-    index = [inputs.index(name) if name in inputs else -1 for name in lines.inputs]
-    owner = np.array([index[k] if k >= 0 else -1 for k in lines.owner], dtype=int)
-    return SpectrumFrequencies(lines.omega, owner, inputs)
+def _assign_inputs(
+    frequencies: SpectrumFrequencies, inputs: tuple[str, ...]
+) -> SpectrumFrequencies:
+    """Assign frequencies to the selected inputs; -1 for frequencies of other inputs."""
+    index = [inputs.index(name) if name in inputs else -1 for name in frequencies.inputs]
+    assigned_input = np.array(
+        [index[k] if k >= 0 else -1 for k in frequencies.assigned_input], dtype=int
+    )
+    return SpectrumFrequencies(frequencies.omega, assigned_input, inputs)

@@ -1,4 +1,4 @@
-"""Ground vibration tests: responses kept, modes found in them, and modes kept as a table."""
+"""Ground vibration tests: measured responses, identified modes, and their modal table."""
 
 from __future__ import annotations
 
@@ -9,27 +9,31 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
 from flexsid.errors import BadInput
-from flexsid.importers.modal_data import RawStructure
+from flexsid.importers.modal_data import RawModalData
 from flexsid.importers.responses import RawResponses
 from flexsid.importers.source import Sources
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.modal_table import MeasuredResponses, ModalKind, ModalTable
 from flexsid.records.modal_views import FoundMode, FoundModes, Orthogonality, Stabilisation
 from flexsid.storage.store import Store
-from flexsid.sysid.modes.assurance import mass_orthogonality, modal_assurance, real_shapes
+from flexsid.sysid.modes.assurance import (
+    compute_mac,
+    compute_mass_orthogonality,
+    compute_real_shapes,
+)
 from flexsid.sysid.modes.naming import ModeName
 from flexsid.sysid.modes.polyreference import (
-    Cluster,
     MeasuredModes,
+    PoleColumn,
     StabilizationPole,
+    compute_stabilisation,
     find_columns,
     fit_shapes,
-    stabilisation,
 )
-from flexsid.workflow.modal_data.modal_import import keep_structure
-from flexsid.workflow.modal_data.tracked_modes import Modes, open_modes, shape_at
+from flexsid.workflow.modal_data.modal_import import store_modal_data
+from flexsid.workflow.modal_data.tracked_modes import Modes, interpolate_shape, open_modes
 
-_ALIKE = 0.7
+_SAME_MODE = 0.7
 _UNPAIRED = 1000
 _TO_BODY = np.array([-1.0, 1.0, -1.0])
 _SAME_PLACE = 0.03
@@ -37,7 +41,7 @@ _SAME_PLACE = 0.03
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModeSearch:
-    """The band in which modes are looked for, and the highest order of the models."""
+    """Frequency band of the mode search, and the highest model order."""
 
     low_hz: float | None = None
     high_hz: float | None = None
@@ -50,10 +54,10 @@ class _Search:
     omega: np.ndarray
     responses: np.ndarray
     poles: tuple[StabilizationPole, ...]
-    columns: tuple[Cluster, ...]
+    columns: tuple[PoleColumn, ...]
 
 
-def keep_responses(store: Store, aircraft: Aircraft, raw: RawResponses) -> MeasuredResponses:
+def store_responses(store: Store, aircraft: Aircraft, raw: RawResponses) -> MeasuredResponses:
     """Store measured responses."""
     assert aircraft.id is not None
     arrays = {"frequency": raw.frequency_hz, "values": raw.values}
@@ -75,13 +79,15 @@ def keep_responses(store: Store, aircraft: Aircraft, raw: RawResponses) -> Measu
         )
 
 
-def draw_stabilisation(store: Store, responses_id: int, wanted: ModeSearch) -> Stabilisation:
-    """Poles of every order over the band, with the mean response behind them."""
-    search = _search(store, responses_id, wanted)
+def compute_stabilisation_diagram(
+    store: Store, responses_id: int, settings: ModeSearch
+) -> Stabilisation:
+    """Compute poles by model order over the band, with the mean response."""
+    search = _search(store, responses_id, settings)
     size = np.sqrt(np.mean(np.abs(search.responses) ** 2, axis=(1, 2)))
     fitted = np.full(size.shape, np.nan)
     if search.columns:
-        modes = _fit(search)
+        modes = _fit_shapes(search)
         fitted = np.sqrt(np.mean(np.abs(modes.fitted) ** 2, axis=(1, 2)))
     return Stabilisation(
         title=search.record.name,
@@ -98,12 +104,12 @@ def draw_stabilisation(store: Store, responses_id: int, wanted: ModeSearch) -> S
     )
 
 
-def find_modes(store: Store, responses_id: int, wanted: ModeSearch) -> FoundModes:
-    """Modes that are stable over the orders, with their scatter."""
-    search = _search(store, responses_id, wanted)
-    modes = _fit(search)
+def find_modes(store: Store, responses_id: int, settings: ModeSearch) -> FoundModes:
+    """Find modes that are stable over model order, with their standard deviations."""
+    search = _search(store, responses_id, settings)
+    modes = _fit_shapes(search)
     error = np.linalg.norm(modes.fitted - search.responses) / np.linalg.norm(search.responses)
-    _, straight = real_shapes(modes.shapes)
+    _, straight = compute_real_shapes(modes.shapes)
     return FoundModes(
         responses_id=responses_id,
         fit_error=float(error),
@@ -122,74 +128,77 @@ def find_modes(store: Store, responses_id: int, wanted: ModeSearch) -> FoundMode
     )
 
 
-def keep_found_modes(
+def store_found_modes(
     store: Store,
     responses_id: int,
-    wanted: ModeSearch,
+    settings: ModeSearch,
     name: str,
-    keep: tuple[int, ...] | None = None,
-    like_id: int | None = None,
+    indices: tuple[int, ...] | None = None,
+    template_id: int | None = None,
 ) -> ModalTable:
-    """Keep modes found in responses as a table of a GVT.
+    """Store modes identified from responses as a modal table of a GVT.
 
     Parameters
     ----------
-    store, responses_id, wanted
-        Where modes are looked for.
+    store, responses_id, settings
+        Responses and settings of the mode search.
     name
-        Of the table.
-    keep
-        Places of the modes to keep, from 0; all by default.
-    like_id
-        Table whose numbers and names the modes are given where shapes agree (MAC of 0.7 or
-        more), so that its damping is found by name.
+        Name of the table.
+    indices
+        Indices of the modes to store, from 0; all by default.
+    template_id
+        Table whose numbers and names are assigned where shapes agree (MAC of 0.7 or more), so
+        that damping is matched by name.
 
     Raises
     ------
     BadInput
-        If it is not known where the points are, or a place is not one of the modes found.
+        If the locations of the points are unknown, or an index is out of range.
     """
-    search = _search(store, responses_id, wanted)
+    search = _search(store, responses_id, settings)
     record = search.record
-    modes = _fit(search)
-    chosen = list(range(modes.omega.size)) if keep is None else list(keep)
-    if not chosen or any(place >= modes.omega.size for place in chosen):
-        raise BadInput(f"{modes.omega.size} modes were found", code="unknown-mode")
+    modes = _fit_shapes(search)
+    selected = list(range(modes.omega.size)) if indices is None else list(indices)
+    if not selected or any(place >= modes.omega.size for place in selected):
+        raise BadInput(
+            f"{modes.omega.size} modes were found; select at least one, by index from 0",
+            code="unknown-mode",
+        )
     if "nodes" not in record.arrays:
         raise BadInput(
-            "it is not known where the points are; import the responses with their geometry",
+            "the locations of the points are unknown; import the responses with their geometry",
             code="no-nodes",
         )
     places = np.asarray(store.arrays.get(record.arrays["nodes"]), dtype=float)
     directions = np.asarray(store.arrays.get(record.arrays["directions"]), dtype=float)
-    real, _ = real_shapes(modes.shapes[chosen])
+    real, _ = compute_real_shapes(modes.shapes[selected])
     labels = [int(output.split("+")[0]) for output in record.outputs]
     ids = np.unique(labels)
     rows = {int(node): row for row, node in enumerate(ids)}
     nodes = np.zeros((ids.size, 3))
-    shape = np.zeros((1, len(chosen), ids.size, 6))
+    shape = np.zeros((1, len(selected), ids.size, 6))
     for output, node in enumerate(labels):
         nodes[rows[node]] = places[output]
         shape[0, :, rows[node], :3] += real[:, [output]] * directions[output] * _TO_BODY
-    numbers: tuple[int, ...] = tuple(range(1, len(chosen) + 1))
+    numbers: tuple[int, ...] = tuple(range(1, len(selected) + 1))
     named = None
-    if like_id is not None:
-        numbers, named = _called(store, like_id, record.fuel, nodes, shape[0, :, :, :3])
+    if template_id is not None:
+        numbers, named = _match_modes(store, template_id, record.fuel, nodes, shape[0, :, :, :3])
     aircraft = store.aircraft.get(record.aircraft_id)
-    raw = RawStructure(
+    raw = RawModalData(
         name=name,
         kind=ModalKind.GVT,
         fuel=np.array([record.fuel]),
         numbers=numbers,
-        omega=modes.omega[None, chosen],
-        zeta=modes.damping[None, chosen],
-        mass=np.ones((1, len(chosen))) if modes.scaled else None,
+        omega=modes.omega[None, selected],
+        zeta=modes.damping[None, selected],
+        mass=np.ones((1, len(selected))) if modes.scaled else None,
         node_ids=ids,
         nodes=nodes,
         shape=shape,
         lines=np.empty((0, 2), dtype=np.int32),
         points={},
-        origin=f"found in {record.name}",
+        origin=f"identified from {record.name}",
         notes=(
             *record.notes,
             "Shapes are scaled by the driving points to one kg m2."
@@ -197,20 +206,20 @@ def keep_found_modes(
             else "Shapes are scaled to one, as no driving point was measured.",
         ),
     )
-    return keep_structure(store, aircraft, raw, named)
+    return store_modal_data(store, aircraft, raw, named)
 
 
-def orthogonality(
+def compute_orthogonality(
     store: Store, modal_table_id: int, fuel: float, sources: Sources, field: str
 ) -> Orthogonality:
-    """Orthogonality of a table's shapes over a mass matrix out of a file.
+    """Compute the orthogonality of shapes over a mass matrix of a file.
 
     Parameters
     ----------
     store, modal_table_id, fuel
-        Shapes.
+        Table and fuel fraction of the shapes.
     sources, field
-        Where the matrix is: square, with three (translations) or six degrees of freedom of
+        File and field of the matrix: square, with three (translations) or six degrees of freedom of
         every node of the table, node by node, in structural axes.
 
     Raises
@@ -219,7 +228,9 @@ def orthogonality(
         If the matrix is not of this size, or not symmetric.
     """
     modes = open_modes(store, store.modal_tables.get(modal_table_id))
-    shapes = np.stack([shape_at(store, modes, k, fuel) for k in range(len(modes.table.numbers))])
+    shapes = np.stack(
+        [interpolate_shape(store, modes, k, fuel) for k in range(len(modes.table.numbers))]
+    )
     shapes = shapes * np.tile(_TO_BODY, 2)
     matrix = np.asarray(sources.numbers(field), dtype=float)
     n_nodes = shapes.shape[1]
@@ -232,7 +243,7 @@ def orthogonality(
     if not np.allclose(matrix, matrix.T, rtol=1e-6, atol=1e-9 * float(np.abs(matrix).max())):
         raise BadInput("the mass matrix is not symmetric", code="not-symmetric")
     flat = shapes[:, :, : matrix.shape[0] // n_nodes].reshape(shapes.shape[0], -1)
-    values = mass_orthogonality(flat, matrix)
+    values = compute_mass_orthogonality(flat, matrix)
     off = np.abs(values - np.eye(values.shape[0]))
     return Orthogonality(
         modal_table_id=modal_table_id,
@@ -243,26 +254,26 @@ def orthogonality(
     )
 
 
-def _search(store: Store, responses_id: int, wanted: ModeSearch) -> _Search:
+def _search(store: Store, responses_id: int, settings: ModeSearch) -> _Search:
     record = store.measured_responses.get(responses_id)
     hertz = np.asarray(store.arrays.get(record.arrays["frequency"]), dtype=float)
     values = np.asarray(store.arrays.get(record.arrays["values"]))
-    low = hertz[0] if wanted.low_hz is None else wanted.low_hz
-    high = hertz[-1] if wanted.high_hz is None else wanted.high_hz
+    low = hertz[0] if settings.low_hz is None else settings.low_hz
+    high = hertz[-1] if settings.high_hz is None else settings.high_hz
     inside = (hertz >= low) & (hertz <= high) & (hertz > 0)
     if inside.sum() < 10:
         raise BadInput(
-            f"{int(inside.sum())} lines lie between {low:g} and {high:g} Hz; responses reach from "
-            f"{hertz[0]:g} to {hertz[-1]:g} Hz",
+            f"{int(inside.sum())} frequencies lie between {low:g} and {high:g} Hz; at least 10 are"
+            f" needed, and responses span {hertz[0]:g} to {hertz[-1]:g} Hz",
             code="too-few-lines",
         )
     omega = 2.0 * np.pi * hertz[inside]
     responses = values[inside]
-    poles = stabilisation(omega, responses, wanted.order)
+    poles = compute_stabilisation(omega, responses, settings.order)
     return _Search(record, omega, responses, poles, find_columns(poles))
 
 
-def _fit(search: _Search) -> MeasuredModes:
+def _fit_shapes(search: _Search) -> MeasuredModes:
     record = search.record
     driving = tuple(
         (record.outputs.index(reference), place)
@@ -272,11 +283,11 @@ def _fit(search: _Search) -> MeasuredModes:
     return fit_shapes(search.omega, search.responses, search.columns, record.quantity, driving)
 
 
-def _called(
-    store: Store, like_id: int, fuel: float, nodes: np.ndarray, translation: np.ndarray
+def _match_modes(
+    store: Store, template_id: int, fuel: float, nodes: np.ndarray, translation: np.ndarray
 ) -> tuple[tuple[int, ...], tuple[ModeName, ...]]:
-    """Numbers and names of the most alike modes of another table."""
-    like: Modes = open_modes(store, store.modal_tables.get(like_id))
+    """Assign numbers and names of the modes of another table by MAC."""
+    like: Modes = open_modes(store, store.modal_tables.get(template_id))
     table = like.table
     if "nodes" not in table.arrays:
         raise BadInput(f"table '{table.name}' has no shapes at nodes", code="no-nodes")
@@ -285,24 +296,30 @@ def _called(
     distance, near = np.asarray(found[0]), np.asarray(found[1])
     close = distance <= _SAME_PLACE * float(np.linalg.norm(np.ptp(places, axis=0)))
     if not close.any():
-        raise BadInput("the sources have no node in the same place", code="nothing-common")
+        raise BadInput(
+            "the sources have no common node; check units and axes of the nodes",
+            code="nothing-common",
+        )
     measured = (np.abs(translation).max(axis=0) > 0)[close]
     other = np.stack(
-        [shape_at(store, like, k, fuel)[near[close], :3] for k in range(len(table.numbers))]
+        [
+            interpolate_shape(store, like, k, fuel)[near[close], :3]
+            for k in range(len(table.numbers))
+        ]
     )
-    alike = modal_assurance(translation[:, close][:, measured], other[:, measured])
+    alike = compute_mac(translation[:, close][:, measured], other[:, measured])
     pairs = linear_sum_assignment(-alike)
-    chosen = {int(i): int(j) for i, j in zip(*pairs, strict=True)}
+    selected = {int(i): int(j) for i, j in zip(*pairs, strict=True)}
     numbers: list[int] = []
     named: list[ModeName] = []
     for mode in range(translation.shape[0]):
-        place = chosen.get(mode)
+        place = selected.get(mode)
         mac = 0.0 if place is None else float(alike[mode, place])
-        if place is None or mac < _ALIKE:
+        if place is None or mac < _SAME_MODE:
             numbers.append(_UNPAIRED + mode + 1)
-            named.append(ModeName("", None, f"like no mode of {table.name}"))
+            named.append(ModeName("", None, f"no match in {table.name}"))
             continue
         numbers.append(table.numbers[place])
-        reason = f"like {table.names[place]} of {table.name}, MAC {mac:.3f}"
+        reason = f"matched to {table.names[place]} of {table.name}, MAC {mac:.3f}"
         named.append(ModeName(table.names[place], table.symmetric[place], reason))
     return tuple(numbers), tuple(named)

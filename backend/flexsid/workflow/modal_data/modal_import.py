@@ -1,4 +1,4 @@
-"""Keep structures that were read from files."""
+"""Storage of imported modal data."""
 
 from __future__ import annotations
 
@@ -7,60 +7,60 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.importers.modal_data import RawStructure
+from flexsid.importers.modal_data import RawModalData
 from flexsid.records.aircraft import Aircraft, SensorKind
 from flexsid.records.modal_table import ModalTable
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.naming import ModeName, name_modes
-from flexsid.sysid.modes.thinning import neighbour_lines, spread_nodes
-from flexsid.sysid.modes.tracking import track
+from flexsid.sysid.modes.node_selection import connect_neighbours, select_spread_nodes
+from flexsid.sysid.modes.tracking import track_modes
 
 SHOWN = 700
-"""Nodes that are drawn, and that modes are followed by."""
+"""Number of nodes for drawing and mode tracking."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Points:
-    """Sensor points and the rows of the nodes that stand for them."""
+    """Sensor points and the rows of their nodes."""
 
     names: tuple[str, ...]
     rows: list[int]
     notes: list[str]
 
 
-def keep_structure(
+def store_modal_data(
     store: Store,
     aircraft: Aircraft,
-    raw: RawStructure,
+    raw: RawModalData,
     named: tuple[ModeName, ...] | None = None,
 ) -> ModalTable:
-    """Follow, name and store the modes of a structure, as a further version of its name.
+    """Track, name and store modes as a new version of the modal table.
 
     Parameters
     ----------
     store, aircraft, raw
-        What to keep, and where.
+        Database, aircraft and modal data.
     named
-        Names that are known from elsewhere; by default the rule finds them.
+        Names of the modes; by default they are found from the shapes.
 
     Raises
     ------
     BadInput
-        If a sensor point is given a node that has no shape.
+        If the node of a sensor point has no shape.
     """
     assert aircraft.id is not None
-    shown = spread_nodes(raw.nodes, SHOWN)
+    shown = select_spread_nodes(raw.nodes, SHOWN)
     n_fuel, n_modes, n_nodes, _ = raw.shape.shape
     seen = np.asarray(raw.shape[:, :, shown, :3], dtype=float).reshape(n_fuel, n_modes, -1)
-    tracking = track(seen, raw.omega)
+    tracking = track_modes(seen, raw.omega)
     first = np.asarray(raw.shape[0], dtype=float)
     if named is None:
         named = name_modes(raw.nodes, first[..., :3], first[..., 3:])
-    points = _points(aircraft, raw)
+    points = _find_nodes(aircraft, raw)
     lines = raw.lines
     if lines.size and shown.size < n_nodes:
         lines = np.empty((0, 2), dtype=np.int32)  # most would end at nodes that are not shown
-    shown_lines = lines if lines.size else neighbour_lines(raw.nodes[shown]).astype(np.int32)
+    shown_lines = lines if lines.size else connect_neighbours(raw.nodes[shown]).astype(np.int32)
     arrays: dict[str, np.ndarray] = {
         "omega": raw.omega,
         "nodes": raw.nodes,
@@ -103,7 +103,7 @@ def keep_structure(
     return table
 
 
-def _points(aircraft: Aircraft, raw: RawStructure) -> _Points:
+def _find_nodes(aircraft: Aircraft, raw: RawModalData) -> _Points:
     """Find the node of each sensor point: the one named, else the nearest."""
     row_of = {int(node): row for row, node in enumerate(raw.node_ids)}
     names: list[str] = []
@@ -118,7 +118,8 @@ def _points(aircraft: Aircraft, raw: RawStructure) -> _Points:
             node = raw.points[sensor.point]
             if node not in row_of:
                 raise BadInput(
-                    f"sensor point '{sensor.point}' is given node {node}, which has no shape",
+                    f"sensor point '{sensor.point}' is assigned node {node}, which has no shape;"
+                    " assign another node",
                     code="missing-node",
                     node=node,
                 )
@@ -129,7 +130,7 @@ def _points(aircraft: Aircraft, raw: RawStructure) -> _Points:
             if distance[row] > 0.02 * span:
                 notes.append(
                     f"Sensor point {sensor.point} is {distance[row]:.3g} m from node "
-                    f"{int(raw.node_ids[row])}, the nearest; name another where that is wrong."
+                    f"{int(raw.node_ids[row])}, the nearest; assign another node if needed."
                 )
         names.append(sensor.point)
         rows.append(row)

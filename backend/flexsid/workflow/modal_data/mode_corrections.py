@@ -1,4 +1,4 @@
-"""Modal tables with names and symmetries as analysts have corrected them."""
+"""Corrections of mode names and symmetries by analysts."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from flexsid.records.modal_table import ModalTable
 from flexsid.storage.store import Store
 
 
-def corrected(store: Store, table: ModalTable) -> ModalTable:
-    """The table with names and symmetries as analysts have corrected them."""
+def apply_corrections(store: Store, table: ModalTable) -> ModalTable:
+    """Return a table with corrected mode names and symmetries."""
     if table.id is None:
         return table
     names, symmetric, reasons = (
@@ -18,8 +18,8 @@ def corrected(store: Store, table: ModalTable) -> ModalTable:
     reasons += [""] * (len(names) - len(reasons))
     for correction in store.mode_corrections.find(modal_table_id=table.id):
         if correction.number in table.numbers:
-            place = table.numbers.index(correction.number)
-            names[place], symmetric[place] = correction.name, correction.symmetric
+            index = table.numbers.index(correction.number)
+            names[index], symmetric[index] = correction.name, correction.symmetric
             by = f", by {correction.author}" if correction.author else ""
-            reasons[place] = f"{correction.reason} (corrected{by})"
+            reasons[index] = f"{correction.reason} (corrected{by})"
     return replace(table, names=tuple(names), symmetric=tuple(symmetric), reasons=tuple(reasons))

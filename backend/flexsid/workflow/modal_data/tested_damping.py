@@ -1,6 +1,6 @@
-"""Damping of a ground vibration test for the modes of a model: by name or by shape.
+"""Damping of a ground vibration test for the modes of a model, matched by name or shape.
 
-Numbers count the modes of one source in its own order; those of another source mean nothing.
+Mode numbers are not comparable between sources.
 """
 
 from __future__ import annotations
@@ -13,43 +13,43 @@ from scipy.optimize import linear_sum_assignment
 from flexsid.records.modal_table import ModalTable
 from flexsid.storage.store import Store
 from flexsid.sysid.modes import ModeTable
-from flexsid.sysid.modes.assurance import modal_assurance
+from flexsid.sysid.modes.assurance import compute_mac
 from flexsid.sysid.modes.table import align_modes, interpolate
 from flexsid.sysid.modes.tracking import Tracking
-from flexsid.workflow.modal_data.mode_corrections import corrected
+from flexsid.workflow.modal_data.mode_corrections import apply_corrections
 
 ALIKE = 0.7
-"""MAC from which two shapes are taken for one mode, as when modes of a test are named."""
+"""MAC from which two shapes are the same mode."""
 
 UNLIKE = 0.3
-"""MAC below which two shapes are not one mode, whatever they are called."""
+"""MAC below which two shapes are different modes, even with the same name."""
 
 SAME_FREQUENCY = 0.05
-"""Relative: a test and its model, for modes of one number where neither has a name."""
+"""Largest relative difference in frequency of modes with the same number and no name."""
 
 _LEAST_COMPONENTS = 6
 """Measured components from which shapes at sensor points can be compared."""
 
 
-def damping_of_test(
+def match_test_damping(
     store: Store, modal: ModalTable, test: ModalTable, model: ModeTable
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Damping of each mode of a model as a test measured it, NaN where it did not.
+    """Match damping of a test to the modes of a model; NaN where not measured.
 
     Parameters
     ----------
     store, modal, test
         Table of the model and of the test.
     model
-        Modes of the model, followed over fuel.
+        Modes of the model, tracked over fuel.
 
     Returns
     -------
-    (F, n) damping at the fuel weights of the model, and what is to be known of the match.
+    (F, n) damping at the fuel weights of the model, and warnings on the match.
     """
-    modal, test = corrected(store, modal), corrected(store, test)
-    measured = _open(store, test)
-    pairs, warnings = _pairs(modal, test, model, measured)
+    modal, test = apply_corrections(store, modal), apply_corrections(store, test)
+    measured = _read_test(store, test)
+    pairs, warnings = _match(modal, test, model, measured)
     over_fuel = np.stack([interpolate(measured.fuel, measured.zeta, f) for f in model.fuel])
     found = np.full(model.omega.shape, np.nan)
     for mode, other in pairs.items():
@@ -57,8 +57,8 @@ def damping_of_test(
     return found, warnings
 
 
-def _open(store: Store, test: ModalTable) -> ModeTable:
-    """Modes of the test, followed over fuel; frequencies NaN where it has none."""
+def _read_test(store: Store, test: ModalTable) -> ModeTable:
+    """Read the modes of the test, tracked over fuel; unknown frequencies are NaN."""
     zeta = np.asarray(store.arrays.get(test.arrays["zeta"]), dtype=float)
 
     def read(name: str, empty: np.ndarray) -> np.ndarray:
@@ -84,11 +84,11 @@ def _open(store: Store, test: ModalTable) -> ModeTable:
     return align_modes(table, Tracking(order.astype(np.intp), sign, sure, mixed))
 
 
-def _pairs(
+def _match(
     modal: ModalTable, test: ModalTable, model: ModeTable, measured: ModeTable
 ) -> tuple[dict[int, int], tuple[str, ...]]:
-    """Columns of the model and of the test that are one mode."""
-    alike = _assurance(model, measured)
+    """Match columns of the model and of the test."""
+    alike = _compute_mac(model, measured)
     pairs: dict[int, int] = {}
     warnings: list[str] = []
     for mode, name in enumerate(modal.names):
@@ -97,8 +97,8 @@ def _pairs(
             continue
         if alike is not None and alike[mode, same[0]] < UNLIKE:
             warnings.append(
-                f"The damping of {name} in {test.name} is not taken: its shape there is another "
-                f"one (MAC {alike[mode, same[0]]:.2f})."
+                f"The damping of {name} in {test.name} is not used: its shape differs "
+                f"(MAC {alike[mode, same[0]]:.2f})."
             )
             continue
         pairs[mode] = same[0]
@@ -110,18 +110,18 @@ def _pairs(
                 pairs[mode] = other
                 warnings.append(
                     f"The damping of mode {modal.numbers[mode]} is that of mode "
-                    f"{test.numbers[other]} of {test.name}, whose shape is alike "
+                    f"{test.numbers[other]} of {test.name}, whose shape is similar "
                     f"(MAC {alike[mode, other]:.2f})."
                 )
     else:
-        pairs |= _unnamed(modal, test, model, measured, set(pairs.values()))
+        pairs |= _match_by_number(modal, test, model, measured, set(pairs.values()))
     return pairs, tuple(warnings)
 
 
-def _unnamed(
+def _match_by_number(
     modal: ModalTable, test: ModalTable, model: ModeTable, measured: ModeTable, taken: set[int]
 ) -> dict[int, int]:
-    """Modes of one number without a name in either source, and with one frequency."""
+    """Match modes without a name by number and frequency."""
     found = {}
     for mode, number in enumerate(modal.numbers):
         if modal.names[mode] or number not in test.numbers:
@@ -137,8 +137,8 @@ def _unnamed(
     return found
 
 
-def _assurance(model: ModeTable, measured: ModeTable) -> np.ndarray | None:
-    """MAC of all modes at the sensor points of both; None where they have too few in common."""
+def _compute_mac(model: ModeTable, measured: ModeTable) -> np.ndarray | None:
+    """Compute the MAC at common sensor points; None with too few of them."""
     common = [point for point in model.points if point in measured.points]
     if not common:
         return None
@@ -152,4 +152,4 @@ def _assurance(model: ModeTable, measured: ModeTable) -> np.ndarray | None:
     moved = (np.abs(one).max(axis=0) > 0) & (np.abs(other).max(axis=0) > 0)
     if int(moved.sum()) < _LEAST_COMPONENTS:
         return None
-    return np.nan_to_num(modal_assurance(one[:, moved], other[:, moved]))
+    return np.nan_to_num(compute_mac(one[:, moved], other[:, moved]))

@@ -1,4 +1,4 @@
-"""A modal table with its modes followed over fuel: numbers at once, shapes one by one."""
+"""Modal tables with modes tracked over fuel; shapes are read one by one."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from flexsid.errors import BadInput
 from flexsid.records.modal_table import ModalKind, ModalTable
 from flexsid.storage.store import Store
 from flexsid.sysid.modes import ModeTable
-from flexsid.sysid.modes.table import fuel_weights, interpolate
-from flexsid.sysid.modes.tracking import Tracking, track, untracked
-from flexsid.workflow.modal_data.mode_corrections import corrected
-from flexsid.workflow.modal_data.tested_damping import damping_of_test
+from flexsid.sysid.modes.table import compute_fuel_weights, interpolate
+from flexsid.sysid.modes.tracking import Tracking, make_identity_tracking, track_modes
+from flexsid.workflow.modal_data.mode_corrections import apply_corrections
+from flexsid.workflow.modal_data.tested_damping import match_test_damping
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Modes:
-    """A table's numbers in tracked order; shapes are read one by one."""
+    """Frequencies, damping and mass of a table in tracked order."""
 
     table: ModalTable
     fuel: np.ndarray
@@ -29,16 +29,16 @@ class Modes:
 
 
 def open_modes(store: Store, table: ModalTable) -> Modes:
-    """Read a table's frequencies in the order in which its modes are followed.
+    """Read the modes of a table in tracked order.
 
     Raises
     ------
     BadInput
         If the table has no frequencies.
     """
-    table = corrected(store, table)
+    table = apply_corrections(store, table)
     if "omega" not in table.arrays:
-        raise BadInput(f"table '{table.name}' holds no frequencies", code="no-frequencies")
+        raise BadInput(f"table '{table.name}' has no frequencies", code="no-frequencies")
 
     def read(name: str) -> np.ndarray | None:
         return store.arrays.get(table.arrays[name]) if name in table.arrays else None
@@ -51,10 +51,10 @@ def open_modes(store: Store, table: ModalTable) -> Modes:
     else:
         shape = read("node_shape")
         shape = read("shape") if shape is None else shape
-        tracking = untracked(*omega.shape)
+        tracking = make_identity_tracking(*omega.shape)
         if shape is not None and shape.shape[2]:
             flat = np.asarray(shape[..., :3], dtype=float).reshape(*omega.shape, -1)
-            tracking = track(flat, omega)
+            tracking = track_modes(flat, omega)
     zeta, mass = read("zeta"), read("mass")
     return Modes(
         table=table,
@@ -66,8 +66,8 @@ def open_modes(store: Store, table: ModalTable) -> Modes:
     )
 
 
-def shape_at(store: Store, modes: Modes, mode: int, fuel: float) -> np.ndarray:
-    """Shape of one mode at all nodes, (n_nodes, 6) in body axes per unit eta.
+def interpolate_shape(store: Store, modes: Modes, mode: int, fuel: float) -> np.ndarray:
+    """Interpolate the shape of a mode at all nodes, (n_nodes, 6) in body axes per unit eta.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def shape_at(store: Store, modes: Modes, mode: int, fuel: float) -> np.ndarray:
     """
     table = modes.table
     assert table.id is not None
-    weights = fuel_weights(modes.fuel, fuel, modes.tracking.mixed[:, mode])
+    weights = compute_fuel_weights(modes.fuel, fuel, modes.tracking.mixed[:, mode])
     order, sign = modes.tracking.order, modes.tracking.sign
     if "node_shape" in table.arrays:
         whole = store.arrays.get(table.arrays["node_shape"])
@@ -93,8 +93,8 @@ def shape_at(store: Store, modes: Modes, mode: int, fuel: float) -> np.ndarray:
     return total
 
 
-def damping_at(store: Store, modes: Modes, fuel: float) -> np.ndarray:
-    """Damping at a fuel fraction: the table's own, else that of the aircraft's GVT."""
+def interpolate_damping(store: Store, modes: Modes, fuel: float) -> np.ndarray:
+    """Interpolate damping at a fuel fraction: of the table, else of the aircraft's GVT."""
     if modes.zeta is not None:
         return np.asarray(interpolate(modes.fuel, np.asarray(modes.zeta, float), fuel))
     tested = [
@@ -104,12 +104,12 @@ def damping_at(store: Store, modes: Modes, fuel: float) -> np.ndarray:
     ]
     if not tested:
         return np.full(len(modes.table.numbers), np.nan)
-    zeta, _ = damping_of_test(store, modes.table, tested[-1], aligned_table(store, modes))
+    zeta, _ = match_test_damping(store, modes.table, tested[-1], align_table(store, modes))
     return np.asarray(interpolate(modes.fuel, zeta, fuel))
 
 
-def aligned_table(store: Store, modes: Modes) -> ModeTable:
-    """Frequencies and shapes at the sensor points of a table, in tracked order."""
+def align_table(store: Store, modes: Modes) -> ModeTable:
+    """Read frequencies and shapes at sensor points in tracked order."""
     arrays, size = modes.table.arrays, modes.omega.shape
     shape = np.zeros((*size, 0, 6))
     if "shape" in arrays:
@@ -127,12 +127,12 @@ def aligned_table(store: Store, modes: Modes) -> ModeTable:
     )
 
 
-def title(table: ModalTable) -> str:
-    """What a table is called among others of its name."""
+def format_title(table: ModalTable) -> str:
+    """Return the name of a table with its version."""
     return table.name if table.version == 1 else f"{table.name} (version {table.version})"
 
 
-def mode_names(table: ModalTable) -> tuple[str, ...]:
-    """What the modes of a table are called; by their number where nobody named them."""
+def list_mode_names(table: ModalTable) -> tuple[str, ...]:
+    """List the names of the modes of a table; by number without name."""
     named = zip(table.names, table.numbers, strict=True)
     return tuple(name or f"mode {number}" for name, number in named)

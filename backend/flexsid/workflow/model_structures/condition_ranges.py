@@ -1,4 +1,4 @@
-"""Ranges of conditions: which maneuver lies in one, and which range covers another."""
+"""Ranges of flight conditions: membership, overlap and cover."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from flexsid.records.maneuver import Maneuver
 _ALL = (-inf, inf)
 
 
-def lies_in(maneuver: Maneuver, limits: Limits) -> bool:
-    """Whether a maneuver lies in a range; what is not known of it lies in no limits."""
+def is_in_range(maneuver: Maneuver, limits: Limits) -> bool:
+    """Whether a maneuver is in a range; an unknown quantity is in no limits."""
     condition = maneuver.condition
     values: dict[LimitedQuantity, float | None] = {
         LimitedQuantity.DYNAMIC_PRESSURE: condition.dynamic_pressure_pa,
@@ -28,7 +28,7 @@ def lies_in(maneuver: Maneuver, limits: Limits) -> bool:
     return True
 
 
-def overlap(one: Limits, other: Limits) -> bool:
+def is_overlapping(one: Limits, other: Limits) -> bool:
     """Whether two ranges share more than a boundary."""
     return all(
         max(one.get(q, _ALL)[0], other.get(q, _ALL)[0])
@@ -37,18 +37,18 @@ def overlap(one: Limits, other: Limits) -> bool:
     )
 
 
-def covered(limits: Limits, by: Iterable[Limits]) -> bool:
-    """Whether several ranges together hold the whole of one."""
+def is_covered(limits: Limits, by: Iterable[Limits]) -> bool:
+    """Whether several ranges together cover a range."""
     others = list(by)
-    for place, other in enumerate(others):
-        if overlap(limits, other):
-            rest = others[place + 1 :]
-            return all(covered(piece, rest) for piece in _outside(limits, other))
+    for index, other in enumerate(others):
+        if is_overlapping(limits, other):
+            rest = others[index + 1 :]
+            return all(is_covered(piece, rest) for piece in _subtract_range(limits, other))
     return False
 
 
-def _outside(limits: Limits, other: Limits) -> list[Limits]:
-    """Cut a range into what lies outside another that it overlaps; boundaries count as inside."""
+def _subtract_range(limits: Limits, other: Limits) -> list[Limits]:
+    """Return the parts of a range outside another that it overlaps; boundaries are inside."""
     pieces: list[Limits] = []
     left = dict(limits)
     for quantity, (low, high) in other.items():

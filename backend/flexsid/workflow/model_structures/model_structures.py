@@ -1,4 +1,4 @@
-"""Model structures: kept by version, checked against the aircraft, brought to a maneuver."""
+"""Model structures: stored by version, checked against the aircraft, resolved for a maneuver."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from flexsid.records.model_structure import (
     StructureVersion,
 )
 from flexsid.storage.store import Store
-from flexsid.sysid.model.derivatives import derivative_names
+from flexsid.sysid.model.derivatives import list_derivative_names
 from flexsid.workflow.aircraft.aircraft_models import define_outputs
-from flexsid.workflow.aircraft.derivative_predictions import prediction_at
-from flexsid.workflow.aircraft.instruments import channels_of, with_instruments
+from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
+from flexsid.workflow.aircraft.instruments import insert_instruments, resolve_channels
 from flexsid.workflow.aircraft.longitudinal import (
     require_pitch_sensor,
     require_symmetric_inputs,
@@ -30,41 +30,41 @@ from flexsid.workflow.model_structures.run_results import refuse_altered
 
 
 class StaleEdit(Conflict):
-    """Somebody else has changed the record since it was read."""
+    """The record was changed by another user since it was read."""
 
     code = "stale-edit"
 
 
 class UnknownVersion(Conflict):
-    """An edit names a version that does not exist."""
+    """An edit refers to a version that does not exist."""
 
     code = "unknown-version"
 
 
-def add_structure(store: Store, wanted: ModelStructure) -> ModelStructure:
-    """Keep a new model structure; this is its first version.
+def add_structure(store: Store, record: ModelStructure) -> ModelStructure:
+    """Store a new model structure as version 1.
 
     Raises
     ------
     BadInput
-        If it does not fit the aircraft, or a derivative is in two states.
+        If it does not fit the aircraft, or a derivative has two states.
     Conflict
         If another structure of the aircraft has this name.
     """
     with store.transaction():
-        check_structure(store, store.aircraft.get(wanted.aircraft_id), wanted.structure)
-        _check_name(store, wanted)
-        kept = store.model_structures.add(replace(wanted, version=1, changed_at=None))
-        store.structure_versions.add(_version_of(kept))
-    return kept
+        check_structure(store, store.aircraft.get(record.aircraft_id), record.structure)
+        _check_name(store, record)
+        stored = store.model_structures.add(replace(record, version=1, changed_at=None))
+        store.structure_versions.add(_build_version(stored))
+    return stored
 
 
-def _check_name(store: Store, wanted: ModelStructure) -> None:
-    """Refuse a name by which two structures would be talked of."""
-    for other in store.model_structures.find(aircraft_id=wanted.aircraft_id, name=wanted.name):
-        if other.id != wanted.id:
+def _check_name(store: Store, record: ModelStructure) -> None:
+    """Refuse a name that another model structure of the aircraft has."""
+    for other in store.model_structures.find(aircraft_id=record.aircraft_id, name=record.name):
+        if other.id != record.id:
             raise Conflict(
-                f"model structure {other.id} is called {wanted.name!r} already; edit that one, or"
+                f"model structure {other.id} is called {record.name!r} already; edit that one, or"
                 " choose another name",
                 code="name-taken",
                 structure_id=other.id,
@@ -81,13 +81,13 @@ def edit_structure(
     note: str,
     author: str,
 ) -> ModelStructure:
-    """Keep a new version in front of the one that was edited; the older ones stay.
+    """Store a new version of the one that was edited; older versions remain.
 
     Raises
     ------
     StaleEdit
-        If ``version`` is not the newest any more; it carries the newest, the one
-        that was edited and what was sent.
+        If ``version`` is not the newest any more; it contains the newest version, the one
+        that was edited and the one that was sent.
     Conflict
         If another structure of the aircraft has this name.
     """
@@ -106,78 +106,78 @@ def edit_structure(
         if name != current.name:
             _check_name(store, edited)
         if not store.model_structures.advance(edited):
-            raise _stale(store, current, version, edited)
-        store.structure_versions.add(_version_of(edited))
+            raise _build_stale_edit_error(store, current, version, edited)
+        store.structure_versions.add(_build_version(edited))
     return edited
 
 
 def get_version(store: Store, structure_id: int, version: int | None = None) -> StructureVersion:
     """Return one version of a model structure, the newest by default."""
-    wanted = store.model_structures.get(structure_id).version if version is None else version
-    found = store.structure_versions.find(structure_id=structure_id, version=wanted)
+    number = store.model_structures.get(structure_id).version if version is None else version
+    found = store.structure_versions.find(structure_id=structure_id, version=number)
     if not found:
-        raise UnknownRecord(f"model structure {structure_id} has no version {wanted}")
+        raise UnknownRecord(f"model structure {structure_id} has no version {number}")
     return found[0]
 
 
-def structure_of_run(
+def get_structure_of_run(
     store: Store, given: Structure | None, structure_id: int | None, version: int | None
 ) -> tuple[Structure, int | None]:
-    """Return the structure that a run asks for, and the version of the record it names.
+    """Return the model structure requested for a run, and its saved version.
 
     Raises
     ------
     BadInput
-        If there is none, or what is given in full is not what the record says.
+        If there is none, or the one given in full differs from the saved one.
     """
     if structure_id is None:
         if given is None or version is not None:
             raise BadInput(
-                "give the run a structure, in full or as structure_id", code="no-structure"
+                "give the run a model structure, in full or as structure_id", code="no-structure"
             )
         return given, None
-    kept = get_version(store, structure_id, version)
-    if given is not None and given != kept.structure:
+    saved = get_version(store, structure_id, version)
+    if given is not None and given != saved.structure:
         raise BadInput(
-            f"the structure is not version {kept.version} of model structure {structure_id}; "
-            "leave one of the two out",
+            f"the model structure differs from version {saved.version} of model structure "
+            f"{structure_id}; give one of the two",
             code="other-structure",
             structure_id=structure_id,
-            version=kept.version,
+            version=saved.version,
         )
-    return kept.structure, kept.version
+    return saved.structure, saved.version
 
 
-def brought_to(
+def resolve_structure(
     store: Store, structure: Structure, aircraft: Aircraft, maneuver: Maneuver
 ) -> tuple[Structure, Aircraft]:
-    """Put numbers where a structure names sources, and its instruments into the aircraft.
+    """Replace the sources of fixed derivatives by values, and instruments of the aircraft.
 
     Raises
     ------
     BadInput
-        If a source does not know a derivative, or a channel or instrument is unknown or
+        If a source has no value of a derivative, or a channel or instrument is unknown or
         named twice.
     """
-    _refuse_twice(structure)
+    _refuse_duplicates(structure)
     fixed = {
-        name: _value_of(store, name, source, maneuver)
+        name: _get_source_value(store, name, source, maneuver)
         for name, source in structure.fixed_to.items()
     }
     fixed |= structure.fixed | dict.fromkeys(structure.absent, 0.0)
-    return replace(structure, fixed=fixed), with_instruments(aircraft, structure)
+    return replace(structure, fixed=fixed), insert_instruments(aircraft, structure)
 
 
 def check_structure(store: Store, aircraft: Aircraft, structure: Structure) -> None:
-    """Refuse what no run of this aircraft could use.
+    """Refuse a model structure that does not fit the aircraft.
 
     Raises
     ------
     BadInput
-        Naming the mode, channel, derivative or source that does not fit.
+        If a mode, channel, derivative or source does not fit.
     """
     _check_modes(store, aircraft, structure.modes)
-    _refuse_twice(structure)
+    _refuse_duplicates(structure)
     surfaces = tuple(surface.name for surface in aircraft.surfaces)
     for name in structure.inputs:
         if name not in surfaces:
@@ -192,22 +192,22 @@ def check_structure(store: Store, aircraft: Aircraft, structure: Structure) -> N
         for sensor, _ in output.terms:
             require_pitch_sensor(sensor)
     for name in (*structure.delays, *structure.instruments):
-        channels_of(aircraft, name)
-    with_instruments(aircraft, structure)
+        resolve_channels(aircraft, name)
+    insert_instruments(aircraft, structure)
     _check_states(
         structure,
-        derivative_names(structure.modes, structure.inputs or symmetric_surfaces(aircraft)),
+        list_derivative_names(structure.modes, structure.inputs or symmetric_surfaces(aircraft)),
     )
     for name, source in structure.fixed_to.items():
         _check_source(store, aircraft, name, source)
 
 
-def _refuse_twice(structure: Structure) -> None:
-    """An output that counts twice would seem known better than it is."""
+def _refuse_duplicates(structure: Structure) -> None:
+    """Refuse names given twice; a duplicated output would bias the standard errors."""
     named = (("mode", structure.modes), ("input", structure.inputs), ("output", structure.outputs))
     for what, names in named:
-        for place, name in enumerate(names):
-            if name in names[:place]:
+        for index, name in enumerate(names):
+            if name in names[:index]:
                 raise BadInput(f"{what} {name} is named twice; name it once", code="named-twice")
 
 
@@ -257,28 +257,28 @@ def _check_source(store: Store, aircraft: Aircraft, name: str, source: FixedTo) 
     else:
         run = store.runs.get(source.id)
         fits = store.maneuvers.get(run.maneuver_id).aircraft_id == aircraft.id
-        known = run.result is not None and name in _values_of_run(store, source.id)
+        known = run.result is not None and name in _get_run_values(store, source.id)
     if not fits:
         raise BadInput(
             f"{source.source} {source.id} is of another aircraft", code="wrong-aircraft", name=name
         )
     if not known:
-        raise _without_value(name, source)
+        raise _build_missing_value_error(name, source)
 
 
-def _value_of(store: Store, name: str, source: FixedTo, maneuver: Maneuver) -> float:
+def _get_source_value(store: Store, name: str, source: FixedTo, maneuver: Maneuver) -> float:
     if source.source is HeldBy.RUN:
-        values = _values_of_run(store, source.id)
+        values = _get_run_values(store, source.id)
     else:
         fuel = maneuver.condition.fuel_fraction
-        found = prediction_at(store, store.predictions.get(source.id), fuel)
+        found = interpolate_prediction(store, store.predictions.get(source.id), fuel)
         values = {key: value for key, (value, _) in found.items()}
     if name not in values:
-        raise _without_value(name, source)
+        raise _build_missing_value_error(name, source)
     return values[name]
 
 
-def _values_of_run(store: Store, run_id: int) -> dict[str, float]:
+def _get_run_values(store: Store, run_id: int) -> dict[str, float]:
     run = store.runs.get(run_id)
     refuse_altered(run)
     result = run.result
@@ -287,7 +287,7 @@ def _values_of_run(store: Store, run_id: int) -> dict[str, float]:
     return result.held | {p.name: p.value for p in result.parameters}
 
 
-def _without_value(name: str, source: FixedTo) -> BadInput:
+def _build_missing_value_error(name: str, source: FixedTo) -> BadInput:
     return BadInput(
         f"'{name}' is fixed to {source.source} {source.id}, which has no value for it; "
         "fix it to another source or to a number",
@@ -296,7 +296,7 @@ def _without_value(name: str, source: FixedTo) -> BadInput:
     )
 
 
-def _version_of(record: ModelStructure) -> StructureVersion:
+def _build_version(record: ModelStructure) -> StructureVersion:
     assert record.id is not None
     return StructureVersion(
         structure_id=record.id,
@@ -309,15 +309,17 @@ def _version_of(record: ModelStructure) -> StructureVersion:
     )
 
 
-def _stale(store: Store, current: ModelStructure, version: int, sent: ModelStructure) -> Conflict:
+def _build_stale_edit_error(
+    store: Store, current: ModelStructure, version: int, sent: ModelStructure
+) -> Conflict:
     assert current.id is not None
     base = store.structure_versions.find(structure_id=current.id, version=version)
     if not base:
         return UnknownVersion(f"model structure {current.id} has no version {version}")
     return StaleEdit(
-        f"version {version} of '{current.name}' was edited, but {current.author or 'somebody'} "
-        f"has saved version {current.version} since; look at both and save again on top of it",
-        current=_version_of(current),
+        f"version {version} of '{current.name}' was edited, but {current.author or 'another user'} "
+        f"has saved version {current.version} since; compare both and save again",
+        current=_build_version(current),
         base=base[0],
-        sent=_version_of(replace(sent, version=version)),
+        sent=_build_version(replace(sent, version=version)),
     )

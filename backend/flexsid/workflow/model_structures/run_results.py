@@ -1,4 +1,4 @@
-"""Results: what a run gave, for whoever goes on with it; never one that was altered."""
+"""Results of runs, refused if they were altered."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from flexsid.errors import Conflict
 from flexsid.records.run import EstimationRun, RunResult
 
 
-def result_of(run: EstimationRun, use: str = "no model") -> RunResult:
-    """The result of a run.
+def get_result(run: EstimationRun, use: str = "no model") -> RunResult:
+    """Return the result of a run.
 
     Parameters
     ----------
     run
-        As it is kept.
+        The stored run.
     use
-        What a run without a result has not, for the message.
+        What a run without a result lacks, for the message.
 
     Raises
     ------
     Conflict
-        If it has none, or the one it has is not what the run gave.
+        If it has none, or its stored result was altered.
     """
     refuse_altered(run)
     if run.result is None:
@@ -32,28 +32,28 @@ def result_of(run: EstimationRun, use: str = "no model") -> RunResult:
 
 
 def refuse_altered(run: EstimationRun) -> None:
-    """Refuse a run that is not any more what it was when its result was kept.
+    """Refuse a run whose request or result was altered after it was stored.
 
     Raises
     ------
     Conflict
-        Naming the run.
+        If it was altered.
     """
     if run.altered:
         raise Conflict(
-            f"the stored result of run {run.id}, or what was asked for, was altered after the run"
-            " finished: it does not match the hash that was kept with it. Estimate again, or"
-            " restore a backup; `flexsid check` lists all that is damaged",
+            f"the stored request or result of run {run.id} was altered after the run finished: it"
+            " does not match the hash that was stored with it. Estimate again, or"
+            " restore a backup; `flexsid check` lists all altered records",
             code="result-altered",
             run_id=run.id,
         )
 
 
-def note_changes(run_id: int | None, changed: tuple[str, ...]) -> str | None:
-    """Say that data were corrected since a run was computed; None where they were not."""
+def describe_data_changes(run_id: int | None, changed: tuple[str, ...]) -> str | None:
+    """Describe changes of the data since a run was computed; None without changes."""
     if not changed:
         return None
     return (
         f"Data changed since run {run_id} was computed: {', '.join(changed)} (samples, corrections"
-        " or what is assumed). Its result is that of the earlier data; estimate again."
+        " or assumptions). Its result is that of the earlier data; estimate again."
     )

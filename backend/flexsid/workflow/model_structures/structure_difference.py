@@ -1,15 +1,15 @@
-"""What differs between two model structures, in words."""
+"""Differences between two model structures."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
 from flexsid.records.model_structure import Structure
-from flexsid.sysid.model.derivatives import derivative_names
+from flexsid.sysid.model.derivatives import list_derivative_names
 
 
-def state_of(structure: Structure, name: str) -> str:
-    """Say what a derivative is: free, absent, or fixed to something."""
+def describe_derivative_state(structure: Structure, name: str) -> str:
+    """Describe the state of a derivative: free, absent, or fixed to a value or source."""
     if name in structure.absent:
         return "absent"
     if name in structure.fixed:
@@ -22,26 +22,28 @@ def state_of(structure: Structure, name: str) -> str:
     return "fixed to the start of the run"
 
 
-def differences(
+def list_structure_differences(
     before: Structure, after: Structure, surfaces: Sequence[str]
 ) -> list[tuple[str, str, str]]:
-    """List what differs, as (what, before, after); ``surfaces`` stand for unnamed inputs."""
-    known = [derivative_names(one.modes, one.inputs or tuple(surfaces)) for one in (before, after)]
+    """List differences as (item, before, after); ``surfaces`` are the inputs by default."""
+    known = [
+        list_derivative_names(one.modes, one.inputs or tuple(surfaces)) for one in (before, after)
+    ]
     rows = [
         (
             name,
-            state_of(before, name) if name in known[0] else "not in the model",
-            state_of(after, name) if name in known[1] else "not in the model",
+            describe_derivative_state(before, name) if name in known[0] else "not in the model",
+            describe_derivative_state(after, name) if name in known[1] else "not in the model",
         )
         for name in dict.fromkeys((*known[1], *known[0]))
     ]
     rows += [
-        (what, _listed(one), _listed(other))
+        (what, _join_values(one), _join_values(other))
         for what, one, other in (
             ("modes", before.modes, after.modes),
             ("inputs", before.inputs or ("all",), after.inputs or ("all",)),
             ("outputs", before.outputs or ("all",), after.outputs or ("all",)),
-            ("also free", before.also_free, after.also_free),
+            ("also free", before.extra_parameters, after.extra_parameters),
             ("time delays", (before.free_delays,), (after.free_delays,)),
             ("delays", before.delays.items(), after.delays.items()),
             ("instruments", before.instruments.items(), after.instruments.items()),
@@ -50,5 +52,5 @@ def differences(
     return [row for row in rows if row[1] != row[2]]
 
 
-def _listed(values: Iterable[object]) -> str:
+def _join_values(values: Iterable[object]) -> str:
     return ", ".join(str(value) for value in values) or "none"

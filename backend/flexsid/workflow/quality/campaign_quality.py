@@ -1,4 +1,4 @@
-"""Assessing: the quality of a whole campaign, one maneuver after the other beside the server."""
+"""Data quality of a whole campaign, assessed in processes beside the server."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from dataclasses import dataclass
 from threadpoolctl import threadpool_limits
 
 from flexsid.errors import FlexsidError
-from flexsid.storage.quality_list import unassessed
+from flexsid.storage.quality_list import list_unassessed
 from flexsid.storage.store import Store
-from flexsid.workflow.quality.maneuver_quality import quality
+from flexsid.workflow.quality.maneuver_quality import get_maneuver_quality
 
 _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Assessing:
-    """How far the assessment of a campaign is."""
+    """Progress of the assessment of a campaign."""
 
     running: bool
     done: int
@@ -31,13 +31,13 @@ class Assessing:
 
 
 _MOST_PROCESSES = 8
-_NICENESS = 10  # who waits for an answer goes first
+_NICENESS = 10  # requests have priority
 
 
-class Assessments:
-    """Looks at maneuvers beside the server, on all processors but one.
+class CampaignAssessment:
+    """Assesses maneuvers in processes beside the server, on all processors but one.
 
-    Everything found is kept at once, so that nothing is lost when the server stops.
+    Every result is stored at once, so that none is lost when the server stops.
     """
 
     def __init__(self, store: Store, url: str) -> None:
@@ -45,15 +45,15 @@ class Assessments:
         self._url = url
         self._lock = threading.Lock()
         self._pool: ProcessPoolExecutor | None = None
-        self._left: list[ProcessPoolExecutor] = []
+        self._released: list[ProcessPoolExecutor] = []
         self._waiting: set[int] = set()
         self._total = self._done = self._failed = 0
 
-    def begin(self, maneuver_ids: Sequence[int] | None = None) -> Assessing:
-        """Look at these maneuvers, or at all that nobody has looked at."""
+    def start(self, maneuver_ids: Sequence[int] | None = None) -> Assessing:
+        """Assess these maneuvers, or all that are not assessed."""
         if maneuver_ids is None:
             with self._store.database.reading() as connection:
-                maneuver_ids = unassessed(connection)
+                maneuver_ids = list_unassessed(connection)
         with self._lock:
             new = [number for number in maneuver_ids if number not in self._waiting]
             if new and self._pool is None:
@@ -74,7 +74,7 @@ class Assessments:
         return self.state()
 
     def state(self) -> Assessing:
-        """How far it is."""
+        """Return the progress."""
         with self._lock:
             return Assessing(
                 running=bool(self._waiting),
@@ -83,25 +83,25 @@ class Assessments:
                 failed=self._failed,
             )
 
-    def leave(self) -> None:
-        """Leave the rest for another time; what is being looked at is still kept."""
+    def cancel(self) -> None:
+        """Cancel maneuvers that wait; running assessments still store their results."""
         with self._lock:
             pool, self._pool = self._pool, None
             self._waiting.clear()
         if pool is not None:
             pool.shutdown(wait=False, cancel_futures=True)
-            self._left.append(pool)
+            self._released.append(pool)
 
     def stop(self) -> None:
-        """Leave the rest for another time, and end the processes."""
-        self.leave()
-        for pool in self._left:
+        """Cancel maneuvers that wait, and end the processes."""
+        self.cancel()
+        for pool in self._released:
             pool.shutdown(wait=True)
 
     def _ended(self, number: int, future: Future[None]) -> None:
         with self._lock:
             if number not in self._waiting:
-                return  # it was left
+                return  # it was cancelled
             self._waiting.discard(number)
             self._done += 1
             if future.cancelled():
@@ -109,7 +109,7 @@ class Assessments:
             error = future.exception()
             if error is not None:
                 self._failed += 1
-                _log.warning("the quality of maneuver %d was not found: %s", number, error)
+                _log.warning("the quality of maneuver %d was not assessed: %s", number, error)
             idle = not self._waiting
             pool = self._pool if idle else None
             if idle:
@@ -122,7 +122,7 @@ def _processes(n_maneuvers: int) -> int:
     return max(1, min(_MOST_PROCESSES, n_maneuvers, (os.cpu_count() or 2) - 1))
 
 
-_opened: list[Store] = []  # the connection of a process that looks at maneuvers
+_opened: list[Store] = []  # the store of an assessing process
 
 
 def _prepare(url: str) -> None:
@@ -134,8 +134,8 @@ def _prepare(url: str) -> None:
 
 
 def _assess(maneuver_id: int) -> None:
-    """Look at one maneuver."""
+    """Assess one maneuver."""
     try:
-        quality(_opened[0], maneuver_id)
+        get_maneuver_quality(_opened[0], maneuver_id)
     except FlexsidError as error:
-        raise RuntimeError(error.message) from error  # ours do not survive the way back
+        raise RuntimeError(error.message) from error  # FlexsidError cannot be pickled

@@ -1,4 +1,4 @@
-"""Mini-GVT: the records on the runway around one flight, compared (Fig. 10)."""
+"""Mini-GVT: comparison of the ground records before and after one flight (Fig. 10)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.aircraft import SensorKind
-from flexsid.records.axes import symmetry_of
+from flexsid.records.axes import get_symmetry
 from flexsid.records.flight import Flight
 from flexsid.records.ground_test import GroundTest, GroundTestVerdict, PeakChange
 from flexsid.records.maneuver import GROUND, Maneuver, Role
@@ -14,66 +14,66 @@ from flexsid.records.views import GroundSpectra, ModeMarker
 from flexsid.storage.store import Store
 from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.spectra.peaks import (
+    InputRatios,
     Peak,
-    RatioLines,
+    compute_channel_rms,
     find_peaks,
     fit_peak,
     smooth_power,
-    typical_size,
 )
 from flexsid.workflow.aircraft.longitudinal import LATERAL, AxisNotSupported
-from flexsid.workflow.measurements.recording import maneuver_lines
-from flexsid.workflow.measurements.transforms import spectra_of
+from flexsid.workflow.measurements.maneuver_spectra import read_spectra
+from flexsid.workflow.measurements.recording import select_frequencies
 from flexsid.workflow.modal_data.aligned_modes import AircraftModes, find_modal_tables, load_modes
 
-_SAME_PEAK = 0.12  # of the frequency: farther apart it is another mode's
-_TREND_ERROR = 0.003  # how well tables tell a frequency's change with fuel, gear included
-_AMPLITUDE_ERROR = 0.10  # the same of an amplitude
+_SAME_PEAK = 0.12  # of the frequency: largest distance of peaks of one mode
+_TREND_ERROR = 0.003  # relative error of the predicted change of frequency with fuel, gear included
+_AMPLITUDE_ERROR = 0.10  # relative error of the predicted change of amplitude
 _SIGMAS = 3.0
 
 
-def ground_tests(store: Store, aircraft_id: int | None = None) -> list[GroundTest]:
-    """Compare the records of every flight that has a pair in which something can be followed."""
-    chosen = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
+def compare_all_ground_records(store: Store, aircraft_id: int | None = None) -> list[GroundTest]:
+    """Compare the ground records of every flight that has a comparable pair."""
+    filters = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
     found = []
-    for flight in store.flights.find(**chosen):
-        if flight.id is None or _pair(store, flight) is None:
+    for flight in store.flights.find(**filters):
+        if flight.id is None or _find_pair(store, flight) is None:
             continue
         try:
-            found.append(ground_test(store, flight.id))
-        except (Conflict, AxisNotSupported):  # its own page says why
+            found.append(compare_ground_records(store, flight.id))
+        except (Conflict, AxisNotSupported):  # reported on the page of the flight
             continue
     return found
 
 
-def ground_test(store: Store, flight_id: int) -> GroundTest:
-    """Judge what changed between take-off and landing.
+def compare_ground_records(store: Store, flight_id: int) -> GroundTest:
+    """Assess the change of modes between take-off and landing.
 
     Raises
     ------
     Conflict
-        If the flight lacks a record before or after, or nothing stands out in it.
+        If the flight has no record before or after, or no peak belongs to a mode.
     AxisNotSupported
         If symmetric and antisymmetric modes were excited together.
     """
     flight = store.flights.get(flight_id)
-    before, after = _required(store, flight)
+    before, after = _require_pair(store, flight)
     known = load_modes(store, *find_modal_tables(store, flight.aircraft_id, None, None))
     modes = tuple(known.table.at(m.condition.fuel_fraction) for m in (before, after))
-    ratios = tuple(_ratios(store, maneuver) for maneuver in (before, after))
-    excited = _excited_modes(store, before, modes[0], known)
-    found = _matched(find_peaks(ratios[0]), modes[0], excited)
+    ratios = tuple(_compute_ratios(store, maneuver) for maneuver in (before, after))
+    excited = _find_excited_modes(store, before, modes[0], known)
+    found = _match_peaks(find_peaks(ratios[0]), modes[0], excited)
     if not found:
         raise Conflict(
             f"no peak of the record before flight {flight.number} belongs to a mode of the "
-            "modal table; nothing can be followed",
+            "modal table, so the records cannot be compared",
             code="no-peak",
         )
     later = find_peaks(ratios[1])
-    sizes = typical_size(ratios[0])
+    sizes = compute_channel_rms(ratios[0])
     peaks = tuple(
-        _change(place, near_hz, later, ratios, sizes, modes, known)
-        for place, near_hz in sorted(found.items())
+        _compare_peak(index, near_hz, later, ratios, sizes, modes, known)
+        for index, near_hz in sorted(found.items())
     )
     worst = max((p.verdict for p in peaks), key=list(GroundTestVerdict).index)
     return GroundTest(
@@ -85,18 +85,18 @@ def ground_test(store: Store, flight_id: int) -> GroundTest:
         fuel_after=after.condition.fuel_fraction,
         peaks=peaks,
         verdict=worst,
-        message=_message(flight, worst, peaks),
+        message=_write_message(flight, worst, peaks),
     )
 
 
-def ground_spectra(store: Store, flight_id: int) -> GroundSpectra:
-    """Read the spectra of the pair, and where fuel alone would have brought the peaks."""
-    test = ground_test(store, flight_id)
+def read_ground_spectra(store: Store, flight_id: int) -> GroundSpectra:
+    """Read the spectra of the pair, and the peaks expected from the change of fuel."""
+    test = compare_ground_records(store, flight_id)
     before, after = (store.maneuvers.get(number) for number in (test.before_id, test.after_id))
     return GroundSpectra(
         flight_number=test.flight_number,
-        before=smooth_power(_ratios(store, before)),
-        after=smooth_power(_ratios(store, after)),
+        before=smooth_power(_compute_ratios(store, before)),
+        after=smooth_power(_compute_ratios(store, after)),
         expected=tuple(
             ModeMarker(
                 name=f"{peak.name} expected", frequency_hz=peak.before_hz * (1.0 + peak.explained)
@@ -106,10 +106,10 @@ def ground_spectra(store: Store, flight_id: int) -> GroundSpectra:
     )
 
 
-def _pair(store: Store, flight: Flight) -> tuple[Maneuver, Maneuver] | None:
-    """First and last record on the ground, if maneuvers lie between them."""
+def _find_pair(store: Store, flight: Flight) -> tuple[Maneuver, Maneuver] | None:
+    """Find the first and last ground record with maneuvers between them."""
     on_ground = store.maneuvers.find(flight_id=flight.id, axis=GROUND, deleted_at=None)
-    if len(on_ground) < 2:  # most flights have none: their maneuvers need not be read
+    if len(on_ground) < 2:  # most flights have none
         return None
     on_ground.sort(key=lambda m: m.start_s)
     records = store.maneuvers.find(flight_id=flight.id, deleted_at=None)
@@ -120,8 +120,8 @@ def _pair(store: Store, flight: Flight) -> tuple[Maneuver, Maneuver] | None:
     return first, last
 
 
-def _required(store: Store, flight: Flight) -> tuple[Maneuver, Maneuver]:
-    pair = _pair(store, flight)
+def _require_pair(store: Store, flight: Flight) -> tuple[Maneuver, Maneuver]:
+    pair = _find_pair(store, flight)
     if pair is None:
         raise Conflict(
             f"flight {flight.number} has no record on the ground both before its first and after "
@@ -132,8 +132,8 @@ def _required(store: Store, flight: Flight) -> tuple[Maneuver, Maneuver]:
     return pair
 
 
-def _ratios(store: Store, maneuver: Maneuver) -> list[RatioLines]:
-    """Strain and acceleration over the excitation of each input, at its own lines."""
+def _compute_ratios(store: Store, maneuver: Maneuver) -> list[InputRatios]:
+    """Compute strain and acceleration over the excitation of each input, at its harmonics."""
     if maneuver.excitation is None:
         raise BadInput(
             f"the excitation of maneuver {maneuver.id} is not known", code="no-excitation"
@@ -144,36 +144,36 @@ def _ratios(store: Store, maneuver: Maneuver) -> list[RatioLines]:
     seen = (SensorKind.STRAIN, SensorKind.ACCELEROMETER)
     outputs = [c.name for c in channels if c.role is Role.OUTPUT and kinds.get(c.name) in seen]
     recorded = {c.name for c in channels}
-    lines = maneuver_lines(maneuver)
-    commands = [f"{n}_command" if f"{n}_command" in recorded else n for n in lines.inputs]
-    data = spectra_of(store, maneuver, aircraft, (*outputs, *commands), lines).values
+    frequencies = select_frequencies(maneuver)
+    commands = [f"{n}_command" if f"{n}_command" in recorded else n for n in frequencies.inputs]
+    data = read_spectra(store, maneuver, aircraft, (*outputs, *commands), frequencies).values
     n_y = len(outputs)
     return [
-        RatioLines(lines.omega[own], data[own, :n_y] / data[own, n_y + index][:, None])
-        for index in range(len(lines.inputs))
-        if (own := np.flatnonzero(lines.owner == index)).size
+        InputRatios(frequencies.omega[own], data[own, :n_y] / data[own, n_y + k][:, None])
+        for k in range(len(frequencies.inputs))
+        if (own := np.flatnonzero(frequencies.assigned_input == k)).size
     ]
 
 
-def _excited_modes(
+def _find_excited_modes(
     store: Store, maneuver: Maneuver, modes: StructuralModes, known: AircraftModes
 ) -> np.ndarray:
-    """Which modes of the table the surfaces of a record excite.
+    """Find the modes of the table that the surfaces of a record excite.
 
     Raises
     ------
     AxisNotSupported
-        If surfaces of several symmetries moved: a peak may then be of a symmetric mode or of
-        an antisymmetric one beside it.
+        If surfaces of several symmetries moved: a peak may then belong to a symmetric or to
+        an antisymmetric mode.
     """
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     names = () if maneuver.excitation is None else tuple(maneuver.excitation.harmonics)
-    moved = {symmetry_of(aircraft, name) for name in names}
+    moved = {get_symmetry(aircraft, name) for name in names}
     if moved > {"antisymmetric"} or "single" in moved:
         raise AxisNotSupported(
             f"{', '.join(names)} of maneuver {maneuver.id} excite symmetric and antisymmetric "
-            "modes, and a peak cannot be given to one of them; excite pairs alike, or all against "
-            "each other",
+            "modes, so a peak cannot be assigned to a mode; excite all pairs symmetrically, or all "
+            "antisymmetrically",
             maneuver_id=maneuver.id,
             axis=LATERAL,
         )
@@ -181,10 +181,10 @@ def _excited_modes(
     return np.array([known.symmetric[number] != antisymmetric for number in modes.numbers])
 
 
-def _matched(
+def _match_peaks(
     peaks_hz: list[float], modes: StructuralModes, excited: np.ndarray
 ) -> dict[int, float]:
-    """Peak of every mode that has one: place in the table to frequency [Hz], highest first."""
+    """Match peaks to modes: index in the table to frequency [Hz], highest peak first."""
     found: dict[int, float] = {}
     frequency = modes.omega / (2.0 * np.pi)
     for peak_hz in peaks_hz:
@@ -195,19 +195,19 @@ def _matched(
     return found
 
 
-def _change(
-    place: int,
+def _compare_peak(
+    index: int,
     near_hz: float,
     later_hz: list[float],
-    ratios: tuple[list[RatioLines], ...],
+    ratios: tuple[list[InputRatios], ...],
     sizes: np.ndarray,
     modes: tuple[StructuralModes, ...],
     known: AircraftModes,
 ) -> PeakChange:
-    number = modes[0].numbers[place]
+    number = modes[0].numbers[index]
     first = fit_peak(ratios[0], near_hz, sizes)
-    explained = float(modes[1].omega[place] / modes[0].omega[place]) - 1.0
-    louder = float(modes[0].zeta[place] / modes[1].zeta[place]) - 1.0
+    explained = float(modes[1].omega[index] / modes[0].omega[index]) - 1.0
+    louder = float(modes[0].zeta[index] / modes[1].zeta[index]) - 1.0
     expected_hz = first.frequency_hz * (1.0 + explained)
     second = next(
         (
@@ -218,7 +218,7 @@ def _change(
         None,
     )
     if second is None:
-        return _described(number, known, first, None, explained, louder, None, None)
+        return _describe_change(number, known, first, None, explained, louder, None, None)
     change = second.frequency_hz / first.frequency_hz - 1.0
     std = float(
         np.hypot(
@@ -226,10 +226,10 @@ def _change(
             second.frequency_std_hz / second.frequency_hz,
         )
     )
-    return _described(number, known, first, second, explained, louder, change, std)
+    return _describe_change(number, known, first, second, explained, louder, change, std)
 
 
-def _described(
+def _describe_change(
     number: int,
     known: AircraftModes,
     first: Peak,
@@ -239,10 +239,10 @@ def _described(
     change: float | None,
     std: float | None,
 ) -> PeakChange:
-    left = total = amplitude = spread = None
-    verdict = GroundTestVerdict.ALARM  # a peak that is gone
+    unexplained = total = amplitude = spread = None
+    verdict = GroundTestVerdict.ALARM  # of a missing peak
     if second is not None and change is not None and std is not None:
-        left = (1.0 + change) / (1.0 + explained) - 1.0
+        unexplained = (1.0 + change) / (1.0 + explained) - 1.0
         total = float(np.hypot(std, _TREND_ERROR))
         amplitude = second.amplitude / first.amplitude - 1.0
         spread = float(
@@ -252,7 +252,7 @@ def _described(
         verdict = GroundTestVerdict.HEALTHY
         if off > _SIGMAS * np.hypot(spread, _AMPLITUDE_ERROR):
             verdict = GroundTestVerdict.WATCH
-        if abs(left) > _SIGMAS * total:
+        if abs(unexplained) > _SIGMAS * total:
             verdict = GroundTestVerdict.ALARM
     return PeakChange(
         mode=number,
@@ -263,7 +263,7 @@ def _described(
         after_std_hz=None if second is None else second.frequency_std_hz,
         change=change,
         explained=explained,
-        unexplained=left,
+        unexplained=unexplained,
         unexplained_std=total,
         amplitude_change=amplitude,
         amplitude_explained=louder,
@@ -272,23 +272,29 @@ def _described(
     )
 
 
-def _message(flight: Flight, verdict: GroundTestVerdict, peaks: tuple[PeakChange, ...]) -> str:
+def _write_message(
+    flight: Flight, verdict: GroundTestVerdict, peaks: tuple[PeakChange, ...]
+) -> str:
     worst = next(peak for peak in peaks if peak.verdict is verdict)
     if worst.unexplained is None or worst.unexplained_std is None:
         return (
-            f"{worst.name} stood at {worst.before_hz:.2f} Hz before flight {flight.number} and is "
+            f"{worst.name} was at {worst.before_hz:.2f} Hz before flight {flight.number} and is "
             "not found after it. Inspect the structure before the next flight."
         )
-    left = f"{worst.unexplained:+.1%} ± {2.0 * worst.unexplained_std:.1%}"
+    unexplained = f"{worst.unexplained:+.1%} ± {2.0 * worst.unexplained_std:.1%}"
     if verdict is GroundTestVerdict.ALARM:
         return (
-            f"{worst.name} changed by {left} beyond what the fuel burnt in flight {flight.number} "
-            "explains. Inspect the structure before the next flight."
+            f"The frequency of {worst.name} changed by {unexplained} in addition to the "
+            f"effect of the fuel burnt in flight {flight.number}. Inspect the structure "
+            "before the next flight."
         )
     if verdict is GroundTestVerdict.WATCH:
         return (
             f"The amplitude of {worst.name} changed in flight {flight.number} by "
-            f"{worst.amplitude_change:+.0%}, its frequency did not; repeat the record."
+            f"{worst.amplitude_change:+.0%}, its frequency did not change; repeat the record."
         )
-    followed = ", ".join(peak.name for peak in peaks)
-    return f"Fuel explains what changed ({followed}); of {worst.name} {left} is left over."
+    compared = ", ".join(peak.name for peak in peaks)
+    return (
+        f"The fuel explains the changes ({compared}); the unexplained change of {worst.name} "
+        f"is {unexplained}."
+    )

@@ -1,4 +1,4 @@
-"""Quality: look a maneuver over, from single samples to a verdict in words; looked up once."""
+"""Data quality of a maneuver, from single samples to a verdict; stored by content hash."""
 
 from __future__ import annotations
 
@@ -25,46 +25,46 @@ from flexsid.records.quality import (
 )
 from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
-from flexsid.sysid.preparation.artefacts import Artefact, find_artefacts
 from flexsid.sysid.preparation.biases import Bias
+from flexsid.sysid.preparation.spikes_and_dropouts import SampleDefect, find_defects
 from flexsid.units import si_unit
 from flexsid.workflow import views
-from flexsid.workflow.measurements.condition_spread import flown_condition
-from flexsid.workflow.measurements.conditioning import conditioning_of
+from flexsid.workflow.measurements.condition_spread import assess_condition
+from flexsid.workflow.measurements.conditioning import read_conditioning
 from flexsid.workflow.measurements.recording import Conditioning
-from flexsid.workflow.measurements.sensor_responses import sense
-from flexsid.workflow.quality.quality_warnings import findings_of, verdict_of
-from flexsid.workflow.quality.sensor_skews import SensorFaults, biases, sensor_faults
+from flexsid.workflow.measurements.sensor_responses import gather_sensors
+from flexsid.workflow.quality.quality_warnings import determine_verdict, list_quality_warnings
+from flexsid.workflow.quality.sensor_skews import RedundancyCheck, check_redundancy, estimate_biases
 
-_VERSION = 8  # of what is looked at: a higher one looks again at every maneuver
-_MOST_LISTED = 50
+_VERSION = 8  # of the assessment: a higher one assesses every maneuver again
+_MAX_LISTED = 50
 
 
-def quality(store: Store, maneuver_id: int) -> ManeuverQuality:
-    """Return what was found about a maneuver; looked at now if its content is new.
+def get_maneuver_quality(store: Store, maneuver_id: int) -> ManeuverQuality:
+    """Return the quality of a maneuver; assessed now if its content is new.
 
     Raises
     ------
     UnknownRecord
-        If there is no such maneuver.
+        If the maneuver does not exist.
     """
     maneuver = store.maneuvers.get(maneuver_id)
-    content = content_hash(store, maneuver)
+    content = compute_content_hash(store, maneuver)
     for known in store.qualities.find(maneuver_id=maneuver_id):
         if known.content_hash == content:
             return known
-    return _keep(store, assess(store, maneuver, content))
+    return _store_quality(store, assess_maneuver(store, maneuver, content))
 
 
-def content_hash(store: Store, maneuver: Maneuver) -> str:
-    """Name of everything that the quality of a maneuver rests on."""
+def compute_content_hash(store: Store, maneuver: Maneuver) -> str:
+    """Hash everything that the quality of a maneuver depends on."""
     channels = store.channels.find(maneuver_id=maneuver.id)
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     tables = store.modal_tables.find(aircraft_id=maneuver.aircraft_id)
     parts: list[Any] = [
         _VERSION,
         sorted((c.name, c.role, c.unit, c.rate_hz, c.start_s, c.array) for c in channels),
-        {n: asdict(c) for n, c in sorted(conditioning_of(store, maneuver.id).items())},
+        {n: asdict(c) for n, c in sorted(read_conditioning(store, maneuver.id).items())},
         asdict(maneuver.condition),
         None if maneuver.excitation is None else asdict(maneuver.excitation),
         [asdict(sensor) for sensor in aircraft.sensors],
@@ -77,49 +77,54 @@ def content_hash(store: Store, maneuver: Maneuver) -> str:
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 
-def assess(store: Store, maneuver: Maneuver, content: str) -> ManeuverQuality:
-    """Look a maneuver over: samples, spectra, redundancy, condition and inputs."""
+def assess_maneuver(store: Store, maneuver: Maneuver, content: str) -> ManeuverQuality:
+    """Assess samples, spectra, redundancy, condition and inputs of a maneuver."""
     assert maneuver.id is not None
     missing: list[str] = []
     channels = read_channels(store.database, maneuver.id)
-    steps = conditioning_of(store, maneuver.id)
+    steps = read_conditioning(store, maneuver.id)
     stretches = {
-        name: _artefacts(
+        name: _find_sample_faults(
             channel,
             samples,
-            _moving(maneuver, channel),
+            _slice_excited_samples(maneuver, channel),
             steps.get(name, Conditioning()).stretches,
         )
         for name, (channel, samples) in channels.items()
     }
-    signal = _signal_to_noise(store, maneuver, [c for c, _ in channels.values()], missing)
-    faults, offsets, unchecked = _redundancy(store, maneuver, missing)
+    signal = _compute_signal_to_noise(store, maneuver, [c for c, _ in channels.values()], missing)
+    faults, offsets, unchecked = _check_redundancy(store, maneuver, missing)
     qualities = tuple(
-        _channel(channel, stretches[name], signal.get(name), faults, offsets, unchecked)
+        _build_channel_quality(
+            channel, stretches[name], signal.get(name), faults, offsets, unchecked
+        )
         for name, (channel, _) in channels.items()
     )
     report = QualityReport(
         channels=qualities,
-        condition=flown_condition(store, maneuver),
-        inputs=_input_pairs(store, maneuver),
-        findings=(),
+        condition=assess_condition(store, maneuver),
+        inputs=_correlate_inputs(store, maneuver),
+        warnings=(),
         skew_reference=None if faults is None else faults.faults.reference,
         skew_band_hz=None if faults is None else faults.faults.band_hz,
         not_checked=tuple(missing),
     )
-    report = replace(report, findings=findings_of(maneuver, report, _decays(store, maneuver)))
-    verdict, summary = verdict_of(report)
+    report = replace(
+        report,
+        warnings=list_quality_warnings(maneuver, report, _find_undecayed_sensor(store, maneuver)),
+    )
+    verdict, summary = determine_verdict(report)
     return ManeuverQuality(
         maneuver_id=maneuver.id,
         content_hash=content,
         verdict=verdict,
         summary=summary,
-        figures=_figures(report),
+        figures=_summarise(report),
         report=report,
     )
 
 
-def _keep(store: Store, found: ManeuverQuality) -> ManeuverQuality:
+def _store_quality(store: Store, found: ManeuverQuality) -> ManeuverQuality:
     with store.transaction():
         for known in store.qualities.find(maneuver_id=found.maneuver_id):
             assert known.id is not None
@@ -127,8 +132,8 @@ def _keep(store: Store, found: ManeuverQuality) -> ManeuverQuality:
         return store.qualities.add(found)
 
 
-def _moving(maneuver: Maneuver, channel: Channel) -> slice | None:
-    """Samples of a channel during which the excitation moves what it measures."""
+def _slice_excited_samples(maneuver: Maneuver, channel: Channel) -> slice | None:
+    """Return the samples of a channel during which the excitation acts on it."""
     excitation = maneuver.excitation
     if excitation is None:
         return None
@@ -140,13 +145,13 @@ def _moving(maneuver: Maneuver, channel: Channel) -> slice | None:
     return slice(max(first, 0), min(stop, channel.n_samples))
 
 
-def _artefacts(
+def _find_sample_faults(
     channel: Channel,
     samples: np.ndarray,
     moving: slice | None,
     repaired: Sequence[tuple[int, int]],
 ) -> tuple[FoundStretch, ...]:
-    """Faults of samples that nobody repaired; a command is digital and rests, a condition slow."""
+    """Find spikes, dropouts and saturation that are not repaired, in inputs and outputs."""
     if channel.role in (Role.COMMAND, Role.CONDITION):
         return ()
     return tuple(
@@ -156,15 +161,15 @@ def _artefacts(
             stop=stretch.stop,
             start_s=channel.start_s + stretch.first / channel.rate_hz,
         )
-        for stretch in find_artefacts(np.asarray(samples, dtype=float), moving)
+        for stretch in find_defects(np.asarray(samples, dtype=float), moving)
         if not any(first <= stretch.first and stretch.stop <= stop for first, stop in repaired)
     )
 
 
-def _signal_to_noise(
+def _compute_signal_to_noise(
     store: Store, maneuver: Maneuver, channels: Sequence[Channel], missing: list[str]
 ) -> dict[str, float]:
-    """Median over the lines of the power of a channel over its noise. [dB]"""
+    """Compute the median over frequency of a channel's power over its noise. [dB]"""
     names = [c.name for c in channels if c.role in (Role.INPUT, Role.OUTPUT)]
     if not names:
         return {}
@@ -176,33 +181,33 @@ def _signal_to_noise(
         return {}
     if spectra.noise is None:
         missing.append(
-            "Signal-to-noise: the noise of single lines is only known where the excitation is."
+            "Signal-to-noise: the noise at single frequencies is known for a known excitation only."
         )
         return {}
     result = {}
     for column, name in enumerate(spectra.names):
         power, noise = spectra.magnitude[:, column] ** 2, spectra.noise[:, column] ** 2
-        seen = np.isfinite(power) & np.isfinite(noise) & (noise > 0)
+        usable = np.isfinite(power) & np.isfinite(noise) & (noise > 0)
         if name in spectra.inputs:
-            seen &= np.array([owner == name for owner in spectra.owners])
-        if seen.any():
-            ratio = np.median(power[seen] / noise[seen])
+            usable &= np.array([assigned == name for assigned in spectra.assigned_inputs])
+        if usable.any():
+            ratio = np.median(power[usable] / noise[usable])
             result[name] = float(10.0 * np.log10(max(ratio, 1e-6)))
     return result
 
 
-def _redundancy(
+def _check_redundancy(
     store: Store, maneuver: Maneuver, missing: list[str]
-) -> tuple[SensorFaults | None, dict[str, Bias], dict[str, str]]:
-    """Faults, biases, and why single outputs were not checked; "" stands for all others."""
+) -> tuple[RedundancyCheck | None, dict[str, Bias], dict[str, str]]:
+    """Return faults, biases, and why outputs were not checked; "" is the key of all others."""
     try:
-        sensing = sense(store, maneuver)
+        sensing = gather_sensors(store, maneuver)
     except FlexsidError as error:
         missing.append(f"Skews, scale factors and biases: {error.message}.")
         return None, {}, {"": error.message}
-    faults, unchecked = None, dict(sensing.left_out)
+    faults, unchecked = None, dict(sensing.excluded)
     try:
-        faults = sensor_faults(sensing)
+        faults = check_redundancy(sensing)
         unchecked |= faults.not_checked
     except (FlexsidError, np.linalg.LinAlgError) as error:
         reason = error.message if isinstance(error, FlexsidError) else str(error)
@@ -211,19 +216,19 @@ def _redundancy(
     for name, reason in unchecked.items():
         if name:
             missing.append(f"{name}: {reason}.")
-    found = biases(store, sensing, None if faults is None else faults.faults)
+    found = estimate_biases(store, sensing, None if faults is None else faults.faults)
     return faults, found, unchecked
 
 
-def _channel(
+def _build_channel_quality(
     channel: Channel,
     stretches: tuple[FoundStretch, ...],
     signal: float | None,
-    faults: SensorFaults | None,
+    faults: RedundancyCheck | None,
     offsets: dict[str, Bias],
     unchecked: dict[str, str],
 ) -> ChannelQuality:
-    saturated = sum(s.stop - s.first for s in stretches if s.kind == Artefact.SATURATION)
+    saturated = sum(s.stop - s.first for s in stretches if s.kind == SampleDefect.SATURATION)
     quality = ChannelQuality(
         name=channel.name,
         role=channel.role.value,
@@ -231,12 +236,12 @@ def _channel(
         signal_to_noise_db=signal,
         saturated=saturated / max(channel.n_samples, 1),
         n_stretches=len(stretches),
-        stretches=stretches[:_MOST_LISTED],
+        stretches=stretches[:_MAX_LISTED],
     )
     if channel.role is Role.OUTPUT:
         reason = unchecked.get(channel.name, unchecked.get(""))
         if reason is None and (faults is None or channel.name not in faults.faults.names):
-            reason = "the aircraft describes no such sensor"
+            reason = "the aircraft record has no such sensor"
         quality = replace(quality, not_checked=reason)
     if channel.name in offsets:
         bias = offsets[channel.name]
@@ -250,21 +255,21 @@ def _channel(
     if channel.name not in faults.faults.names:
         return quality
     k = faults.faults.names.index(channel.name)
-    told = faults.told(channel.name)
-    free = (told and faults.faults.scale_std[k] > 0) or faults.faults.scale[k] < 0
+    is_known = faults.is_delay_known(channel.name)
+    free = (is_known and faults.faults.scale_std[k] > 0) or faults.faults.scale[k] < 0
     return replace(
         quality,
         coherence=finite_or_none(faults.coherence[k]),
         noise_excess=finite_or_none(faults.noise_excess[k]),
-        delay_s=finite_or_none(faults.faults.delay_s[k]) if told else None,
-        delay_std=finite_or_none(faults.faults.delay_std[k]) if told else None,
+        delay_s=finite_or_none(faults.faults.delay_s[k]) if is_known else None,
+        delay_std=finite_or_none(faults.faults.delay_std[k]) if is_known else None,
         scale=finite_or_none(faults.faults.scale[k]) if free else None,
         scale_std=finite_or_none(faults.faults.scale_std[k]) if free else None,
     )
 
 
-def _input_pairs(store: Store, maneuver: Maneuver) -> tuple[InputPair, ...]:
-    """Correlation of every two inputs while the excitation ran."""
+def _correlate_inputs(store: Store, maneuver: Maneuver) -> tuple[InputPair, ...]:
+    """Correlate every pair of inputs during the excitation."""
     assert maneuver.id is not None
     try:
         matrix = views.plot_matrix(store, maneuver.id)
@@ -281,11 +286,11 @@ def _input_pairs(store: Store, maneuver: Maneuver) -> tuple[InputPair, ...]:
     )
 
 
-def _decays(store: Store, maneuver: Maneuver) -> tuple[str, float] | None:
-    """Gyro or accelerometer that still moves most at the end of a record of one period.
+def _find_undecayed_sensor(store: Store, maneuver: Maneuver) -> tuple[str, float] | None:
+    """Find the gyro or accelerometer with the largest motion at the end of one period.
 
-    Returns its name and how its last half second compares with the excitation; None where
-    whole periods are transformed or no excitation is known.
+    Returns its name and the rms of its last half second over that during the excitation; None
+    where whole periods are transformed or no excitation is known.
     """
     excitation = maneuver.excitation
     if excitation is None or excitation.n_periods > 1:
@@ -314,13 +319,13 @@ def _decays(store: Store, maneuver: Maneuver) -> tuple[str, float] | None:
     return worst
 
 
-def _figures(report: QualityReport) -> Figures:
+def _summarise(report: QualityReport) -> Figures:
     outputs = [c for c in report.channels if c.role == Role.OUTPUT]
     ratios = [c.signal_to_noise_db for c in outputs if c.signal_to_noise_db is not None]
-    late = {finding.channel for finding in report.findings if finding.about == "skew"}
+    late = {warning.channel for warning in report.warnings if warning.about == "skew"}
     skewed = [c for c in report.channels if c.name in late]
     worst = max(skewed, key=lambda c: abs(c.delay_s or 0.0), default=None)
-    heard = [
+    coherences = [
         c.coherence
         for c in outputs
         if c.coherence is not None and (c.signal_to_noise_db or 0.0) > 10.0
@@ -330,7 +335,7 @@ def _figures(report: QualityReport) -> Figures:
         signal_to_noise_db=float(np.median(ratios)) if ratios else None,
         largest_skew_s=None if worst is None else worst.delay_s,
         largest_skew_channel=None if worst is None else worst.name,
-        least_coherence=min(heard, default=None),
+        least_coherence=min(coherences, default=None),
         n_stretches=sum(c.n_stretches for c in report.channels),
         saturated=max((c.saturated for c in report.channels), default=0.0),
         max_input_correlation=max(pairs, default=None),

@@ -1,4 +1,4 @@
-"""Findings: what the numbers of a maneuver mean, in words, and the verdict on it."""
+"""Data quality warnings of a maneuver and its verdict."""
 
 from __future__ import annotations
 
@@ -6,80 +6,80 @@ from collections.abc import Iterator, Sequence
 
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.quality import ChannelQuality, QualityReport, QualityVerdict, QualityWarning
-from flexsid.workflow.measurements.condition_spread import MOST_DRIFT, MOST_FUEL
+from flexsid.workflow.measurements.condition_spread import MAX_AIRSPEED_DRIFT, MAX_FUEL_CHANGE
 
-_QUIET_DB = (12.0, 3.0)  # median of all outputs: doubtful below, bad below
-_HEARD_DB = 6.0  # a channel that can be judged by its signal
-_AGREES = (0.8, 0.2)  # coherence with the other sensors
-_EXCESS = 4.0  # times its known noise
+_MIN_SIGNAL_DB = (12.0, 3.0)  # median of all outputs: warning below the first, bad below the second
+_SIGNAL_DB = 6.0  # of a channel with enough signal to assess
+_MIN_COHERENCE = (0.8, 0.2)  # coherence with the other sensors
+_MAX_NOISE_EXCESS = 4.0  # times its known noise
 _SKEW_S = 1e-3
-_INPUT_SKEW_S = 3e-3  # modes that the model has not look like one of up to a millisecond
-_SURE_S = 5e-3  # a larger standard error tells nothing that should be undone
+_INPUT_SKEW_S = 3e-3  # unmodelled modes bias it by up to a millisecond
+_RESOLVED_DELAY_STD_S = 5e-3  # a larger standard error resolves no skew worth a correction
 _SCALE = 0.02
 _SIGMAS = 3.0
-_SKEW_SIGMAS = 4.0  # of some fifty channels one stands out of three by chance
-_SATURATED = 0.005  # share of samples
-_CORRELATED = (0.7, 0.9)
-_LEAST_TRIM_S = 1.0
-_UNDECAYED = 0.1  # of the motion while excited
+_SKEW_SIGMAS = 4.0  # one of fifty channels exceeds three by chance
+_MAX_SATURATED = 0.005  # fraction of samples
+_MAX_CORRELATION = (0.7, 0.9)
+_MIN_TRIM_S = 1.0
+_MAX_RESIDUAL_MOTION = 0.1  # of the motion while excited
 
-_LEAST_CHECKED = 0.5  # of the outputs: with fewer nothing is concluded of the record
+_MIN_CHECKED = 0.5  # of the outputs: with fewer the record is unchecked
 
-_GOOD, _DOUBTFUL, _BAD = QualityVerdict.GOOD, QualityVerdict.DOUBTFUL, QualityVerdict.BAD
+_GOOD, _WARNING, _BAD = QualityVerdict.GOOD, QualityVerdict.QUESTIONABLE, QualityVerdict.BAD
 
 
-def findings_of(
+def list_quality_warnings(
     maneuver: Maneuver, report: QualityReport, decay: tuple[str, float] | None
 ) -> tuple[QualityWarning, ...]:
-    """Sentences for an analyst, the gravest first.
+    """List the warnings about a maneuver, the most severe first.
 
     Parameters
     ----------
     maneuver
-        Its excitation tells what its record should hold.
+        The maneuver with its excitation.
     report
-        The numbers, without findings.
+        The quality report without warnings.
     decay
-        Sensor that still moves at the end, and its share of the motion while excited.
+        Sensor with the largest motion at the end, over its motion during the excitation.
     """
     found = [
-        *_of_samples(report.channels),
-        *_of_signal(report.channels),
-        *_of_redundancy(report.channels, report.skew_reference),
-        *_of_inputs(report),
-        *_of_condition(report),
-        *_of_record(maneuver, decay),
+        *_warn_of_samples(report.channels),
+        *_warn_of_signal(report.channels),
+        *_warn_of_redundancy(report.channels, report.skew_reference),
+        *_warn_of_inputs(report),
+        *_warn_of_condition(report),
+        *_warn_of_record(maneuver, decay),
     ]
-    order = {_BAD: 0, _DOUBTFUL: 1, _GOOD: 2}
-    return tuple(sorted(found, key=lambda finding: order[finding.severity]))
+    order = {_BAD: 0, _WARNING: 1, _GOOD: 2}
+    return tuple(sorted(found, key=lambda warning: order[warning.severity]))
 
 
-def verdict_of(report: QualityReport) -> tuple[QualityVerdict, str]:
-    """The verdict, and one sentence that says why."""
-    bad = [f for f in report.findings if f.severity is _BAD]
-    doubtful = [f for f in report.findings if f.severity is _DOUBTFUL]
+def determine_verdict(report: QualityReport) -> tuple[QualityVerdict, str]:
+    """Determine the verdict and its summary."""
+    bad = [f for f in report.warnings if f.severity is _BAD]
+    warnings = [f for f in report.warnings if f.severity is _WARNING]
     if bad:
-        return _BAD, _joined("Not to be estimated from as it is", bad)
-    if doubtful:
-        return _DOUBTFUL, _joined("To be looked at first", doubtful)
+        return _BAD, _join_warnings("Not usable for estimation", bad)
+    if warnings:
+        return _WARNING, _join_warnings("Check before estimation", warnings)
     outputs = [c for c in report.channels if c.role == Role.OUTPUT]
-    open_ = [c for c in outputs if c.not_checked is not None]
-    checked = len(outputs) - len(open_)
-    if checked == 0 or checked < _LEAST_CHECKED * len(outputs):
-        return QualityVerdict.UNCHECKED, _unchecked(outputs, open_)
-    heard = [c.signal_to_noise_db for c in report.channels if c.signal_to_noise_db is not None]
-    words = [f"signals stand {sorted(heard)[len(heard) // 2]:.0f} dB above noise"] if heard else []
+    unchecked = [c for c in outputs if c.not_checked is not None]
+    checked = len(outputs) - len(unchecked)
+    if checked == 0 or checked < _MIN_CHECKED * len(outputs):
+        return QualityVerdict.UNCHECKED, _explain_unchecked(outputs, unchecked)
+    ratios = [c.signal_to_noise_db for c in report.channels if c.signal_to_noise_db is not None]
+    words = [f"signals are {sorted(ratios)[len(ratios) // 2]:.0f} dB above noise"] if ratios else []
     words.append(f"{checked} of {len(outputs)} sensors agree with the others")
     if report.condition.time_invariant:
-        words.append("the condition held")
+        words.append("the condition was steady")
     text = f"Fit for estimation: {', '.join(words)}."
-    if open_:
-        text += f" Cannot be checked: {_some([c.name for c in open_])}."
+    if unchecked:
+        text += f" Cannot be checked: {_list_names([c.name for c in unchecked])}."
     return _GOOD, text
 
 
-def _unchecked(outputs: Sequence[ChannelQuality], left: Sequence[ChannelQuality]) -> str:
-    """Why nothing can be concluded of a record."""
+def _explain_unchecked(outputs: Sequence[ChannelQuality], left: Sequence[ChannelQuality]) -> str:
+    """Explain why a record is unchecked."""
     if not outputs:
         return "Cannot be checked: no output was recorded."
     reasons = [c.not_checked or "" for c in left]
@@ -91,144 +91,148 @@ def _unchecked(outputs: Sequence[ChannelQuality], left: Sequence[ChannelQuality]
     )
 
 
-def _joined(begin: str, findings: Sequence[QualityWarning]) -> str:
-    shown = " ".join(finding.text for finding in findings[:2])
-    more = len(findings) - 2
+def _join_warnings(begin: str, warnings: Sequence[QualityWarning]) -> str:
+    shown = " ".join(warning.text for warning in warnings[:2])
+    more = len(warnings) - 2
     return f"{begin}. {shown}" + (f" And {more} more." if more > 0 else "")
 
 
-def _finding(
+def _warn(
     severity: QualityVerdict, about: str, text: str, channel: str | None = None
 ) -> QualityWarning:
     return QualityWarning(severity=severity, about=about, channel=channel, text=text)
 
 
-def _of_samples(channels: Sequence[ChannelQuality]) -> Iterator[QualityWarning]:
+def _warn_of_samples(channels: Sequence[ChannelQuality]) -> Iterator[QualityWarning]:
     for channel in channels:
         kinds = [stretch.kind for stretch in channel.stretches]
         if channel.saturated > 0.0:
-            severity = _BAD if channel.saturated > _SATURATED else _DOUBTFUL
+            severity = _BAD if channel.saturated > _MAX_SATURATED else _WARNING
             text = f"{channel.name} is saturated for {channel.saturated:.2%} of its samples."
-            yield _finding(severity, "saturation", text, channel.name)
+            yield _warn(severity, "saturation", text, channel.name)
         if spikes := kinds.count("spike"):
-            text = f"{channel.name} has {_count(spikes, 'spike')}; a repair takes them out."
-            yield _finding(_DOUBTFUL, "spikes", text, channel.name)
+            text = f"{channel.name} has {_count(spikes, 'spike')}; a repair removes them."
+            yield _warn(_WARNING, "spikes", text, channel.name)
         if dropouts := kinds.count("dropout"):
-            text = f"{channel.name} has {_count(dropouts, 'dropout')}, where one value is held."
-            yield _finding(_BAD, "dropouts", text, channel.name)
+            text = f"{channel.name} has {_count(dropouts, 'dropout')} with constant samples."
+            yield _warn(_BAD, "dropouts", text, channel.name)
 
 
-def _of_signal(channels: Sequence[ChannelQuality]) -> Iterator[QualityWarning]:
+def _warn_of_signal(channels: Sequence[ChannelQuality]) -> Iterator[QualityWarning]:
     outputs = [c for c in channels if c.role == Role.OUTPUT and c.signal_to_noise_db is not None]
     if outputs:
         ratios = sorted(c.signal_to_noise_db or 0.0 for c in outputs)
         middle = ratios[len(ratios) // 2]
-        if middle < _QUIET_DB[0]:
-            severity = _BAD if middle < _QUIET_DB[1] else _DOUBTFUL
-            text = f"Outputs stand only {middle:.0f} dB above their noise."
-            yield _finding(severity, "signal", text)
-        quiet = [c.name for c in outputs if (c.signal_to_noise_db or 0.0) < _HEARD_DB]
-        if quiet and middle >= _QUIET_DB[1]:
-            text = f"Little signal in {_some(quiet)}."
-            yield _finding(_GOOD, "signal", text)
+        if middle < _MIN_SIGNAL_DB[0]:
+            severity = _BAD if middle < _MIN_SIGNAL_DB[1] else _WARNING
+            text = f"Outputs are only {middle:.0f} dB above their noise."
+            yield _warn(severity, "signal", text)
+        quiet = [c.name for c in outputs if (c.signal_to_noise_db or 0.0) < _SIGNAL_DB]
+        if quiet and middle >= _MIN_SIGNAL_DB[1]:
+            text = f"Little signal in {_list_names(quiet)}."
+            yield _warn(_GOOD, "signal", text)
     for channel in channels:
         ratio = channel.signal_to_noise_db
-        if channel.role == Role.INPUT and ratio is not None and ratio < _QUIET_DB[0]:
-            severity = _BAD if ratio < _QUIET_DB[1] else _DOUBTFUL
-            text = f"{channel.name} stands only {ratio:.0f} dB above its noise at its own lines."
-            yield _finding(severity, "signal", text, channel.name)
+        if channel.role == Role.INPUT and ratio is not None and ratio < _MIN_SIGNAL_DB[0]:
+            severity = _BAD if ratio < _MIN_SIGNAL_DB[1] else _WARNING
+            text = f"{channel.name} is only {ratio:.0f} dB above its noise at its own harmonics."
+            yield _warn(severity, "signal", text, channel.name)
 
 
-def _of_redundancy(
+def _warn_of_redundancy(
     channels: Sequence[ChannelQuality], reference: str | None
 ) -> Iterator[QualityWarning]:
     for c in channels:
         if c.role == Role.OUTPUT and c.not_checked is not None:
-            yield from _of_departure(c)
+            yield from _warn_of_departure(c)
             continue
-        heard = c.signal_to_noise_db is None or c.signal_to_noise_db > _HEARD_DB
-        if c.coherence is not None and heard and c.coherence < _AGREES[0]:
-            severity = _BAD if c.coherence < _AGREES[1] else _DOUBTFUL
+        has_signal = c.signal_to_noise_db is None or c.signal_to_noise_db > _SIGNAL_DB
+        if c.coherence is not None and has_signal and c.coherence < _MIN_COHERENCE[0]:
+            severity = _BAD if c.coherence < _MIN_COHERENCE[1] else _WARNING
             text = f"{c.name} agrees with the other sensors with a coherence of {c.coherence:.2f}."
-            yield _finding(severity, "coherence", text, c.name)
-        elif c.noise_excess is not None and c.noise_excess > _EXCESS:
+            yield _warn(severity, "coherence", text, c.name)
+        elif c.noise_excess is not None and c.noise_excess > _MAX_NOISE_EXCESS:
             text = (
                 f"{c.name} departs from the other sensors by {c.noise_excess:.0f} times its noise."
             )
-            yield _finding(_DOUBTFUL, "coherence", text, c.name)
+            yield _warn(_WARNING, "coherence", text, c.name)
         least = _INPUT_SKEW_S if c.role == Role.INPUT else _SKEW_S
         if (
-            _stands_out(c.delay_s, c.delay_std, least, _SKEW_SIGMAS)
-            and (c.delay_std or 0.0) < _SURE_S
+            _is_significant(c.delay_s, c.delay_std, least, _SKEW_SIGMAS)
+            and (c.delay_std or 0.0) < _RESOLVED_DELAY_STD_S
         ):
             text = (
                 f"{c.name} is {1e3 * (c.delay_s or 0.0):+.1f} ± {1e3 * (c.delay_std or 0.0):.1f} ms"
-                f" late on {reference}; a delay takes that out."
+                f" late on {reference}; a delay correction removes that."
             )
-            yield _finding(_DOUBTFUL, "skew", text, c.name)
+            yield _warn(_WARNING, "skew", text, c.name)
         if c.scale is not None and c.scale < 0.0:
             text = (
-                f"{c.name} has the opposite sign: turned, it agrees with the others. Turn it "
+                f"{c.name} has the opposite sign: reversed, it agrees with the others. Reverse it "
                 "in the mapping, or by a calibration with scale factor -1."
             )
-            yield _finding(_BAD, "sign", text, c.name)
-        elif c.scale is not None and _stands_out(c.scale - 1.0, c.scale_std, _SCALE, _SKEW_SIGMAS):
-            text = f"{c.name} reads {c.scale:.3f} ± {c.scale_std or 0.0:.3f} of what it should."
-            yield _finding(_DOUBTFUL, "scale", text, c.name)
-        if _stands_out(c.bias, c.bias_std, 0.0):
+            yield _warn(_BAD, "sign", text, c.name)
+        elif c.scale is not None and _is_significant(
+            c.scale - 1.0, c.scale_std, _SCALE, _SKEW_SIGMAS
+        ):
+            text = f"{c.name} has a scale factor of {c.scale:.3f} ± {c.scale_std or 0.0:.3f}."
+            yield _warn(_WARNING, "scale", text, c.name)
+        if _is_significant(c.bias, c.bias_std, 0.0):
             text = f"{c.name} has a bias of {c.bias:.3g} ± {c.bias_std:.2g} {c.unit}."
-            yield _finding(_GOOD, "bias", text, c.name)
+            yield _warn(_GOOD, "bias", text, c.name)
 
 
-def _of_departure(c: ChannelQuality) -> Iterator[QualityWarning]:
-    """An output that disagrees with the others in a way that is no delay and no scale factor."""
+def _warn_of_departure(c: ChannelQuality) -> Iterator[QualityWarning]:
+    """Warn of an output whose residual neither a delay nor a scale factor explains."""
     text = f"{c.name} cannot be checked: {c.not_checked}."
     if c.scale is not None and c.scale < 0.0:
-        yield _finding(_BAD, "sign", text, c.name)
-    elif c.noise_excess is not None and c.noise_excess > _EXCESS:
-        yield _finding(_DOUBTFUL, "coherence", text, c.name)
+        yield _warn(_BAD, "sign", text, c.name)
+    elif c.noise_excess is not None and c.noise_excess > _MAX_NOISE_EXCESS:
+        yield _warn(_WARNING, "coherence", text, c.name)
 
 
-def _of_inputs(report: QualityReport) -> Iterator[QualityWarning]:
+def _warn_of_inputs(report: QualityReport) -> Iterator[QualityWarning]:
     for pair in report.inputs:
         size = abs(pair.correlation)
-        if size > _CORRELATED[0]:
-            severity = _BAD if size > _CORRELATED[1] else _DOUBTFUL
+        if size > _MAX_CORRELATION[0]:
+            severity = _BAD if size > _MAX_CORRELATION[1] else _WARNING
             text = f"{pair.first} and {pair.second} correlate at {pair.correlation:.2f}."
-            yield _finding(severity, "inputs", text)
+            yield _warn(severity, "inputs", text)
 
 
-def _of_condition(report: QualityReport) -> Iterator[QualityWarning]:
+def _warn_of_condition(report: QualityReport) -> Iterator[QualityWarning]:
     condition = report.condition
-    if condition.fuel_change is not None and condition.fuel_change > MOST_FUEL:
-        text = f"{condition.fuel_change:.1%} of the fuel burnt: the structure changed meanwhile."
-        yield _finding(_DOUBTFUL, "condition", text)
+    if condition.fuel_change is not None and condition.fuel_change > MAX_FUEL_CHANGE:
+        text = f"{condition.fuel_change:.1%} of the fuel burnt: the structure changed in flight."
+        yield _warn(_WARNING, "condition", text)
     drift = condition.airspeed_drift
-    if drift is not None and drift > MOST_DRIFT:
-        severity = _BAD if drift > 3.0 * MOST_DRIFT else _DOUBTFUL
-        text = f"Airspeed drifted by {drift:.1%}: one linear model does not hold."
-        yield _finding(severity, "condition", text)
+    if drift is not None and drift > MAX_AIRSPEED_DRIFT:
+        severity = _BAD if drift > 3.0 * MAX_AIRSPEED_DRIFT else _WARNING
+        text = f"Airspeed drifted by {drift:.1%}: a time-invariant model is not valid."
+        yield _warn(severity, "condition", text)
 
 
-def _of_record(maneuver: Maneuver, decay: tuple[str, float] | None) -> Iterator[QualityWarning]:
+def _warn_of_record(
+    maneuver: Maneuver, decay: tuple[str, float] | None
+) -> Iterator[QualityWarning]:
     excitation = maneuver.excitation
     if excitation is None:
-        text = "Which harmonics the inputs were given is not known: FRE needs that."
-        yield _finding(_GOOD, "record", text)
+        text = "The harmonics of the inputs are not known: FRE needs them."
+        yield _warn(_GOOD, "record", text)
         return
     trim_s = excitation.start_s - maneuver.start_s
-    if trim_s < _LEAST_TRIM_S:
-        text = f"Only {max(trim_s, 0.0):.2g} s of trim lie before the excitation."
-        yield _finding(_DOUBTFUL, "record", text)
-    if decay is not None and decay[1] > _UNDECAYED:
+    if trim_s < _MIN_TRIM_S:
+        text = f"Only {max(trim_s, 0.0):.2g} s of trim precede the excitation."
+        yield _warn(_WARNING, "record", text)
+    if decay is not None and decay[1] > _MAX_RESIDUAL_MOTION:
         text = (
-            f"{decay[0]} still moves with {decay[1]:.0%} of its motion when the record ends: "
+            f"{decay[0]} has {decay[1]:.0%} of its motion at the end of the record: "
             "the transform of one period needs the decay."
         )
-        yield _finding(_DOUBTFUL, "record", text)
+        yield _warn(_WARNING, "record", text)
 
 
-def _stands_out(
+def _is_significant(
     value: float | None, std: float | None, least: float, sigmas: float = _SIGMAS
 ) -> bool:
     return value is not None and std is not None and abs(value) > max(least, sigmas * std)
@@ -238,6 +242,6 @@ def _count(number: int, what: str) -> str:
     return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
-def _some(names: Sequence[str], most: int = 6) -> str:
+def _list_names(names: Sequence[str], most: int = 6) -> str:
     listed = ", ".join(names[:most])
     return listed if len(names) <= most else f"{listed} and {len(names) - most} more"

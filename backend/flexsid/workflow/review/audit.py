@@ -1,4 +1,4 @@
-"""Audit: the whole story of the decisions of a campaign, in one value to be handed on."""
+"""Audit trail of the decisions of a campaign."""
 
 from __future__ import annotations
 
@@ -21,19 +21,24 @@ from flexsid.records.model_structure import StructureVersion
 from flexsid.records.run import EstimationRun, ParameterEstimate
 from flexsid.storage.store import Store
 from flexsid.workflow.model_structures.baselines import Baseline, list_baselines
-from flexsid.workflow.review.decision_review import after_event, rules_of
-from flexsid.workflow.review.evidence import GONE, chain_is_whole, data_of, software
+from flexsid.workflow.review.decision_review import apply_event, get_rules
+from flexsid.workflow.review.evidence import (
+    GONE,
+    hash_evidence,
+    is_chain_intact,
+    list_software_versions,
+)
 
 CHECK = (
-    "Every event is kept as text (sealed) with the SHA-256 of that text (hash), and the text holds "
-    "the hash of the event before (previous_hash), so none can be changed unseen. Names are as the "
-    "analysts set them; nobody verified them."
+    "Every event is stored as text (sealed) with the SHA-256 of that text (hash), and the text has "
+    "the hash of the event before (previous_hash), so every change is detectable. Names are as "
+    "entered by the analysts and are not verified."
 )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AuditedRun:
-    """What a linked run was and gave, in short."""
+    """Summary of a linked run."""
 
     id: int
     maneuver_id: int
@@ -51,7 +56,7 @@ class AuditedRun:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AuditedFigure:
-    """A frozen figure with what it shows."""
+    """A frozen figure with its content."""
 
     figure: FrozenFigure
     spec: dict[str, Any]
@@ -59,11 +64,10 @@ class AuditedFigure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AuditedDecision:
-    """A decision with its events and all that they point to.
+    """A decision with its events and linked records.
 
-    ``whole`` tells that no event was changed or taken out and that the events lead to
-    where the decision stands; ``changed_since`` names what it rests on that is not any
-    more what it was at the last event (or is gone).
+    ``whole`` is true if no event was changed or removed and the events reproduce the state of
+    the decision; ``changed_since`` lists evidence changed or deleted since the last event.
     """
 
     decision: Decision
@@ -89,18 +93,18 @@ class AuditTrail:
 
 
 def audit_campaign(store: Store, aircraft_id: int) -> AuditTrail:
-    """Gather the story of every decision of a campaign."""
-    return _trail(store, aircraft_id, store.decisions.find(aircraft_id=aircraft_id))
+    """Collect the audit trail of all decisions of a campaign."""
+    return _collect(store, aircraft_id, store.decisions.find(aircraft_id=aircraft_id))
 
 
 def audit_decision(store: Store, decision_id: int) -> AuditTrail:
-    """Gather the story of one decision."""
+    """Collect the audit trail of one decision."""
     decision = store.decisions.get(decision_id)
-    return _trail(store, decision.aircraft_id, [decision])
+    return _collect(store, decision.aircraft_id, [decision])
 
 
 def replay(decision: Decision, events: list[DecisionEvent]) -> Decision:
-    """Return where the events alone lead; of the record only what never changes is used."""
+    """Reconstruct the state of a decision from its events and constant fields."""
     proposal = events[0].proposal
     assert proposal is not None
     state = Decision(
@@ -115,23 +119,23 @@ def replay(decision: Decision, events: list[DecisionEvent]) -> Decision:
         id=decision.id,
     )
     for event in events:
-        state = after_event(state, event)
+        state = apply_event(state, event)
     return state
 
 
-def _trail(store: Store, aircraft_id: int, decisions: list[Decision]) -> AuditTrail:
+def _collect(store: Store, aircraft_id: int, decisions: list[Decision]) -> AuditTrail:
     return AuditTrail(
         aircraft=store.aircraft.get(aircraft_id),
         exported_at=datetime.now(UTC),
-        software=software(),
+        software=list_software_versions(),
         check=CHECK,
-        rules=store.review_rules.find(aircraft_id=aircraft_id) or [rules_of(store, aircraft_id)],
+        rules=store.review_rules.find(aircraft_id=aircraft_id) or [get_rules(store, aircraft_id)],
         baselines=list_baselines(store, aircraft_id),
-        decisions=[_audited(store, decision) for decision in decisions],
+        decisions=[_audit(store, decision) for decision in decisions],
     )
 
 
-def _audited(store: Store, decision: Decision) -> AuditedDecision:
+def _audit(store: Store, decision: Decision) -> AuditedDecision:
     events = store.decision_events.find(decision_id=decision.id)
     proposals = [event.proposal for event in events if event.proposal is not None]
     structures = dict.fromkeys(
@@ -146,11 +150,11 @@ def _audited(store: Store, decision: Decision) -> AuditedDecision:
         for run_id in (*one.run_ids, *chain.from_iterable(c.run_ids for c in one.comparisons))
     )
     figures = dict.fromkeys(chain.from_iterable(one.figure_ids for one in proposals))
-    now, then = data_of(store, decision.proposal), events[-1].data
+    now, then = hash_evidence(store, decision.proposal), events[-1].data
     return AuditedDecision(
         decision=decision,
         events=events,
-        whole=chain_is_whole(events) and replay(decision, events) == decision,
+        whole=is_chain_intact(events) and replay(decision, events) == decision,
         changed_since=[
             f"{name} ({GONE if now.get(name) == GONE else 'changed'})"
             for name in then
@@ -161,20 +165,20 @@ def _audited(store: Store, decision: Decision) -> AuditedDecision:
                 store.structure_versions.find(structure_id=number) for number in structures
             )
         ),
-        runs=[found for number in runs if (found := _run(store, number)) is not None],
+        runs=[found for number in runs if (found := _summarise_run(store, number)) is not None],
         figures=[
-            AuditedFigure(figure=figure, spec=figure_spec(store, figure))
+            AuditedFigure(figure=figure, spec=read_figure(store, figure))
             for figure in map(store.frozen_figures.get, figures)
         ],
     )
 
 
-def figure_spec(store: Store, figure: FrozenFigure) -> dict[str, Any]:
-    """Return what a frozen figure shows."""
+def read_figure(store: Store, figure: FrozenFigure) -> dict[str, Any]:
+    """Read the content of a frozen figure."""
     return json.loads(store.arrays.get(figure.array).tobytes())
 
 
-def _run(store: Store, run_id: int) -> AuditedRun | None:
+def _summarise_run(store: Store, run_id: int) -> AuditedRun | None:
     try:
         run: EstimationRun = store.runs.get(run_id)
         label = store.maneuvers.get(run.maneuver_id).label

@@ -1,4 +1,4 @@
-"""An audit trail as Markdown: the story for people, with every hash to check it by."""
+"""Audit trail as Markdown, with all hashes."""
 
 from __future__ import annotations
 
@@ -14,8 +14,11 @@ from flexsid.records.decision import (
     StructureReference,
 )
 from flexsid.records.model_structure import Structure, StructureVersion
-from flexsid.sysid.model.derivatives import derivative_names
-from flexsid.workflow.model_structures.structure_difference import differences, state_of
+from flexsid.sysid.model.derivatives import list_derivative_names
+from flexsid.workflow.model_structures.structure_difference import (
+    describe_derivative_state,
+    list_structure_differences,
+)
 from flexsid.workflow.review.audit import AuditedDecision, AuditedRun, AuditTrail
 
 _UNITS = {
@@ -42,13 +45,13 @@ _VOTED = {
 }
 
 
-def audit_markdown(trail: AuditTrail) -> str:
+def write_markdown(trail: AuditTrail) -> str:
     """Write an audit trail as Markdown."""
-    return "\n".join(_lines(trail)) + "\n"
+    return "\n".join(_write_trail(trail)) + "\n"
 
 
-def limits_text(limits: Limits) -> str:
-    """Say for which conditions something holds."""
+def describe_limits(limits: Limits) -> str:
+    """Describe the range of flight conditions."""
     parts = []
     for quantity, (low, high) in limits.items():
         name, unit = _UNITS[quantity.value]
@@ -56,7 +59,7 @@ def limits_text(limits: Limits) -> str:
     return ", ".join(parts) or "all conditions"
 
 
-def _lines(trail: AuditTrail) -> Iterator[str]:
+def _write_trail(trail: AuditTrail) -> Iterator[str]:
     surfaces = tuple(surface.name for surface in trail.aircraft.surfaces)
     yield f"# Decisions on the model structure of {_text(trail.aircraft.name)}"
     yield ""
@@ -66,52 +69,53 @@ def _lines(trail: AuditTrail) -> Iterator[str]:
     yield "## Rules of review"
     yield ""
     for rules in trail.rules:
-        yield f"- {_rules(rules)}"
+        yield f"- {_format_rules(rules)}"
     yield ""
     yield "## Baselines, the latest first"
     yield ""
     for baseline in trail.baselines:
-        kept = baseline.structure
+        stored = baseline.structure
         yield (
-            f"- {limits_text(baseline.limits)}: {_text(kept.name)}, version {kept.version} of model"
-            f" structure {kept.structure_id} (decision {baseline.decision_id}, approved by"
+            f"- {describe_limits(baseline.limits)}: {_text(stored.name)}, version"
+            f" {stored.version} of model structure {stored.structure_id}"
+            f" (decision {baseline.decision_id}, approved by"
             f" {_text(', '.join(baseline.approved_by))})"
         )
     if not trail.baselines:
         yield "None."
     for audited in trail.decisions:
         yield ""
-        yield from _decision(audited, surfaces)
+        yield from _write_decision(audited, surfaces)
 
 
-def _decision(audited: AuditedDecision, surfaces: Sequence[str]) -> Iterator[str]:
+def _write_decision(audited: AuditedDecision, surfaces: Sequence[str]) -> Iterator[str]:
     decision = audited.decision
     yield f"## Decision {decision.id}: {_text(decision.proposal.title)}"
     yield ""
     yield f"State: **{decision.state.value}**, revision {decision.revision}."
     if decision.superseded_by is not None:
         yield f"Superseded by decision {decision.superseded_by}."
-    whole = "are whole: each has the hash it was sealed with, and none is missing"
-    said = whole if audited.whole else "**were tampered with**"
-    yield f"The {len(audited.events)} events {said}."
+    intact = "are intact: every hash is valid, and none is missing"
+    state = intact if audited.whole else "**were modified after they were written**"
+    yield f"The {len(audited.events)} events {state}."
     if audited.changed_since:
-        yield f"Not any more as at the last event: {', '.join(audited.changed_since)}."
+        yield f"Changed since the last event: {', '.join(audited.changed_since)}."
     previous: StructureProposal | None = None
     for event in audited.events:
         yield ""
-        yield from _event(event, previous, audited.structures, surfaces)
+        yield from _write_event(event, previous, audited.structures, surfaces)
         previous = event.proposal or previous
     yield ""
     yield "### Structures"
     for version in audited.structures:
         yield ""
-        yield from _structure(version, surfaces)
+        yield from _write_structure(version, surfaces)
     if audited.runs:
         yield ""
         yield "### Runs"
     for run in audited.runs:
         yield ""
-        yield from _run(run)
+        yield from _write_run(run)
     if audited.figures:
         yield ""
         yield "### Frozen figures"
@@ -124,7 +128,7 @@ def _decision(audited: AuditedDecision, surfaces: Sequence[str]) -> Iterator[str
         )
 
 
-def _event(
+def _write_event(
     event: DecisionEvent,
     previous: StructureProposal | None,
     structures: Sequence[StructureVersion],
@@ -138,20 +142,20 @@ def _event(
     yield from (f"> {_text(line)}" for line in event.text.splitlines() or [""])
     yield ""
     if event.proposal is not None:
-        yield from _proposal(event.proposal, previous, structures, surfaces)
+        yield from _write_proposal(event.proposal, previous, structures, surfaces)
     if event.rules is not None:
-        yield f"- Rules in force: {_rules(event.rules)}"
+        yield f"- Rules in force: {_format_rules(event.rules)}"
     if event.by_decision_id is not None:
         yield f"- By decision {event.by_decision_id}"
     yield f"- Revision {event.revision}"
     yield f"- Data `{event.data_hash}`:"
     yield from (f"  - {name} `{value}`" for name, value in event.data.items())
-    said = ", ".join(f"{name} {value}" for name, value in event.software.items())
-    yield f"- Software: {said}"
-    yield f"- Event `{event.hash}` after `{event.previous_hash or 'nothing'}`"
+    versions = ", ".join(f"{name} {value}" for name, value in event.software.items())
+    yield f"- Software: {versions}"
+    yield f"- Event `{event.hash}` after `{event.previous_hash or 'none'}`"
 
 
-def _proposal(
+def _write_proposal(
     proposal: StructureProposal,
     previous: StructureProposal | None,
     structures: Sequence[StructureVersion],
@@ -159,21 +163,23 @@ def _proposal(
 ) -> Iterator[str]:
     found = {(one.structure_id, one.version): one for one in structures}
 
-    def named(reference: StructureReference) -> str:
-        kept = found.get((reference.id, reference.version))
-        name = "" if kept is None else f" ({_text(kept.name)})"
+    def format_reference(reference: StructureReference) -> str:
+        stored = found.get((reference.id, reference.version))
+        name = "" if stored is None else f" ({_text(stored.name)})"
         return f"model structure {reference.id}, version {reference.version}{name}"
 
     yield f"- Title: {_text(proposal.title)}"
-    yield f"- Proposes {named(proposal.structure)}"
-    yield f"- For {limits_text(proposal.limits)}"
+    yield f"- Proposes {format_reference(proposal.structure)}"
+    yield f"- For {describe_limits(proposal.limits)}"
     before = proposal.changes or (None if previous is None else previous.structure)
     if before is not None and before != proposal.structure:
-        yield f"- Changes to {named(before)}:"
+        yield f"- Changes to {format_reference(before)}:"
         one = found.get((before.id, before.version))
         other = found.get((proposal.structure.id, proposal.structure.version))
         if one is not None and other is not None:
-            for what, was, now in differences(one.structure, other.structure, surfaces):
+            for what, was, now in list_structure_differences(
+                one.structure, other.structure, surfaces
+            ):
                 yield f"  - {what}: {was} → {now}"
     if proposal.run_ids:
         yield f"- Runs: {', '.join(map(str, proposal.run_ids))}"
@@ -187,42 +193,45 @@ def _proposal(
         yield f"- Frozen figures: {', '.join(map(str, proposal.figure_ids))}"
 
 
-def _structure(version: StructureVersion, surfaces: Sequence[str]) -> Iterator[str]:
+def _write_structure(version: StructureVersion, surfaces: Sequence[str]) -> Iterator[str]:
     structure = version.structure
     yield (
         f"#### Model structure {version.structure_id}, version {version.version}: "
         f"{_text(version.name)}"
     )
     yield ""
-    yield f"By {_text(version.author) or 'nobody named'}, {_time(version.created_at)}."
+    yield f"By {_text(version.author) or 'unknown'}, {_time(version.created_at)}."
     if version.note:
         yield f"{_text(version.note)}"
     yield ""
     yield f"- Axis {structure.axis}; modes {', '.join(map(str, structure.modes)) or 'none'}"
     yield f"- Inputs {', '.join(structure.inputs) or 'all of the maneuver'}"
     yield f"- Outputs {', '.join(structure.outputs) or 'all suitable'}"
-    yield from _states(structure, surfaces)
+    yield from _write_states(structure, surfaces)
     for what, values in (("delays", structure.delays), ("instruments", structure.instruments)):
         if values:
             yield f"- {what}: {', '.join(f'{name} {value}' for name, value in values.items())}"
 
 
-def _states(structure: Structure, surfaces: Sequence[str]) -> Iterator[str]:
+def _write_states(structure: Structure, surfaces: Sequence[str]) -> Iterator[str]:
     groups: dict[str, list[str]] = {}
-    for name in derivative_names(structure.modes, structure.inputs or tuple(surfaces)):
-        groups.setdefault(state_of(structure, name), []).append(name)
+    for name in list_derivative_names(structure.modes, structure.inputs or tuple(surfaces)):
+        groups.setdefault(describe_derivative_state(structure, name), []).append(name)
     for state, names in groups.items():
         yield f"- {state}: {', '.join(names)}"
-    extra = [*structure.also_free, *(["a delay of every output"] if structure.free_delays else [])]
+    extra = [
+        *structure.extra_parameters,
+        *(["a delay of every output"] if structure.free_delays else []),
+    ]
     if extra:
-        yield f"- also free: {', '.join(extra)}"
+        yield f"- further free parameters: {', '.join(extra)}"
 
 
-def _run(run: AuditedRun) -> Iterator[str]:
+def _write_run(run: AuditedRun) -> Iterator[str]:
     structure = (
         f"model structure {run.structure_id}, version {run.structure_version}"
         if run.structure_id is not None
-        else "a structure of its own"
+        else "its own model structure"
     )
     yield (
         f"#### Run {run.id}: {run.method} of {_text(run.maneuver_label)} (maneuver "
@@ -236,12 +245,12 @@ def _run(run: AuditedRun) -> Iterator[str]:
         yield f"| {one.name} | {one.value:.5g} | {sigma} |"
 
 
-def _rules(rules: ReviewRules) -> str:
-    own = "one's own proposal may be judged" if rules.own_allowed else "not one's own proposal"
-    said = f"version {rules.version}: quorum {rules.quorum}, {own}"
+def _format_rules(rules: ReviewRules) -> str:
+    own = "own proposals allowed" if rules.own_allowed else "no votes on own proposals"
+    text = f"version {rules.version}: quorum {rules.quorum}, {own}"
     if rules.created_at is None:
-        return said
-    return f"{said}; {_text(rules.author)}, {_time(rules.created_at)}: {_text(rules.reason)}"
+        return text
+    return f"{text}; {_text(rules.author)}, {_time(rules.created_at)}: {_text(rules.reason)}"
 
 
 def _time(at: datetime | None) -> str:
@@ -249,7 +258,7 @@ def _time(at: datetime | None) -> str:
 
 
 def _text(text: str) -> str:
-    """Keep what people wrote from being read as headings, tables, links or HTML."""
+    """Escape Markdown and HTML in user text."""
     for mark in "\\`*_[]<>#|":
         text = text.replace(mark, f"\\{mark}")
     return " ".join(text.split())

@@ -1,4 +1,4 @@
-"""Clock: whether that of this computer is behind what was already written."""
+"""Check of the system clock against stored events."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import sqlalchemy as sa
 from flexsid.storage.store import Store
 from flexsid.storage.tables import decision_events, run_events
 
-_APART_S = 5.0  # synchronised clocks differ by less
+_TOLERANCE_S = 5.0  # largest difference of synchronised clocks
 
 
 def find_clock_error(store: Store, now: datetime | None = None) -> str | None:
-    """Return what is wrong where the clock is behind the last event; None where it is not.
+    """Describe the error of a clock behind the last event; None without error.
 
-    Nothing is decided by times; but what is written now would bear one before what it follows.
+    No decision depends on times, but new events would have times before earlier ones.
     """
     newest = (
         sa.select(table.c[moment]).order_by(table.c.id.desc()).limit(1)
@@ -25,10 +25,10 @@ def find_clock_error(store: Store, now: datetime | None = None) -> str | None:
         known = [last for query in newest if (last := connection.scalar(query)) is not None]
     now = now or datetime.now(UTC)
     behind_s = (max(known, default=now) - now).total_seconds()
-    if behind_s <= _APART_S:
+    if behind_s <= _TOLERANCE_S:
         return None
     return (
         f"The clock of this computer is {behind_s:.0f} s behind the last stored event"
-        f" ({max(known):%Y-%m-%d %H:%M:%S} UTC): what is written now bears a time before what it"
-        " follows, while its order is kept. Set the clock, on every computer that serves."
+        f" ({max(known):%Y-%m-%d %H:%M:%S} UTC): new events would have times before"
+        " earlier ones. Set the clock on every server."
     )

@@ -1,4 +1,4 @@
-"""Check a database: whether all that it holds is what was stored, and hangs together."""
+"""Integrity check of a database: pages, references, arrays, results, decisions, clock."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from flexsid.errors import FlexsidError
 from flexsid.records.decision import Decision, DecisionState
 from flexsid.records.run import RunState
 from flexsid.storage import tables
-from flexsid.storage.array_owners import owners_of
-from flexsid.storage.arrays import content_hash
+from flexsid.storage.array_references import list_referring_records
+from flexsid.storage.arrays import hash_array
 from flexsid.storage.database import Database
 from flexsid.storage.run_results import SEALED, is_altered
 from flexsid.storage.store import Store
 from flexsid.workflow.review.audit import replay
 from flexsid.workflow.review.clock import find_clock_error
-from flexsid.workflow.review.evidence import GONE, chain_is_whole, data_of
+from flexsid.workflow.review.evidence import GONE, hash_evidence, is_chain_intact
 
 _AT_ONCE = 20  # arrays read at once; one of a flight may weigh tens of megabytes
 _REPAIR = "restore a backup from before"
@@ -26,9 +26,9 @@ _REPAIR = "restore a backup from before"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DatabaseProblem:
-    """Something that is not as it should be: a stable code, and what to do about it.
+    """A problem with a stable code and advice.
 
-    ``is_damage`` is False for what is noted only.
+    ``is_damage`` is False for a remark.
     """
 
     code: str
@@ -38,18 +38,18 @@ class DatabaseProblem:
 
 
 def check_database(store: Store) -> list[DatabaseProblem]:
-    """Look for damage: pages, references, samples, results, decisions, and the clock."""
+    """Check pages, references, samples, results, decisions, and the clock."""
     return [
-        *_pages(store.database),
-        *_references(store.database),
-        *_arrays(store.database),
-        *_results(store.database),
-        *_decisions(store),
-        *_clock(store),
+        *_check_pages(store.database),
+        *_check_references(store.database),
+        *_check_arrays(store.database),
+        *_check_results(store.database),
+        *_check_decisions(store),
+        *_check_clock(store),
     ]
 
 
-def _pages(database: Database) -> Iterator[DatabaseProblem]:
+def _check_pages(database: Database) -> Iterator[DatabaseProblem]:
     with database.reading() as connection:
         if connection.dialect.name == "sqlite":
             found = connection.exec_driver_sql("PRAGMA integrity_check(20)").scalars().all()
@@ -75,21 +75,21 @@ def _pages(database: Database) -> Iterator[DatabaseProblem]:
             yield DatabaseProblem(
                 code="no-checksums",
                 record="database",
-                text="This PostgreSQL keeps no checksums of its pages, so it notices no damaged"
-                " disk; pg_checksums --enable adds them while it is stopped.",
+                text="This PostgreSQL has no page checksums, so damage of the disk is not"
+                " detected; pg_checksums --enable adds them while it is stopped.",
                 is_damage=False,
             )
 
 
-def _references(database: Database) -> Iterator[DatabaseProblem]:
-    """Compare every foreign key with what it refers to, whatever the database enforces."""
+def _check_references(database: Database) -> Iterator[DatabaseProblem]:
+    """Check every foreign key, independent of database constraints."""
     with database.reading() as connection:
         for table in tables.metadata.sorted_tables:
             for key in table.foreign_keys:
                 far = key.column.table.alias("far")
-                lost = ~sa.exists().where(far.c[key.column.name] == key.parent)
+                is_missing = ~sa.exists().where(far.c[key.column.name] == key.parent)
                 query = sa.select(sa.func.count(), sa.func.min(key.parent)).where(
-                    key.parent.is_not(None), lost
+                    key.parent.is_not(None), is_missing
                 )
                 count, example = connection.execute(query).one()
                 if count:
@@ -97,47 +97,47 @@ def _references(database: Database) -> Iterator[DatabaseProblem]:
                         code="broken-reference",
                         record=table.name,
                         text=f"{count} rows of {table.name} refer by {key.parent.name} to rows of"
-                        f" {key.column.table.name} that are not there (the first: {example});"
+                        f" {key.column.table.name} that do not exist (the first: {example});"
                         f" {_REPAIR}.",
                     )
 
 
-def _arrays(database: Database) -> Iterator[DatabaseProblem]:
+def _check_arrays(database: Database) -> Iterator[DatabaseProblem]:
     arrays = tables.arrays.c
     columns = (arrays.hash, arrays.dtype, arrays.shape, arrays.unit, arrays.data)
     with database.reading() as connection:
-        owners = owners_of(connection)
+        records = list_referring_records(connection)
         names = list(connection.scalars(sa.select(arrays.hash).order_by(arrays.hash)))
         for first in range(0, len(names), _AT_ONCE):
             some = names[first : first + _AT_ONCE]
             for row in connection.execute(sa.select(*columns).where(arrays.hash.in_(some))):
-                if content_hash(row.dtype, row.shape, row.unit, row.data) != row.hash:
-                    owner = owners.get(row.hash, "an array that no record names")
+                if hash_array(row.dtype, row.shape, row.unit, row.data) != row.hash:
+                    record = records.get(row.hash, "an array that no record names")
                     yield DatabaseProblem(
                         code="damaged-data",
-                        record=owner,
-                        text=f"The samples of {owner} are not those that were stored (their hash"
-                        f" differs); nothing is computed with them. Import the file again, or"
+                        record=record,
+                        text=f"The samples of {record} were changed after storage (their hash"
+                        f" differs) and cannot be used. Import the file again, or"
                         f" {_REPAIR}.",
                     )
-        for name in sorted(owners.keys() - set(names)):
+        for name in sorted(records.keys() - set(names)):
             yield DatabaseProblem(
                 code="missing-data",
-                record=owners[name],
-                text=f"The samples of {owners[name]} are gone; import the file again, or"
+                record=records[name],
+                text=f"The samples of {records[name]} are gone; import the file again, or"
                 f" {_REPAIR}.",
             )
-        orphans = set(names) - owners.keys()
+        orphans = set(names) - records.keys()
         if orphans:
             yield DatabaseProblem(
                 code="orphaned-data",
                 record="arrays",
-                text=f"{len(orphans)} arrays belong to no record; they take space and do no harm.",
+                text=f"{len(orphans)} arrays belong to no record; they only take space.",
                 is_damage=False,
             )
 
 
-def _results(database: Database) -> Iterator[DatabaseProblem]:
+def _check_results(database: Database) -> Iterator[DatabaseProblem]:
     runs = tables.runs
     columns = (runs.c[name] for name in ("id", "state", "result_hash", *SEALED))
     with database.reading() as connection:
@@ -147,51 +147,53 @@ def _results(database: Database) -> Iterator[DatabaseProblem]:
                 yield DatabaseProblem(
                     code="result-altered",
                     record=f"run {number}",
-                    text=f"The result of run {number}, or what was asked for, was altered after it"
+                    text=f"The result or request of run {number} was altered after it"
                     f" finished; estimate again, or {_REPAIR}.",
                 )
             elif row["state"] == RunState.SUCCEEDED.value and row["result_hash"] is None:
                 yield DatabaseProblem(
                     code="result-not-sealed",
                     record=f"run {number}",
-                    text=f"Run {number} has succeeded, but no hash of a result is kept;"
+                    text=f"Run {number} has succeeded, but has no stored hash of the result;"
                     " estimate again.",
                 )
 
 
-def _decisions(store: Store) -> Iterator[DatabaseProblem]:
+def _check_decisions(store: Store) -> Iterator[DatabaseProblem]:
     for decision in store.decisions.find():
         name = f"decision {decision.id}"
         events = store.decision_events.find(decision_id=decision.id)
-        if not events or not chain_is_whole(events) or replay(decision, events) != decision:
+        if not events or not is_chain_intact(events) or replay(decision, events) != decision:
             yield DatabaseProblem(
                 code="broken-chain",
                 record=name,
-                text=f"The record of {name} was changed: its events and their hashes do not fit"
-                f" together, or do not lead to where it stands; {_REPAIR}.",
+                text=f"The record of {name} was changed: its events do not match their hashes"
+                f" or its state; {_REPAIR}.",
             )
             continue
         if decision.superseded_by == decision.id:
             yield DatabaseProblem(
                 code="superseded-by-itself",
                 record=name,
-                text=f"{name.capitalize()} was superseded by itself, when the clock had been set"
-                " back: it is in force no more, though it was approved last. Propose and approve"
+                text=f"{name.capitalize()} was superseded by itself, when the clock was set"
+                " back: it is no longer in force, though approved last. Propose and approve"
                 " it again.",
             )
-        yield from _evidence(store, decision, events[-1].data)
+        yield from _check_evidence(store, decision, events[-1].data)
 
 
-def _evidence(store: Store, decision: Decision, then: dict[str, str]) -> Iterator[DatabaseProblem]:
-    """Compare what a decision rests on with what it was at the last event."""
+def _check_evidence(
+    store: Store, decision: Decision, then: dict[str, str]
+) -> Iterator[DatabaseProblem]:
+    """Check the evidence of a decision against its last event."""
     name = f"decision {decision.id}"
     try:
-        now = data_of(store, decision.proposal)
+        now = hash_evidence(store, decision.proposal)
     except FlexsidError as error:
         yield DatabaseProblem(
             code="evidence-gone",
             record=name,
-            text=f"What {name} rests on cannot be read: {error.message}; {_REPAIR}.",
+            text=f"The evidence of {name} cannot be read: {error.message}; {_REPAIR}.",
         )
         return
     for what, content in then.items():
@@ -201,17 +203,17 @@ def _evidence(store: Store, decision: Decision, then: dict[str, str]) -> Iterato
         yield DatabaseProblem(
             code="evidence-gone" if gone else "evidence-changed",
             record=name,
-            text=f"{what.capitalize()}, on which {name} rests, "
+            text=f"{what.capitalize()}, evidence of {name}, "
             + (
-                "was deleted since; restore it."
+                "was deleted; restore it."
                 if gone
-                else "was changed since; look whether the decision still holds."
+                else "was changed; check whether the decision is still valid."
             ),
             is_damage=gone and decision.state is DecisionState.APPROVED,
         )
 
 
-def _clock(store: Store) -> Iterator[DatabaseProblem]:
+def _check_clock(store: Store) -> Iterator[DatabaseProblem]:
     text = find_clock_error(store)
     if text is not None:
         yield DatabaseProblem(code="clock-behind", record="clock", text=text, is_damage=False)

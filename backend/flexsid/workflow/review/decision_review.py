@@ -1,7 +1,7 @@
-"""Review: what may happen to a decision, and where it stands after each event.
+"""Review of decisions: proposals, votes, comments, and the state after each event.
 
-A decision is the sum of its events. Every change goes through ``append``, which
-writes the event and the state that follows from it in one transaction.
+The state of a decision follows from its events. Every change uses ``append``, which writes the
+event and the new state in one transaction.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from flexsid.records.decision import (
     Vote,
 )
 from flexsid.storage.store import Store
-from flexsid.sysid.model.derivatives import derivative_names
+from flexsid.sysid.model.derivatives import list_derivative_names
 from flexsid.workflow.model_structures.baselines import list_approved
-from flexsid.workflow.model_structures.condition_ranges import covered, overlap
+from flexsid.workflow.model_structures.condition_ranges import is_covered, is_overlapping
 from flexsid.workflow.model_structures.model_structures import StaleEdit, get_version
 from flexsid.workflow.review.clock import find_clock_error
-from flexsid.workflow.review.evidence import data_of, hash_of, seal, software
+from flexsid.workflow.review.evidence import hash_evidence, hash_value, list_software_versions, seal
 from flexsid.workflow.review.proposals import check_proposal
 
 _log = logging.getLogger(__name__)
@@ -35,37 +35,37 @@ OPEN = (DecisionState.OPEN, DecisionState.CHANGES_REQUESTED)
 
 
 class OwnProposal(Conflict):
-    """The rules of the campaign let nobody judge what they proposed."""
+    """The rules of the campaign do not allow votes on own proposals."""
 
     code = "own-proposal"
 
 
-def rules_of(store: Store, aircraft_id: int) -> ReviewRules:
-    """Return the rules of a campaign: one approval, and not by who proposed, unless changed."""
+def get_rules(store: Store, aircraft_id: int) -> ReviewRules:
+    """Return the rules of a campaign; by default one approval, not by the proposer."""
     store.aircraft.get(aircraft_id)
     found = store.review_rules.find(aircraft_id=aircraft_id)
     return found[-1] if found else ReviewRules(aircraft_id=aircraft_id)
 
 
-def change_rules(store: Store, wanted: ReviewRules) -> ReviewRules:
-    """Keep other rules in front of those of ``wanted.version``; all of them stay readable.
+def change_rules(store: Store, rules: ReviewRules) -> ReviewRules:
+    """Store new review rules after those of ``rules.version``; all versions are retained.
 
     Raises
     ------
     StaleEdit
-        If somebody has changed them since.
+        If the rules were changed meanwhile.
     """
     with store.transaction():
-        store.aircraft.get(wanted.aircraft_id)
-        current = rules_of(store, wanted.aircraft_id)
-        if current.version != wanted.version:
+        store.aircraft.get(rules.aircraft_id)
+        current = get_rules(store, rules.aircraft_id)
+        if current.version != rules.version:
             raise StaleEdit(
-                f"{current.author} has changed the rules to version {current.version} since; look "
-                "at them and save again on top",
+                f"{current.author} has changed the rules to version {current.version}; review "
+                "them and save again",
                 current=current,
-                sent=wanted,
+                sent=rules,
             )
-        return store.review_rules.add(replace(wanted, version=wanted.version + 1))
+        return store.review_rules.add(replace(rules, version=rules.version + 1))
 
 
 def propose(store: Store, proposal: StructureProposal, author: str) -> Decision:
@@ -74,7 +74,7 @@ def propose(store: Store, proposal: StructureProposal, author: str) -> Decision:
     Raises
     ------
     BadInput
-        If the proposal does not hold together; see ``check_proposal``.
+        If the proposal is inconsistent; see ``check_proposal``.
     """
     with store.transaction():
         aircraft_id, axis = check_proposal(store, proposal)
@@ -97,19 +97,19 @@ def propose(store: Store, proposal: StructureProposal, author: str) -> Decision:
 def revise(
     store: Store, decision_id: int, revision: int, proposal: StructureProposal, author: str
 ) -> Decision:
-    """Put another proposal in the place of one; votes begin anew.
+    """Replace a proposal; votes are reset.
 
     Raises
     ------
     StaleEdit
-        If ``revision`` is not the newest any more.
+        If ``revision`` is not the latest.
     """
     with store.transaction():
-        decision = _open(store, decision_id, revision, proposal)
+        decision = _get_open(store, decision_id, revision, proposal)
         aircraft_id, axis = check_proposal(store, proposal)
         if (aircraft_id, axis) != (decision.aircraft_id, decision.axis):
             raise BadInput(
-                "a decision stays with its aircraft and axis; propose another one for these",
+                "aircraft and axis of a decision are fixed; make a new proposal for others",
                 code="wrong-aircraft",
             )
         return append(
@@ -120,7 +120,7 @@ def revise(
 def comment(
     store: Store, decision_id: int, text: str, author: str, derivative: str | None = None
 ) -> Decision:
-    """Say something of a decision as a whole, or of one derivative, whatever its state."""
+    """Comment on a decision or one of its derivatives, in any state."""
     with store.transaction():
         decision = store.decisions.get(decision_id)
         if derivative is not None:
@@ -131,40 +131,40 @@ def comment(
 def cast_vote(
     store: Store, decision_id: int, revision: int, vote: Vote, text: str, author: str
 ) -> Decision:
-    """Approve, reject or ask for changes; where the quorum is reached, the decision is made.
+    """Approve, reject or request changes; the decision is made when the quorum is reached.
 
     Raises
     ------
     OwnProposal
-        If the rules forbid to judge what one has proposed.
+        If the rules do not allow votes on own proposals.
     StaleEdit
         If the proposal was revised since it was read.
     """
     with store.transaction():
-        decision = _open(store, decision_id, revision)
-        rules = rules_of(store, decision.aircraft_id)
-        if not rules.own_allowed and author.casefold() in _folded(decision.authors):
+        decision = _get_open(store, decision_id, revision)
+        rules = get_rules(store, decision.aircraft_id)
+        if not rules.own_allowed and author.casefold() in _fold(decision.authors):
             raise OwnProposal(
-                f"{author} has proposed this, and the rules of the campaign let nobody judge their "
-                "own proposal; ask a colleague, or revise or withdraw it"
+                f"{author} has proposed this, and the rules of the campaign do not allow votes on "
+                "own proposals; ask a colleague, or revise or withdraw it"
             )
         decision = append(store, decision, EventKind.VOTED, author, text, vote=vote, rules=rules)
-        verdict = verdict_of(decision, rules)
+        verdict = decide(decision, rules)
         if verdict is None:
             return decision
         names = ", ".join(decision.votes)
-        said = f"by {names}; quorum {rules.quorum}"
-        decided = append(store, decision, verdict, author, said, rules=rules)
+        text = f"by {names}; quorum {rules.quorum}"
+        decided = append(store, decision, verdict, author, text, rules=rules)
         if verdict is EventKind.ADOPTED:
-            _take_over(store, decided, author)
+            _supersede(store, decided, author)
         return decided
 
 
 def withdraw(store: Store, decision_id: int, revision: int, text: str, author: str) -> Decision:
-    """Take a proposal back, which only those can who made it."""
+    """Withdraw a proposal; only its authors can."""
     with store.transaction():
-        decision = _open(store, decision_id, revision)
-        if author.casefold() not in _folded(decision.authors):
+        decision = _get_open(store, decision_id, revision)
+        if author.casefold() not in _fold(decision.authors):
             raise Conflict(
                 f"only {', '.join(decision.authors)} can withdraw this; reject it instead",
                 code="not-your-proposal",
@@ -172,11 +172,11 @@ def withdraw(store: Store, decision_id: int, revision: int, text: str, author: s
         return append(store, decision, EventKind.WITHDRAWN, author, text)
 
 
-def verdict_of(decision: Decision, rules: ReviewRules) -> EventKind | None:
-    """Tell whether the standing votes decide.
+def decide(decision: Decision, rules: ReviewRules) -> EventKind | None:
+    """Return the outcome of the current votes; None if undecided.
 
-    As many as the quorum must approve, and nobody may stand against it; as many as
-    the quorum can reject.
+    Approval needs as many votes as the quorum and no other votes; rejection needs as many votes
+    as the quorum.
     """
     votes = list(decision.votes.values())
     if votes.count(Vote.REJECT) >= rules.quorum:
@@ -199,10 +199,10 @@ def append(
     rules: ReviewRules | None = None,
     by_decision_id: int | None = None,
 ) -> Decision:
-    """Write an event and where the decision stands after it."""
+    """Write an event and the new state of the decision."""
     assert decision.id is not None
     before = store.decision_events.find(decision_id=decision.id)
-    data = data_of(store, proposal or decision.proposal)
+    data = hash_evidence(store, proposal or decision.proposal)
     event = seal(
         DecisionEvent(
             decision_id=decision.id,
@@ -217,8 +217,8 @@ def append(
             rules=rules,
             by_decision_id=by_decision_id,
             data=data,
-            data_hash=hash_of(data),
-            software=software(),
+            data_hash=hash_value(data),
+            software=list_software_versions(),
             previous_hash=before[-1].hash if before else "",
             created_at=datetime.now(UTC),
         )
@@ -227,19 +227,19 @@ def append(
     if late is not None:
         _log.warning(late)
     store.decision_events.add(event)
-    after = after_event(decision, event)
+    after = apply_event(decision, event)
     if not store.decisions.advance(after):
-        raise StaleEdit(f"decision {decision.id} has changed meanwhile; look again")
+        raise StaleEdit(f"decision {decision.id} has changed meanwhile; reload it")
     return after
 
 
-def after_event(decision: Decision, event: DecisionEvent) -> Decision:
-    """Tell where a decision stands after one more event."""
+def apply_event(decision: Decision, event: DecisionEvent) -> Decision:
+    """Return the state of a decision after an event."""
     moved = replace(decision, version=event.number, changed_at=event.created_at)
     match event.kind:
         case EventKind.PROPOSED | EventKind.REVISED:
             assert event.proposal is not None
-            known = event.author.casefold() in _folded(decision.authors)
+            known = event.author.casefold() in _fold(decision.authors)
             return replace(
                 moved,
                 proposal=event.proposal,
@@ -272,21 +272,21 @@ def after_event(decision: Decision, event: DecisionEvent) -> Decision:
             return moved
 
 
-def _take_over(store: Store, decided: Decision, author: str) -> None:
-    """Note on earlier baselines of the same axis which of them give way, wholly or in part."""
+def _supersede(store: Store, decided: Decision, author: str) -> None:
+    """Mark earlier baselines of the same axis as superseded or narrowed."""
     baselines = [
         one for one in list_approved(store, decided.aircraft_id) if one.axis == decided.axis
     ]
-    # The rules were read with the aircraft held, so this one was adopted after all others.
+    # The rules were read with the aircraft locked, so this one was adopted after all others.
     assert baselines[0].id == decided.id
     for place, earlier in enumerate(baselines[1:], start=1):
-        if not overlap(earlier.proposal.limits, decided.proposal.limits):
+        if not is_overlapping(earlier.proposal.limits, decided.proposal.limits):
             continue
         later = [one.proposal.limits for one in baselines[:place]]
-        whole = covered(earlier.proposal.limits, later)
+        whole = is_covered(earlier.proposal.limits, later)
         append(
             store,
-            store.decisions.get(_id(earlier)),
+            store.decisions.get(_get_id(earlier)),
             EventKind.SUPERSEDED if whole else EventKind.NARROWED,
             author,
             f"by decision {decided.id}, '{decided.proposal.title}'",
@@ -294,19 +294,19 @@ def _take_over(store: Store, decided: Decision, author: str) -> None:
         )
 
 
-def _id(decision: Decision) -> int:
+def _get_id(decision: Decision) -> int:
     assert decision.id is not None
     return decision.id
 
 
-def _open(
+def _get_open(
     store: Store, decision_id: int, revision: int, sent: StructureProposal | None = None
 ) -> Decision:
     decision = store.decisions.get(decision_id)
     if decision.state not in OPEN:
         raise Conflict(
-            f"decision {decision_id} is {decision.state.value}; it can be commented on, and "
-            "another one proposed",
+            f"decision {decision_id} is {decision.state.value}; add a comment, or make "
+            "a new proposal",
             code="decision-closed",
             state=decision.state.value,
         )
@@ -318,7 +318,7 @@ def _open(
         raise Conflict(f"decision {decision_id} has no revision {revision}", code="unknown-version")
     raise StaleEdit(
         f"you read revision {revision} of '{decision.proposal.title}', but "
-        f"{decision.authors[-1]} has made revision {decision.revision}; look at both first",
+        f"{decision.authors[-1]} has made revision {decision.revision}; compare both first",
         base=proposals[revision],
         current=decision.proposal,
         sent=sent,
@@ -330,14 +330,14 @@ def _check_derivative(store: Store, decision: Decision, name: str) -> None:
     reference = decision.proposal.structure
     structure = get_version(store, reference.id, reference.version).structure
     surfaces = tuple(s.name for s in store.aircraft.get(decision.aircraft_id).surfaces)
-    known = derivative_names(structure.modes, structure.inputs or surfaces)
+    known = list_derivative_names(structure.modes, structure.inputs or surfaces)
     if name not in known:
         raise BadInput(
-            f"'{name}' is not a derivative of the structure that is proposed",
+            f"'{name}' is not a derivative of the proposed model structure",
             code="unknown-derivative",
             name=name,
         )
 
 
-def _folded(names: tuple[str, ...]) -> set[str]:
+def _fold(names: tuple[str, ...]) -> set[str]:
     return {name.casefold() for name in names}

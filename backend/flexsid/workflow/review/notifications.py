@@ -1,4 +1,4 @@
-"""Notifications: what waits for an analyst, and what changed since they looked."""
+"""Notifications: decisions awaiting an analyst, and changes since the last visit."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from flexsid.records.decision import Decision, DecisionState, EventKind, SeenEvents
 from flexsid.records.model_structure import StructureVersion
 from flexsid.storage.store import Store
-from flexsid.workflow.review.decision_review import OPEN, rules_of
+from flexsid.workflow.review.decision_review import OPEN, get_rules
 
 _MOST = 100
 _LONG_AGO = datetime.min.replace(tzinfo=UTC)
@@ -16,7 +16,7 @@ _LONG_AGO = datetime.min.replace(tzinfo=UTC)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Waiting:
-    """A decision that cannot go on without this analyst; ``what`` is review or revise."""
+    """A decision awaiting this analyst; ``what`` is review or revise."""
 
     decision_id: int
     title: str
@@ -27,7 +27,7 @@ class Waiting:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Change:
-    """Something that somebody else did; ``subject`` is a decision or a model structure."""
+    """A change by another analyst; ``subject`` is a decision or a model structure."""
 
     subject: str
     id: int
@@ -41,28 +41,31 @@ class Change:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Notifications:
-    """What waits, and the newest changes (at most 100), newest first."""
+    """Decisions awaiting an analyst, and the latest changes (at most 100), newest first."""
 
     waiting: list[Waiting]
     changes: list[Change]
 
 
-def notifications(store: Store, analyst: str) -> Notifications:
-    """Gather what an analyst has to know."""
+def list_notifications(store: Store, analyst: str) -> Notifications:
+    """List the notifications of an analyst."""
     seen = {look.subject: look.seen for look in store.looks.find(analyst=analyst.casefold())}
     decisions = store.decisions.find()
-    waiting = [found for one in decisions if (found := _waits(store, one, analyst)) is not None]
-    changes = _newest_first(
-        _decision_changes(store, decisions, analyst, seen), _structure_changes(store, analyst, seen)
+    waiting = [
+        found for one in decisions if (found := _find_waiting(store, one, analyst)) is not None
+    ]
+    changes = _merge(
+        _list_decision_changes(store, decisions, analyst, seen),
+        _list_structure_changes(store, analyst, seen),
     )
     return Notifications(waiting=waiting, changes=changes[:_MOST])
 
 
-def _newest_first(*kinds: list[tuple[int, Change]]) -> list[Change]:
+def _merge(*kinds: list[tuple[int, Change]]) -> list[Change]:
     """Merge changes of several kinds, each in the order in which it was written.
 
-    Times only tell which kind comes first: a clock may have been set back, so each change
-    counts as no earlier than those written before it.
+    Times only order the kinds: a clock may have been set back, so the time of each change is at
+    least that of the changes written before it.
     """
     placed: list[tuple[datetime, int, Change]] = []
     for changes in kinds:
@@ -75,7 +78,7 @@ def _newest_first(*kinds: list[tuple[int, Change]]) -> list[Change]:
 
 
 def mark_seen(store: Store, analyst: str, subject: str, number: int) -> None:
-    """Note up to which event of a subject an analyst has looked; never goes back."""
+    """Store the last event of a subject seen by an analyst; never decreases."""
     key = analyst.casefold()
     with store.transaction():
         found = store.looks.find(analyst=key, subject=subject)
@@ -89,7 +92,7 @@ def mark_seen(store: Store, analyst: str, subject: str, number: int) -> None:
 
 
 def mark_all_seen(store: Store, analyst: str) -> None:
-    """Note that an analyst has seen everything there is now."""
+    """Mark all present events as seen by an analyst."""
     with store.transaction():
         for decision in store.decisions.find():
             mark_seen(store, analyst, f"decision {decision.id}", decision.version)
@@ -97,7 +100,7 @@ def mark_all_seen(store: Store, analyst: str) -> None:
             mark_seen(store, analyst, f"structure {structure.id}", structure.version)
 
 
-def _waits(store: Store, decision: Decision, analyst: str) -> Waiting | None:
+def _find_waiting(store: Store, decision: Decision, analyst: str) -> Waiting | None:
     if decision.state not in OPEN:
         return None
     me = analyst.casefold()
@@ -105,7 +108,7 @@ def _waits(store: Store, decision: Decision, analyst: str) -> Waiting | None:
     voted = me in {name.casefold() for name in decision.votes}
     if own and decision.state is DecisionState.CHANGES_REQUESTED:
         what = "revise"
-    elif voted or (own and not rules_of(store, decision.aircraft_id).own_allowed):
+    elif voted or (own and not get_rules(store, decision.aircraft_id).own_allowed):
         return None
     else:
         what = "review"
@@ -119,7 +122,7 @@ def _waits(store: Store, decision: Decision, analyst: str) -> Waiting | None:
     )
 
 
-def _decision_changes(
+def _list_decision_changes(
     store: Store, decisions: list[Decision], analyst: str, seen: dict[str, int]
 ) -> list[tuple[int, Change]]:
     changes: list[tuple[int, Change]] = []
@@ -148,10 +151,10 @@ def _decision_changes(
     return changes
 
 
-def _structure_changes(
+def _list_structure_changes(
     store: Store, analyst: str, seen: dict[str, int]
 ) -> list[tuple[int, Change]]:
-    """Versions of others on top of what this analyst has saved or looked at."""
+    """List versions by others after those saved or seen by this analyst."""
     me = analyst.casefold()
     changes: list[tuple[int, Change]] = []
     for structure in store.model_structures.find():

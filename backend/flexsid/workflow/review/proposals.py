@@ -1,4 +1,4 @@
-"""Proposals: whether what a decision proposes holds together."""
+"""Consistency check of proposals."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from flexsid.workflow.model_structures.run_results import refuse_altered
 
 
 def check_proposal(store: Store, proposal: StructureProposal) -> tuple[int, str]:
-    """Return aircraft and axis of a proposal.
+    """Check a proposal; return its aircraft and axis.
 
     Raises
     ------
@@ -21,15 +21,15 @@ def check_proposal(store: Store, proposal: StructureProposal) -> tuple[int, str]
     BadInput
         If they belong to different aircraft, a run has no result, or limits are reversed.
     """
-    kept = get_version(store, proposal.structure.id, proposal.structure.version)
+    proposed = get_version(store, proposal.structure.id, proposal.structure.version)
     aircraft_id = store.model_structures.get(proposal.structure.id).aircraft_id
     if proposal.changes is not None:
         before = get_version(store, proposal.changes.id, proposal.changes.version)
         other = store.model_structures.get(proposal.changes.id).aircraft_id
-        _same_aircraft(f"model structure {proposal.changes.id}", other, aircraft_id)
-        if before.structure == kept.structure:
+        _check_aircraft(f"model structure {proposal.changes.id}", other, aircraft_id)
+        if before.structure == proposed.structure:
             raise BadInput(
-                "the structure that is proposed says the same as the one it changes",
+                "the proposed model structure is identical to the one it changes; modify it first",
                 code="no-change",
             )
     for quantity, (low, high) in proposal.limits.items():
@@ -47,20 +47,20 @@ def check_proposal(store: Store, proposal: StructureProposal) -> tuple[int, str]
         _check_comparison(store, comparison, aircraft_id)
     for figure_id in proposal.figure_ids:
         store.frozen_figures.get(figure_id)
-    return aircraft_id, kept.structure.axis
+    return aircraft_id, proposed.structure.axis
 
 
 def _check_run(store: Store, run_id: int, aircraft_id: int) -> None:
     run = store.runs.get(run_id)
-    _same_aircraft(f"run {run_id}", store.maneuvers.get(run.maneuver_id).aircraft_id, aircraft_id)
+    _check_aircraft(f"run {run_id}", store.maneuvers.get(run.maneuver_id).aircraft_id, aircraft_id)
     refuse_altered(run)
     if run.deleted_at is not None:
         raise Conflict(
-            f"run {run_id} was deleted; restore it before it is shown as evidence", code="deleted"
+            f"run {run_id} was deleted; restore it before using it as evidence", code="deleted"
         )
     if run.result is None:
         raise BadInput(
-            f"run {run_id} is {run.state.value} and shows nothing; link runs that succeeded",
+            f"run {run_id} is {run.state.value} and has no result; link runs that succeeded",
             code="run-without-result",
             run_id=run_id,
         )
@@ -71,12 +71,12 @@ def _check_comparison(store: Store, comparison: LinkedComparison, aircraft_id: i
         raise BadInput("a comparison needs at least one run", code="no-run")
     for prediction_id in comparison.prediction_ids:
         other = store.predictions.get(prediction_id).aircraft_id
-        _same_aircraft(f"prediction {prediction_id}", other, aircraft_id)
+        _check_aircraft(f"prediction {prediction_id}", other, aircraft_id)
 
 
-def _same_aircraft(what: str, other: int, aircraft_id: int) -> None:
+def _check_aircraft(what: str, other: int, aircraft_id: int) -> None:
     if other != aircraft_id:
         raise BadInput(
-            f"{what} is of another aircraft than the structure that is proposed",
+            f"{what} belongs to another aircraft than the proposed model structure",
             code="wrong-aircraft",
         )

@@ -1,4 +1,4 @@
-"""Batch: from a wish for many runs to runs in the queue."""
+"""Batch: many runs requested at once, put into the queue."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from flexsid.storage import batches
 from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.store import Store
 from flexsid.workflow.runs import estimation
-from flexsid.workflow.runs.run_identity import Identities
-from flexsid.workflow.runs.run_proposal import with_proposal
+from flexsid.workflow.runs.run_identity import RunHasher
+from flexsid.workflow.runs.run_proposal import apply_proposal
 
-MOST_RUNS = 20_000
+MAX_RUNS = 20_000
 
 
 @dataclass(frozen=True, slots=True)
-class Queued:
-    """A batch that was queued, and how many of its runs are new; the others were there."""
+class BatchSubmission:
+    """A queued batch and the number of its runs that are new; the others existed already."""
 
     batch: Batch
     new: int
@@ -36,71 +36,71 @@ def queue_batch(
     *,
     from_equation_error: bool,
     by_proposal: bool = False,
-) -> Queued:
+) -> BatchSubmission:
     """Queue every method for every maneuver and every template.
 
     Parameters
     ----------
     store
-        Where they are kept.
+        Database of the runs.
     batch
-        Its name and who wants it.
+        Name and author of the batch.
     maneuver_ids, methods
-        Of which maneuvers, by which methods.
+        Maneuvers to fit and methods to fit them by.
     templates
-        Structure, settings and the like; maneuver and method are replaced.
+        Model structure and settings; maneuver and method are replaced.
     from_equation_error
         Let OE and FRE start from the EE run of the same maneuver and template, after it.
     by_proposal
-        Let each maneuver take what is proposed for it; see ``propose_run``.
+        Use the model structure and band that ``propose_run`` proposes for each maneuver.
 
     Raises
     ------
     BadInput
-        If it is empty or too large, or its first run of a kind cannot be estimated.
+        If the batch is empty or too large, or its first run of a kind cannot be estimated.
     UnknownRecord
-        If there is no such maneuver.
+        If a maneuver does not exist.
     """
     maneuvers = tuple(dict.fromkeys(maneuver_ids))
     total = len(maneuvers) * len(methods) * len(templates)
-    if not 0 < total <= MOST_RUNS:
+    if not 0 < total <= MAX_RUNS:
         raise BadInput(
-            f"the batch has {total} runs; it may have 1 to {MOST_RUNS}", code="batch-size"
+            f"the batch has {total} runs; it may have 1 to {MAX_RUNS}", code="batch-size"
         )
     if from_equation_error and Method.EE not in methods:
         raise BadInput(
             "to start from equation error, the batch must also have the method EE",
             code="no-start",
         )
-    also = {n for template in templates for n in template.settings.together_with}
+    also = {n for template in templates for n in template.settings.additional_maneuver_ids}
     refuse_deleted(store, (*maneuvers, *also))
-    identities = Identities(store, (*maneuvers, *also))
+    hasher = RunHasher(store, (*maneuvers, *also))
     for number in maneuvers:
-        if not identities.knows(number):
+        if not hasher.has_maneuver(number):
             raise UnknownRecord(f"there is no maneuver {number}")
     ordered = sorted(set(methods), key=lambda method: method is not Method.EE)
-    for template in templates:  # what is wrong for all is refused at once
+    for template in templates:  # an error common to all runs is raised here
         for method in ordered:
             run = replace(template, maneuver_id=maneuvers[0], method=method)
-            estimation.prepare(store, with_proposal(store, run) if by_proposal else run)
-    wanted: list[tuple[EstimationRun, int | None]] = []
+            estimation.prepare(store, apply_proposal(store, run) if by_proposal else run)
+    requested: list[tuple[EstimationRun, int | None]] = []
     for template in templates:
         for number in maneuvers:
             first: int | None = None
             start_hash: str | None = None
             of_maneuver = replace(template, maneuver_id=number)
             if by_proposal:
-                of_maneuver = with_proposal(store, of_maneuver)
+                of_maneuver = apply_proposal(store, of_maneuver)
             for method in ordered:
                 run = replace(of_maneuver, method=method)
                 if first is not None and from_equation_error:
                     settings: RunSettings = replace(run.settings, start=Start.RUN)
-                    run = identities.of(replace(run, settings=settings), start_hash)
-                    wanted.append((run, first))
+                    run = hasher.hash_run(replace(run, settings=settings), start_hash)
+                    requested.append((run, first))
                     continue
-                run = identities.of(run)
-                wanted.append((run, None))
+                run = hasher.hash_run(run)
+                requested.append((run, None))
                 if method is Method.EE:
-                    first, start_hash = len(wanted) - 1, run.input_hash
-    kept, new = batches.add(store, batch, wanted)
-    return Queued(kept, new, len(wanted))
+                    first, start_hash = len(requested) - 1, run.input_hash
+    stored, new = batches.add(store, batch, requested)
+    return BatchSubmission(stored, new, len(requested))

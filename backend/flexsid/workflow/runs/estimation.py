@@ -1,7 +1,7 @@
 """Estimation: a run from request to result.
 
-``prepare`` reads everything a run needs, ``compute`` is a pure function that may
-run in any process, ``keep`` stores what came out.
+``prepare`` reads everything a run needs, ``compute_run`` is a pure function for any
+process, ``store_result`` stores the result.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.axes import symmetry_of
+from flexsid.records.axes import get_symmetry
 from flexsid.records.finite import finite_or_none
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.model_structure import Structure
@@ -27,9 +27,9 @@ from flexsid.records.run import (
     Start,
 )
 from flexsid.storage import queue
-from flexsid.storage.arrays import describe
+from flexsid.storage.arrays import describe_array
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.diagnostics import output_quality, parameter_quality
+from flexsid.sysid.estimation.diagnostics import compute_output_fit, compute_parameter_quality
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -37,49 +37,49 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.workflow.aircraft.aircraft_models import (
     OutputDefinition,
     build_model,
-    default_outputs,
     define_outputs,
+    list_default_outputs,
 )
-from flexsid.workflow.aircraft.derivative_predictions import best_prediction
-from flexsid.workflow.aircraft.longitudinal import lateral_surfaces, require_longitudinal
+from flexsid.workflow.aircraft.derivative_predictions import select_prediction
+from flexsid.workflow.aircraft.longitudinal import list_lateral_surfaces, require_longitudinal
 from flexsid.workflow.measurements.maneuver_spectra import read_measurement
 from flexsid.workflow.measurements.symmetric_motion import require_symmetric_motion
 from flexsid.workflow.modal_data.aligned_modes import (
     AircraftModes,
-    companion_modes,
     find_modal_tables,
     load_modes,
+    select_out_of_band_modes,
 )
-from flexsid.workflow.model_structures.model_structures import brought_to
-from flexsid.workflow.runs.computation import ComputedRun, EstimationTask, ManeuverTask, compute
-from flexsid.workflow.runs.request_warnings import check_extras, doubts
-from flexsid.workflow.runs.run_identity import provenance_of
+from flexsid.workflow.model_structures.model_structures import resolve_structure
+from flexsid.workflow.runs.computation import ComputedRun, EstimationTask, ManeuverTask, compute_run
+from flexsid.workflow.runs.run_identity import hash_provenance
+from flexsid.workflow.runs.run_warnings import check_extras, list_request_warnings
 from flexsid.workflow.runs.starts import (
+    build_predicted_tables,
+    collect_priors,
     is_residualized,
-    predicted_tables,
-    priors_of,
-    starting_tables,
+    select_starting_tables,
 )
 
-__all__ = ["compute", "keep", "prepare"]
+__all__ = ["compute_run", "prepare", "store_result"]
 
 
 def prepare(store: Store, run: EstimationRun) -> EstimationTask:
-    """Read all that a run needs.
+    """Read everything that a run needs.
 
     Raises
     ------
     BadInput
-        If the structure does not fit the maneuver: unknown modes, inputs or
-        outputs, a band without lines, a sensor without mode shape.
+        If the model structure does not fit the maneuver: unknown modes, inputs or
+        outputs, a band without frequencies, a sensor without mode shape.
     """
     with store.reading():
-        return _prepared(store, run)
+        return _prepare(store, run)
 
 
-def _prepared(store: Store, run: EstimationRun) -> EstimationTask:
+def _prepare(store: Store, run: EstimationRun) -> EstimationTask:
     settings = run.settings
-    ids = tuple(dict.fromkeys((run.maneuver_id, *settings.together_with)))
+    ids = tuple(dict.fromkeys((run.maneuver_id, *settings.additional_maneuver_ids)))
     maneuvers = [store.maneuvers.get(number) for number in ids]
     first = maneuvers[0]
     for maneuver in maneuvers:
@@ -91,38 +91,41 @@ def _prepared(store: Store, run: EstimationRun) -> EstimationTask:
                 f"maneuver {other.id} is of another aircraft than maneuver {first.id}",
                 code="wrong-aircraft",
             )
-    structure, aircraft = brought_to(store, run.structure, aircraft, first)
+    structure, aircraft = resolve_structure(store, run.structure, aircraft, first)
     modal, damping = find_modal_tables(
         store, first.aircraft_id, run.modal_table_id, run.damping_table_id
     )
     modes = load_modes(store, modal, damping)
-    inputs, outputs = inputs_and_outputs(store, first, aircraft, structure)
+    inputs, outputs = select_inputs_and_outputs(store, first, aircraft, structure)
     data = tuple(
-        _maneuver_data(store, maneuver, aircraft, structure, modes, inputs, outputs, settings)
+        _prepare_maneuver(store, maneuver, aircraft, structure, modes, inputs, outputs, settings)
         for maneuver in maneuvers
     )
-    prediction = best_prediction(
+    prediction = select_prediction(
         store, first.aircraft_id, run.prediction_id, structure.modes, inputs
     )
-    predicted = predicted_tables(store, prediction, run, first, aircraft, modes, inputs)
-    starts = starting_tables(store, run, predicted, inputs)
-    check_extras(run.method, structure.also_free)
+    predicted = build_predicted_tables(store, prediction, run, first, aircraft, modes, inputs)
+    starts = select_starting_tables(store, run, predicted, inputs)
+    check_extras(run.method, structure.extra_parameters)
     free = _check_names(data[0].model, starts, structure, settings)
     assumed = modes.warnings if structure.modes else ()
+    request_warnings = list_request_warnings(
+        run, first, data[0].model, data[0].measurement.max_omega, modes.names, modes.symmetric
+    )
     return EstimationTask(
         method=run.method,
         settings=settings,
         structure=structure,
-        flown=data,
+        maneuver_tasks=data,
         mode_names=tuple(modes.names[number] for number in structure.modes),
         starts=starts,
         predicted=next(iter(predicted.values()), None),
-        priors=priors_of(predicted, free, settings),
+        priors=collect_priors(predicted, free, settings),
         try_equation_error=settings.start in (Start.BEST, Start.EQUATION_ERROR),
         residualized=next((t.named() for n, t in predicted.items() if is_residualized(n)), None),
         prediction_id=None if prediction is None else prediction.id,
-        warnings=(*assumed, *doubts(run, first, data[0], modes)),
-        provenance=provenance_of(
+        warnings=(*assumed, *request_warnings),
+        provenance=hash_provenance(
             store,
             run,
             first.aircraft_id,
@@ -134,30 +137,34 @@ def _prepared(store: Store, run: EstimationRun) -> EstimationTask:
     )
 
 
-def inputs_and_outputs(
+def select_inputs_and_outputs(
     store: Store, maneuver: Maneuver, aircraft: Aircraft, structure: Structure
 ) -> tuple[tuple[str, ...], tuple[OutputDefinition, ...]]:
-    """Inputs and outputs as the structure names them, else all that a longitudinal model can use.
+    """Select the inputs and outputs of the model structure, by default all longitudinal ones.
 
-    Antisymmetric surfaces that were recorded besides are left out.
+    Recorded antisymmetric surfaces are excluded by default.
     """
     channels = {c.name: c.role for c in store.channels.find(maneuver_id=maneuver.id)}
     recorded = tuple(name for name, role in channels.items() if role is Role.INPUT)
-    symmetric = tuple(n for n in recorded if symmetry_of(aircraft, n) != "antisymmetric")
+    symmetric = tuple(n for n in recorded if get_symmetry(aircraft, n) != "antisymmetric")
     inputs = structure.inputs or symmetric or recorded
-    separated = bool(lateral_surfaces(maneuver, aircraft, inputs))
-    names = structure.outputs or default_outputs(aircraft, channels, separated=separated)
+    separated = bool(list_lateral_surfaces(maneuver, aircraft, inputs))
+    names = structure.outputs or list_default_outputs(aircraft, channels, separated=separated)
     return inputs, define_outputs(aircraft, names)
 
 
-def keep(
+def store_result(
     store: Store, run_id: int, attempt: int, computed: ComputedRun, worker: str = ""
 ) -> EstimationRun:
-    """Store a result, all of it or nothing, unless the attempt no longer counts."""
+    """Store a result in one transaction, unless the attempt was superseded."""
     estimate = computed.estimate
-    bulk = [describe(estimate.corrected_covariance)]
+    bulk = [describe_array(estimate.corrected_covariance)]
     for block in estimate.lines:
-        bulk += [describe(block.omega, "rad/s"), describe(block.measured), describe(block.fitted)]
+        bulk += [
+            describe_array(block.omega, "rad/s"),
+            describe_array(block.measured),
+            describe_array(block.fitted),
+        ]
     with store.transaction():
         covariance, *names = store.arrays.put_many(bulk)
         blocks = tuple(
@@ -171,9 +178,9 @@ def keep(
             for k, block in enumerate(estimate.lines)
         )
         result = RunResult(
-            parameters=_parameter_rows(computed),
+            parameters=_build_parameters(computed),
             covariance=covariance,
-            fit=_fit(computed),
+            fit=_build_fit(computed),
             poles=tuple(
                 Pole(
                     real=pole.value.real,
@@ -198,7 +205,7 @@ def keep(
         )
 
 
-def _maneuver_data(
+def _prepare_maneuver(
     store: Store,
     maneuver: Maneuver,
     aircraft: Aircraft,
@@ -212,8 +219,8 @@ def _maneuver_data(
     measurement = read_measurement(store, maneuver, aircraft, inputs, outputs, settings.band_hz)
     fuel = maneuver.condition.fuel_fraction
     own = structure.modes
-    companions = companion_modes(modes, fuel, own, measurement.highest, len(outputs))
-    shapes = modes.table.at(fuel).select((*own, *companions))
+    out_of_band = select_out_of_band_modes(modes, fuel, own, measurement.max_omega, len(outputs))
+    shapes = modes.table.at(fuel).select((*own, *out_of_band))
     extended = build_model(aircraft, maneuver.condition, shapes, inputs, outputs)
     return ManeuverTask(maneuver.label, extended.with_modes(len(own)), extended, measurement)
 
@@ -224,26 +231,26 @@ def _check_names(
     structure: Structure,
     settings: RunSettings,
 ) -> tuple[str, ...]:
-    """Free parameters by name; what does not fit is refused before a worker finds out."""
+    """Return the names of the free parameters; a prior without a free parameter is refused."""
     empty = DerivativeTable.from_names(model.modes.numbers, model.inputs, {})
     delays = tuple(f"delay_{name}" for name in model.outputs) if structure.free_delays else ()
-    extras = tuple(dict.fromkeys((*delays, *structure.also_free)))
+    extras = tuple(dict.fromkeys((*delays, *structure.extra_parameters)))
     start = next(iter(starts.values()), empty)
     parameters = select_parameters(start, structure.free, model.outputs, extras, structure.fixed)
     for name in settings.priors:
         if name not in parameters.names:
             raise BadInput(
-                f"the prior of '{name}' has no free parameter to act on",
+                f"the prior of '{name}' has no free parameter; free it or remove the prior",
                 code="unknown-parameter",
                 name=name,
             )
     return parameters.names
 
 
-def _parameter_rows(computed: ComputedRun) -> tuple[ParameterEstimate, ...]:
+def _build_parameters(computed: ComputedRun) -> tuple[ParameterEstimate, ...]:
     estimate = computed.estimate
 
-    def why(name: str, error: float) -> str | None:
+    def explain_missing_error(name: str, error: float) -> str | None:
         if np.isfinite(error):
             return None
         if name in computed.at_limit:
@@ -258,15 +265,15 @@ def _parameter_rows(computed: ComputedRun) -> tuple[ParameterEstimate, ...]:
             start=float(start),
             cramer_rao=finite_or_none(quality.cramer_rao),
             insensitivity=finite_or_none(quality.insensitivity),
-            no_error=why(quality.name, quality.std_error),
+            no_error=explain_missing_error(quality.name, quality.std_error),
         )
         for quality, value, start in zip(
-            parameter_quality(estimate), estimate.values, estimate.start, strict=True
+            compute_parameter_quality(estimate), estimate.values, estimate.start, strict=True
         )
     )
 
 
-def _fit(computed: ComputedRun) -> Fit:
+def _build_fit(computed: ComputedRun) -> Fit:
     estimate = computed.estimate
     return Fit(
         outcome=estimate.outcome.value,
@@ -281,7 +288,7 @@ def _fit(computed: ComputedRun) -> Fit:
             for step in estimate.steps
         ),
         cost=estimate.steps[-1].cost if estimate.steps else None,
-        r_squared=_r_squared(estimate),
+        r_squared=_compute_r_squared(estimate),
         n_lines=sum(block.omega.size for block in estimate.lines),
         n_parameters=len(estimate.names),
         seconds=computed.seconds,
@@ -296,13 +303,13 @@ def _fit(computed: ComputedRun) -> Fit:
                 whiteness=quality.whiteness,
             )
             for block in estimate.lines
-            for quality in output_quality(block)
+            for quality in compute_output_fit(block)
         ),
     )
 
 
-def _r_squared(estimate: Estimate) -> dict[str, float]:
-    """Per output over all blocks: lines of several inputs count together."""
+def _compute_r_squared(estimate: Estimate) -> dict[str, float]:
+    """Compute R^2 per output over the frequencies of all blocks."""
     error: dict[str, float] = {}
     power: dict[str, float] = {}
     for block in estimate.lines:

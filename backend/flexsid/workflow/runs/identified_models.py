@@ -1,4 +1,4 @@
-"""The model that a run identified, put together again from what was kept."""
+"""The identified model of a run, rebuilt from its stored result."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyResponse
-from flexsid.workflow.model_structures.run_results import result_of
+from flexsid.workflow.model_structures.run_results import get_result
 from flexsid.workflow.runs.estimation import prepare
 
 
@@ -28,7 +28,7 @@ class IdentifiedModel:
     scales: np.ndarray
 
     def response(self, omega: np.ndarray) -> FrequencyResponse:
-        """Frequency responses, estimated delays and scale factors included."""
+        """Compute frequency responses with the estimated delays and scale factors."""
         values = self.model.response(self.derivatives, omega)
         sensed = self.scales * np.exp(-1j * np.outer(omega, self.delays))
         return FrequencyResponse(
@@ -36,24 +36,26 @@ class IdentifiedModel:
         )
 
 
-def identified(store: Store, run: EstimationRun, maneuver_id: int | None = None) -> IdentifiedModel:
-    """The estimate of a run at the condition of its maneuver, or of another one.
+def load_identified_model(
+    store: Store, run: EstimationRun, maneuver_id: int | None = None
+) -> IdentifiedModel:
+    """Build the identified model of a run at the condition of its maneuver or of another one.
 
     Raises
     ------
     Conflict
         If the run has no result.
     """
-    result_of(run)
-    alone = replace(run.settings, together_with=())
-    there = run.maneuver_id if maneuver_id is None else maneuver_id
-    task = prepare(store, replace(run, maneuver_id=there, settings=alone))
-    return identified_with(task.model, run)
+    get_result(run)
+    alone = replace(run.settings, additional_maneuver_ids=())
+    number = run.maneuver_id if maneuver_id is None else maneuver_id
+    task = prepare(store, replace(run, maneuver_id=number, settings=alone))
+    return build_identified_model(task.model, run)
 
 
-def identified_with(model: AeroelasticModel, run: EstimationRun) -> IdentifiedModel:
-    """The estimate of a run that succeeded, with the model that its task prepared."""
-    result = result_of(run)
+def build_identified_model(model: AeroelasticModel, run: EstimationRun) -> IdentifiedModel:
+    """Build the identified model of a run that succeeded from its prepared model."""
+    result = get_result(run)
     values = run.structure.fixed | result.held
     values |= {parameter.name: parameter.value for parameter in result.parameters}
     return IdentifiedModel(

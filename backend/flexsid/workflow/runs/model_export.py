@@ -1,4 +1,4 @@
-"""An identified model to be handed on: plain matrices with names, units and provenance."""
+"""Export of an identified model: matrices with names, units and provenance."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ import numpy as np
 from flexsid.nomenclature import describe
 from flexsid.records.run import Method
 from flexsid.storage.store import Store
-from flexsid.workflow.runs.identified_models import identified
+from flexsid.workflow.runs.identified_models import load_identified_model
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelExport:
     """The model of a run at the condition of its maneuver, in SI units and radians.
 
-    x' = A x + B u, y = C x + D u; a sensor reads ``scales`` times y, ``delays_s``
-    later. ``units`` names the unit of every state, input and output. Instruments
+    x' = A x + B u, y = C x + D u; a sensor measures ``scales`` times y with a
+    delay of ``delays_s``. ``units`` names the unit of every state, input and output. Instruments
     are not part of the model.
     """
 
@@ -45,7 +45,7 @@ class ModelExport:
 
 
 def export_model(store: Store, run_id: int) -> ModelExport:
-    """Put the model of a run together for other tools.
+    """Export the identified model of a run.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def export_model(store: Store, run_id: int) -> ModelExport:
         If the run has no result.
     """
     run = store.runs.get(run_id)
-    found = identified(store, run)
+    found = load_identified_model(store, run)
     system = found.model.state_space(found.derivatives)
     condition = found.model.condition
     names = (*system.states, *system.inputs, *system.outputs)
@@ -80,15 +80,15 @@ def export_model(store: Store, run_id: int) -> ModelExport:
     )
 
 
-def matlab_model(model: ModelExport) -> bytes:
-    """Write a MATLAB 5 file, whose variables ``ss`` of the Control System Toolbox takes.
+def write_matlab_model(model: ModelExport) -> bytes:
+    """Write a MATLAB 5 file with the arguments of ``ss`` of the Control System Toolbox.
 
     Notes
     -----
     In MATLAB: ``sys = ss(A, B, C, D, 'StateName', states, 'InputName', inputs,
     'OutputName', outputs, 'OutputDelay', delays_s)``.
     """
-    from scipy import io as files  # only where somebody wants MATLAB
+    from scipy import io as files  # imported for this format only
 
     content: dict[str, Any] = {
         name: np.array(getattr(model, name), dtype=float)
@@ -103,6 +103,6 @@ def matlab_model(model: ModelExport) -> bytes:
     content["derivatives"] = np.array(list(model.derivatives), dtype=object)
     content["values"] = np.array(list(model.derivatives.values()))
     content["method"] = str(model.method)
-    out: Any = io.BytesIO()  # which the stubs of savemat do not know
+    out: Any = io.BytesIO()  # the stubs of savemat accept no buffer
     files.savemat(out, content, oned_as="column")
     return out.getvalue()

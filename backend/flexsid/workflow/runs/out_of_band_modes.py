@@ -1,8 +1,8 @@
-"""Modes beyond the band: what a fit starts from, and where it must not end.
+"""Out-of-band modes: regularised start values, and poles that a fit moved into the band.
 
-The lines see little more of such a mode than its quasi-static response. Equation error
+The data contain little more of such a mode than its quasi-static response. Equation error
 then gives values that are mostly noise, and a fit that starts there may move the mode into
-the band, where it explains noise that all sensors share: likelier, and wrong.
+the band, where it fits noise common to all sensors: a higher likelihood, and a biased model.
 """
 
 from __future__ import annotations
@@ -16,34 +16,34 @@ from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.stability.poles import NamedPole
 
-_MOVED = 0.6  # of the frequency in vacuo: no airspeed lowers one so far
+_MOVED = 0.6  # of the frequency in vacuo: lower than at any airspeed of the data
 
 
-def calmed(
+def regularise_start(
     parameters: Parameters,
     values: Float[np.ndarray, " n_theta"],
-    beyond: Sequence[int],
+    out_of_band: Sequence[int],
     predicted: DerivativeTable | None,
 ) -> DerivativeTable:
-    """Table of values that noise did not set.
+    """Replace the derivatives of out-of-band modes by predicted or in-vacuo values.
 
     Parameters
     ----------
     parameters
         Derivatives only.
     values
-        Theirs, from equation error.
-    beyond
-        Places of the modes above the highest line.
+        Their values from equation error.
+    out_of_band
+        Indices of the modes above the highest frequency.
     predicted
-        Where their derivatives are taken from; without it they keep frequency and damping
-        that they have in vacuo.
+        Source of their derivatives; without it the modes have their frequency and damping
+        in vacuo.
     """
     n = len(parameters.base.modes)
     rows, columns = parameters.rows, parameters.columns
-    place = np.asarray(beyond, dtype=int)
-    own = np.isin(rows, 2 + place)
-    moved = np.isin(columns, np.r_[2 + place, 2 + n + place])
+    index = np.asarray(out_of_band, dtype=int)
+    own = np.isin(rows, 2 + index)
+    moved = np.isin(columns, np.r_[2 + index, 2 + n + index])
     elastic = (columns >= 2) & (columns < 2 + 2 * n)
     if predicted is None:
         table = np.where(moved | (own & elastic), 0.0, values)
@@ -52,33 +52,21 @@ def calmed(
     return parameters.table(table)
 
 
-def strayed(
+def find_moved_poles(
     poles: Sequence[NamedPole],
-    beyond: Sequence[tuple[str, float]],
-    highest: float,
+    out_of_band: Sequence[tuple[str, float]],
+    max_omega: float,
 ) -> tuple[NamedPole, ...]:
-    """Poles of modes above the band that a fit has moved into it.
+    """Find poles of out-of-band modes that a fit moved into the band.
 
     Parameters
     ----------
     poles
-        Of the identified model.
-    beyond
-        Name and frequency in vacuo of the modes above the highest line. [rad/s]
-    highest
-        Highest line. [rad/s]
+        Poles of the identified model.
+    out_of_band
+        Name and frequency in vacuo of the modes above the highest frequency. [rad/s]
+    max_omega
+        Highest frequency of the fit. [rad/s]
     """
-    limits = {name: min(highest, _MOVED * omega) for name, omega in beyond}
+    limits = {name: min(max_omega, _MOVED * omega) for name, omega in out_of_band}
     return tuple(p for p in poles if p.frequency < limits.get(p.name, 0.0))
-
-
-def remarks_on(poles: Sequence[NamedPole], highest: float) -> list[str]:
-    """What an analyst must know of modes that have strayed."""
-    lowest = {p.name: p.frequency for p in sorted(poles, key=lambda p: -p.frequency)}
-    return [
-        f"{name} lies above the highest line ({highest / 2 / np.pi:.3g} Hz), but its pole came out "
-        f"at {frequency / 2 / np.pi:.3g} Hz, where it explains noise or what the model lacks. "
-        "Derivatives and their standard errors mislead: leave the mode out, hold its derivatives, "
-        "or give them priors at a prediction."
-        for name, frequency in lowest.items()
-    ]

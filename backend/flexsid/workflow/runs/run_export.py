@@ -1,4 +1,4 @@
-"""Export: everything about a run in one value, to be handed on."""
+"""Export of a run with its maneuver, aircraft, covariance and fitted spectra."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from flexsid.workflow.model_structures.run_results import refuse_altered
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExportedLines:
-    """One set of lines that was fitted; rows by frequency, columns by output."""
+    """Fitted spectra of one block; rows by frequency, columns by output."""
 
     name: str
     outputs: tuple[str, ...]
@@ -29,7 +29,7 @@ class ExportedLines:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunExport:
-    """A run, what it rests on, and the arrays of its result as plain numbers.
+    """A run with its aircraft, flight and maneuver, and the arrays of its result as numbers.
 
     ``covariance`` is ordered as the parameters; both are None and empty until
     the run has succeeded.
@@ -44,7 +44,7 @@ class RunExport:
 
 
 def export_run(store: Store, run_id: int) -> RunExport:
-    """Gather a run with its maneuver, aircraft, covariance and fitted lines."""
+    """Export a run with its maneuver, aircraft, covariance and fitted spectra."""
     run = store.runs.get(run_id)
     refuse_altered(run)
     maneuver = store.maneuvers.get(run.maneuver_id)
@@ -55,11 +55,11 @@ def export_run(store: Store, run_id: int) -> RunExport:
         maneuver=maneuver,
         run=run,
         covariance=None if result is None else store.arrays.get(result.covariance).tolist(),
-        lines=[] if result is None else [_lines(store, block) for block in result.blocks],
+        lines=[] if result is None else [_export_block(store, block) for block in result.blocks],
     )
 
 
-def _lines(store: Store, block: FitBlock) -> ExportedLines:
+def _export_block(store: Store, block: FitBlock) -> ExportedLines:
     arrays = store.arrays.get_many(block.arrays.values())
     measured, fitted = arrays[block.arrays["measured"]], arrays[block.arrays["fitted"]]
     return ExportedLines(

@@ -1,4 +1,4 @@
-"""Run proposal: the model structure and band that suit a maneuver, and the reasons."""
+"""Proposal of a model structure and band for a maneuver, with the reasons."""
 
 from __future__ import annotations
 
@@ -17,65 +17,65 @@ from flexsid.records.run_proposal import ModeInBand, RunProposal
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.derivatives import DerivativeTable, derivative_names
+from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.sensors import SensorRows
-from flexsid.sysid.stability.poles import NamedPole, named_poles
-from flexsid.workflow.aircraft.aircraft_models import flight_condition
+from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
+from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
 from flexsid.workflow.aircraft.derivative_predictions import (
-    best_prediction,
-    predicted_modes,
-    prediction_at,
+    interpolate_prediction,
+    list_predicted_modes,
+    select_prediction,
 )
 from flexsid.workflow.aircraft.longitudinal import require_longitudinal
-from flexsid.workflow.measurements.recording import SpectrumFrequencies, maneuver_lines
-from flexsid.workflow.measurements.sensor_responses import moved_band
+from flexsid.workflow.measurements.recording import SpectrumFrequencies, select_frequencies
+from flexsid.workflow.measurements.sensor_responses import find_excited_band
 from flexsid.workflow.modal_data.aligned_modes import AircraftModes, find_modal_tables, load_modes
-from flexsid.workflow.model_structures.baselines import Baseline, baseline_of, baseline_of_run
-from flexsid.workflow.runs.estimation import inputs_and_outputs
+from flexsid.workflow.model_structures.baselines import Baseline, find_baseline, require_baseline
+from flexsid.workflow.runs.estimation import select_inputs_and_outputs
 
-JUST_ABOVE = 2.5
-"""Modes up to this multiple of the highest excited frequency are listed too."""
+LISTED_BAND_RATIO = 2.5
+"""Modes up to this multiple of the highest excited frequency are listed."""
 
-_LEAST_LINES = 3.0
-"""Excited frequencies per parameter of one equation, below which estimates rest on few of them."""
+_MIN_FREQUENCIES_PER_PARAMETER = 3.0
+"""Excited frequencies per parameter of one equation; fewer raise a warning."""
 
-_RESOLVED = 2.0
-"""Frequencies wanted within the half-power bandwidth of a mode, to know its damping."""
+_MIN_FREQUENCIES_IN_RESONANCE = 2.0
+"""Frequencies within the half-power bandwidth of a mode that resolve its damping."""
 
-_OF_RUNS = 50  # newest runs among which one with a saved structure is looked for
+_SEARCHED_RUNS = 50  # newest runs that are searched for a saved model structure
 
 
 @dataclass(frozen=True, slots=True)
-class _Found:
-    """What proposals look at: a maneuver's lines, and the modes about their band."""
+class _BandAndModes:
+    """Excited frequencies of a maneuver and the modes near their band."""
 
     maneuver: Maneuver
     aircraft: Aircraft
-    lines: SpectrumFrequencies
+    frequencies: SpectrumFrequencies
     modes: tuple[ModeInBand, ...]
 
     @property
     def band_hz(self) -> tuple[float, float]:
-        hz = self.lines.omega / (2.0 * np.pi)
+        hz = self.frequencies.omega / (2.0 * np.pi)
         return float(hz.min()), float(hz.max())
 
 
 def propose_run(
     store: Store, maneuver_ids: Sequence[int], band_hz: tuple[float, float] | None = None
 ) -> RunProposal:
-    """Propose a run of a maneuver, or of several that are fitted together.
+    """Propose a run of one maneuver, or of several that are fitted together.
 
-    It takes the structure that was approved for the condition; else the saved one that the
+    The model structure is the one approved for the condition; else the saved one that the
     newest successful run of this flight test aid used; else the symmetric modes whose resonance,
-    in vacuo or as predicted in air, ends below the highest excited frequency. It ends a
-    half-power bandwidth above its frequency: with less the data hold one flank of it alone.
+    in vacuo or predicted in air, ends below the highest excited frequency. A resonance ends a
+    half-power bandwidth above its frequency: with less the data contain only one flank of it.
 
     Parameters
     ----------
     store, maneuver_ids
-        The first maneuver is proposed for; the others are fitted together with it.
+        The proposal is for the first maneuver; the others are fitted together with it.
     band_hz
-        Limits that the analyst gave; all that was excited by default.
+        Limits given by the analyst; the excited band by default. [Hz]
 
     Raises
     ------
@@ -83,38 +83,41 @@ def propose_run(
         If a maneuver is not longitudinal, was not flown, or baselines differ.
     """
     with store.reading():
-        return _proposed(store, tuple(maneuver_ids), band_hz)
+        return _propose(store, tuple(maneuver_ids), band_hz)
 
 
-def _proposed(
+def _propose(
     store: Store, maneuver_ids: tuple[int, ...], band_hz: tuple[float, float] | None
 ) -> RunProposal:
     maneuvers = [store.maneuvers.get(number) for number in maneuver_ids]
     for maneuver in maneuvers:
         require_longitudinal(maneuver)
-    # Together they know what the widest of their bands shows.
+    # The maneuver with the highest excited frequency determines the modes in the band.
     found = max(
-        (_look(store, maneuver, band_hz) for maneuver in maneuvers), key=lambda one: one.band_hz[1]
+        (_read_band_and_modes(store, maneuver, band_hz) for maneuver in maneuvers),
+        key=lambda one: one.band_hz[1],
     )
     first, settings = maneuvers[0], RunSettings()
     if band_hz is not None or first.excitation is None:
         settings = replace(settings, band_hz=found.band_hz)
-    structure, basis = _structure(store, maneuver_ids, first, found)
+    structure, basis = _select_structure(store, maneuver_ids, first, found)
     aircraft = found.aircraft
-    inputs, outputs = inputs_and_outputs(store, first, aircraft, structure)
+    inputs, outputs = select_inputs_and_outputs(store, first, aircraft, structure)
     if not structure.inputs and first.excitation is not None:
         excited = tuple(name for name in inputs if first.excitation.harmonics.get(name))
         if excited and excited != inputs and basis.source is ProposalSource.BAND:
             inputs, structure = excited, replace(structure, inputs=excited)
     modes = tuple(replace(m, proposed=m.number in structure.modes) for m in found.modes)
     names = tuple(output.name for output in outputs)
-    return _described(first, structure, settings, basis, inputs, names, modes, found)
+    return _describe_proposal(first, structure, settings, basis, inputs, names, modes, found)
 
 
-def with_proposal(store: Store, run: EstimationRun) -> EstimationRun:
-    """A run with the structure, and where none was given the band, that are proposed for it."""
+def apply_proposal(store: Store, run: EstimationRun) -> EstimationRun:
+    """Replace the model structure of a run, and an open band, by the proposed ones."""
     settings = run.settings
-    found = propose_run(store, (run.maneuver_id, *settings.together_with), settings.band_hz)
+    found = propose_run(
+        store, (run.maneuver_id, *settings.additional_maneuver_ids), settings.band_hz
+    )
     basis = found.basis
     return replace(
         run,
@@ -126,35 +129,41 @@ def with_proposal(store: Store, run: EstimationRun) -> EstimationRun:
     )
 
 
-def with_basis(store: Store, run: EstimationRun) -> EstimationRun:
-    """A run that was described in full, with what the proposal rests on where it follows it."""
+def attach_proposal_basis(store: Store, run: EstimationRun) -> EstimationRun:
+    """Add the basis of the proposal to a run whose model structure equals the proposed one."""
     settings = run.settings
     try:
-        found = propose_run(store, (run.maneuver_id, *settings.together_with), settings.band_hz)
-    except BadInput:  # the run itself will be refused with it, or needs no proposal
+        found = propose_run(
+            store, (run.maneuver_id, *settings.additional_maneuver_ids), settings.band_hz
+        )
+    except BadInput:  # raised again when the run is prepared, or no proposal is needed
         return run
     same = found.structure == run.structure and found.basis.structure_id == run.structure_id
     return replace(run, proposal=found.basis if same else None)
 
 
-def _look(store: Store, maneuver: Maneuver, band_hz: tuple[float, float] | None) -> _Found:
+def _read_band_and_modes(
+    store: Store, maneuver: Maneuver, band_hz: tuple[float, float] | None
+) -> _BandAndModes:
     aircraft = store.aircraft.get(maneuver.aircraft_id)
-    flight_condition(aircraft, maneuver.condition)  # refuses what was not flown
+    build_flight_condition(aircraft, maneuver.condition)  # refuses ground records
     if maneuver.excitation is None and band_hz is None:
-        band_hz = moved_band(store, maneuver, aircraft)
-    lines = maneuver_lines(maneuver, band_hz)
-    top_hz = float(lines.omega.max()) / (2.0 * np.pi)
-    return _Found(maneuver, aircraft, lines, _modes_about(store, maneuver, aircraft, top_hz))
+        band_hz = find_excited_band(store, maneuver, aircraft)
+    frequencies = select_frequencies(maneuver, band_hz)
+    top_hz = float(frequencies.omega.max()) / (2.0 * np.pi)
+    return _BandAndModes(
+        maneuver, aircraft, frequencies, _find_modes_near_band(store, maneuver, aircraft, top_hz)
+    )
 
 
-def _structure(
-    store: Store, maneuver_ids: tuple[int, ...], first: Maneuver, found: _Found
+def _select_structure(
+    store: Store, maneuver_ids: tuple[int, ...], first: Maneuver, found: _BandAndModes
 ) -> tuple[Structure, ProposalBasis]:
     low, high = found.band_hz
     excited = f"{low:.3g} to {high:.3g} Hz were excited"
-    baselines = [baseline_of(store, store.maneuvers.get(number)) for number in maneuver_ids]
+    baselines = [find_baseline(store, store.maneuvers.get(number)) for number in maneuver_ids]
     if any(one is not None for one in baselines):
-        approved: Baseline = baseline_of_run(store, maneuver_ids)
+        approved: Baseline = require_baseline(store, maneuver_ids)
         version = approved.structure
         reasons = (f"'{approved.title}' was approved for this condition.", f"{excited}.")
         return version.structure, ProposalBasis(
@@ -165,7 +174,7 @@ def _structure(
             structure_id=version.structure_id,
             structure_version=version.version,
         )
-    saved = _saved(store, first)
+    saved = _find_saved_structure(store, first)
     if saved is not None:
         structure, basis = saved
         return structure, replace(
@@ -176,27 +185,29 @@ def _structure(
     reasons = [
         f"{excited}; "
         + (
-            f"{', '.join(_placed(mode) for mode in inside)} "
+            f"{', '.join(_describe_mode(mode) for mode in inside)} "
             f"{'ends' if len(inside) == 1 else 'end'} below its upper limit."
             if inside
             else "no symmetric mode ends below its upper limit: the model is rigid."
         )
     ]
     if above is not None:
-        reasons.append(f"{_placed(above)} lies at that limit or above it and is left out.")
+        reasons.append(f"{_describe_mode(above)} lies at that limit or above it and is omitted.")
     return Structure(modes=tuple(mode.number for mode in inside), fixed={}), ProposalBasis(
         source=ProposalSource.BAND, reasons=tuple(reasons), band_hz=found.band_hz
     )
 
 
-def _placed(mode: ModeInBand) -> str:
+def _describe_mode(mode: ModeInBand) -> str:
     if mode.air_frequency_hz is None:
         return f"{mode.name} ({mode.frequency_hz:.3g} Hz in vacuo)"
     return f"{mode.name} ({mode.frequency_hz:.3g} Hz in vacuo, {mode.air_frequency_hz:.3g} in air)"
 
 
-def _saved(store: Store, maneuver: Maneuver) -> tuple[Structure, ProposalBasis] | None:
-    """The saved structure of the newest successful run of the maneuver's flight test aid."""
+def _find_saved_structure(
+    store: Store, maneuver: Maneuver
+) -> tuple[Structure, ProposalBasis] | None:
+    """Find the saved model structure of the newest successful run of the same FTA."""
     if maneuver.fta is None:
         return None
     page = store.run_page(
@@ -204,7 +215,7 @@ def _saved(store: Store, maneuver: Maneuver) -> tuple[Structure, ProposalBasis] 
         fta=maneuver.fta,
         state=RunState.SUCCEEDED,
         sort="-id",
-        limit=_OF_RUNS,
+        limit=_SEARCHED_RUNS,
         after=None,
     )
     for item in page.items:
@@ -224,17 +235,17 @@ def _saved(store: Store, maneuver: Maneuver) -> tuple[Structure, ProposalBasis] 
     return None
 
 
-def _modes_about(
+def _find_modes_near_band(
     store: Store, maneuver: Maneuver, aircraft: Aircraft, top_hz: float
 ) -> tuple[ModeInBand, ...]:
-    """Symmetric modes in the band and just above it, lowest first; none without a table."""
+    """Find symmetric modes in the band and just above it, lowest first; none without a table."""
     try:
         tables = find_modal_tables(store, maneuver.aircraft_id, None, None)
     except BadInput:
         return ()
     known = load_modes(store, *tables)
     at_fuel = known.table.at(maneuver.condition.fuel_fraction)
-    air = _in_air(store, maneuver, aircraft, known)
+    air = _compute_poles_in_air(store, maneuver, aircraft, known)
     found = []
     for number, omega, zeta in zip(at_fuel.numbers, at_fuel.omega, at_fuel.zeta, strict=True):
         if not known.symmetric[number]:
@@ -258,35 +269,39 @@ def _modes_about(
             )
         )
     found.sort(key=lambda mode: mode.frequency_hz)
-    near = [mode for mode in found if mode.in_band or mode.frequency_hz <= JUST_ABOVE * top_hz]
+    near = [
+        mode for mode in found if mode.in_band or mode.frequency_hz <= LISTED_BAND_RATIO * top_hz
+    ]
     return tuple(near or found[:1])
 
 
-def _in_air(
+def _compute_poles_in_air(
     store: Store, maneuver: Maneuver, aircraft: Aircraft, known: AircraftModes
 ) -> dict[int, NamedPole]:
-    """Poles of the symmetric modes that a prediction covers, at the maneuver's condition."""
+    """Compute the poles of the symmetric modes that a prediction covers, at the condition."""
     symmetric = tuple(n for n in known.table.numbers if known.symmetric[n])
-    prediction = best_prediction(store, maneuver.aircraft_id, None, symmetric, ())
+    prediction = select_prediction(store, maneuver.aircraft_id, None, symmetric, ())
     if prediction is None:
         return {}
-    covered = predicted_modes(prediction, symmetric)
+    covered = list_predicted_modes(prediction, symmetric)
     fuel = maneuver.condition.fuel_fraction
-    values = {name: value for name, (value, _) in prediction_at(store, prediction, fuel).items()}
-    if not set(derivative_names(covered, ())) <= set(values):
+    values = {
+        name: value for name, (value, _) in interpolate_prediction(store, prediction, fuel).items()
+    }
+    if not set(list_derivative_names(covered, ())) <= set(values):
         return {}
     table = DerivativeTable.from_names(covered, (), values)
     blind = SensorRows((), np.zeros((4, 0, 2 + len(covered))))
-    condition = flight_condition(aircraft, maneuver.condition)
+    condition = build_flight_condition(aircraft, maneuver.condition)
     model = AeroelasticModel(condition, known.table.at(fuel).select(covered), (), blind)
     exact = select_parameters(table, ("CZ_alpha",), ())  # its covariance is zero
     names = tuple(known.names[number] for number in covered)
-    poles = named_poles(model, exact, exact.start, np.zeros((1, 1)), names)
+    poles = compute_named_poles(model, exact, exact.start, np.zeros((1, 1)), names)
     numbers = dict(zip(names, covered, strict=True))
     return {numbers[p.name]: p for p in poles if p.name in numbers and p.value.imag > 0.0}
 
 
-def _described(
+def _describe_proposal(
     maneuver: Maneuver,
     structure: Structure,
     settings: RunSettings,
@@ -294,39 +309,44 @@ def _described(
     inputs: tuple[str, ...],
     outputs: tuple[str, ...],
     modes: tuple[ModeInBand, ...],
-    found: _Found,
+    found: _BandAndModes,
 ) -> RunProposal:
-    names = derivative_names(structure.modes, inputs)
+    names = list_derivative_names(structure.modes, inputs)
     held = {*structure.absent, *structure.fixed, *structure.fixed_to}
     free = [n for n in (names if structure.free is None else structure.free) if n not in held]
-    n_parameters = len(free) + len(structure.also_free)
-    lines = found.lines
-    n_lines = int(lines.omega.size)
-    widest = max((sum(n.startswith(f"{row}_") for n in free) for row in _rows(free)), default=0)
+    n_parameters = len(free) + len(structure.extra_parameters)
+    frequencies = found.frequencies
+    n_lines = int(frequencies.omega.size)
+    widest = max(
+        (sum(n.startswith(f"{row}_") for n in free) for row in _list_coefficients(free)), default=0
+    )
     per_parameter = n_lines / widest if widest else float(n_lines)
-    spacing = np.diff(np.unique(lines.omega)) / (2.0 * np.pi)
+    spacing = np.diff(np.unique(frequencies.omega)) / (2.0 * np.pi)
     resolution = float(np.median(spacing)) if spacing.size else 1.0 / maneuver.duration_s
-    owners = {name: int(np.sum(lines.owner == k)) for k, name in enumerate(lines.inputs)}
+    assigned_inputs = {
+        name: int(np.sum(frequencies.assigned_input == k))
+        for k, name in enumerate(frequencies.inputs)
+    }
     missing = tuple(n for n in structure.modes if not any(m.number == n for m in modes))
     warnings = [
-        f"{_placed(mode)} lies above the highest excited frequency ({basis.band_hz[1]:.3g} Hz): "
-        "the data hold little of its dynamics."
+        f"{_describe_mode(mode)} lies above the highest excited frequency ({basis.band_hz[1]:.3g} "
+        "Hz): the data contain little of its dynamics."
         for mode in modes
         if mode.proposed and not mode.in_band
     ]
     warnings += [
         f"Mode {number} lies far above the excited band." for number in missing if found.modes
     ]
-    if per_parameter < _LEAST_LINES:
+    if per_parameter < _MIN_FREQUENCIES_PER_PARAMETER:
         warnings.append(
-            f"{n_lines} excited frequencies for the {widest} parameters of one equation: leave "
-            "out inputs or modes, or fit several maneuvers together."
+            f"{n_lines} excited frequencies for the {widest} parameters of one equation: omit "
+            "inputs or modes, or fit several maneuvers together."
         )
     warnings += [
         f"Frequencies are {resolution:.3g} Hz apart, and {mode.name} is {mode.half_power_hz:.3g} "
-        "Hz wide at half power: its damping rests on few of them."
+        "Hz wide at half power: its damping is determined by few of them."
         for mode in modes
-        if mode.proposed and mode.half_power_hz < _RESOLVED * resolution
+        if mode.proposed and mode.half_power_hz < _MIN_FREQUENCIES_IN_RESONANCE * resolution
     ]
     return RunProposal(
         maneuver_id=maneuver.id or 0,
@@ -338,13 +358,13 @@ def _described(
         modes=modes,
         n_parameters=n_parameters,
         n_lines=n_lines,
-        lines_per_input={name: owners.get(name, n_lines) for name in inputs},
+        lines_per_input={name: assigned_inputs.get(name, n_lines) for name in inputs},
         lines_per_parameter=per_parameter,
         resolution_hz=resolution,
         warnings=tuple(warnings),
     )
 
 
-def _rows(free: Sequence[str]) -> set[str]:
-    """Coefficients that have free derivatives."""
+def _list_coefficients(free: Sequence[str]) -> set[str]:
+    """List the coefficients that have free derivatives."""
     return {name.split("_", 1)[0] for name in free}

@@ -1,4 +1,4 @@
-"""Starts: the tables that an iteration starts from, and the priors that hold it."""
+"""Start tables of an iterative estimation, and its priors."""
 
 from __future__ import annotations
 
@@ -10,33 +10,36 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.prediction import DerivativePrediction
 from flexsid.records.run import EstimationRun, RunSettings, Start
 from flexsid.storage.store import Store
-from flexsid.sysid.model.derivatives import DerivativeTable, derivative_names
+from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.reduction import residualize
-from flexsid.workflow.aircraft.aircraft_models import flight_condition
-from flexsid.workflow.aircraft.derivative_predictions import predicted_modes, prediction_at
+from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
+from flexsid.workflow.aircraft.derivative_predictions import (
+    interpolate_prediction,
+    list_predicted_modes,
+)
 from flexsid.workflow.modal_data.aligned_modes import AircraftModes
 from flexsid.workflow.model_structures.run_results import refuse_altered
 
-RESIDUALIZED = "residualized"  # of a starting table that other modes were folded into
-_SPREADS = (1e-100, 1e100)  # of priors: their squares are numbers, too
+RESIDUALIZED = "residualized"  # suffix of a start table with residualised modes
+_SPREADS = (1e-100, 1e100)  # of priors: their squares are finite
 
 
 def is_residualized(name: str) -> bool:
-    """Whether a starting table had other modes folded into it."""
+    """Whether a start table contains residualised modes."""
     return name.endswith(RESIDUALIZED)
 
 
-def starting_tables(
+def select_starting_tables(
     store: Store,
     run: EstimationRun,
     predicted: dict[str, DerivativeTable],
     inputs: tuple[str, ...],
 ) -> dict[str, DerivativeTable]:
-    """Starting tables of the kind asked for; held derivatives take their values from them too."""
+    """Select the start tables of the requested kind; they also supply held derivatives."""
     start = run.settings.start
     if start is Start.RUN:
         name = f"run {run.settings.start_run_id}"
-        return {name: _of_run(store, run, run.structure.modes, inputs)}
+        return {name: _read_start_of_run(store, run, run.structure.modes, inputs)}
     residualized = {n: t for n, t in predicted.items() if is_residualized(n)}
     if start is Start.RESIDUALIZED_PREDICTION:
         return residualized
@@ -48,8 +51,8 @@ def starting_tables(
     return first
 
 
-def _of_run(
-    store: Store, run: EstimationRun, wanted: tuple[int, ...], inputs: tuple[str, ...]
+def _read_start_of_run(
+    store: Store, run: EstimationRun, numbers: tuple[int, ...], inputs: tuple[str, ...]
 ) -> DerivativeTable:
     number = run.settings.start_run_id
     if number is None:
@@ -64,10 +67,10 @@ def _of_run(
         )
     values = other.structure.fixed | other.result.held
     values |= {p.name: p.value for p in other.result.parameters}
-    return DerivativeTable.from_names(wanted, inputs, values)
+    return DerivativeTable.from_names(numbers, inputs, values)
 
 
-def predicted_tables(
+def build_predicted_tables(
     store: Store,
     prediction: DerivativePrediction | None,
     run: EstimationRun,
@@ -76,45 +79,47 @@ def predicted_tables(
     modes: AircraftModes,
     inputs: tuple[str, ...],
 ) -> dict[str, DerivativeTable]:
-    """The prediction residualised, where it covers the model, and as it is."""
-    wanted = run.structure.modes
+    """Build tables of a prediction: residualised where it covers the model, and unchanged."""
+    numbers = run.structure.modes
     if prediction is None:
         return {}
     fuel = maneuver.condition.fuel_fraction
-    values = {name: value for name, (value, _) in prediction_at(store, prediction, fuel).items()}
-    covered = predicted_modes(prediction, modes.table.numbers)
-    plain = DerivativeTable.from_names(wanted, inputs, values)
-    if not set(derivative_names(wanted, inputs)) <= set(values):
-        return {prediction.source: plain} if set(wanted) <= set(covered) else {}
+    values = {
+        name: value for name, (value, _) in interpolate_prediction(store, prediction, fuel).items()
+    }
+    covered = list_predicted_modes(prediction, modes.table.numbers)
+    plain = DerivativeTable.from_names(numbers, inputs, values)
+    if not set(list_derivative_names(numbers, inputs)) <= set(values):
+        return {prediction.source: plain} if set(numbers) <= set(covered) else {}
     full = DerivativeTable.from_names(covered, inputs, values)
-    condition = flight_condition(aircraft, maneuver.condition)
-    reduced = residualize(full, modes.table.at(fuel), condition, wanted)
+    condition = build_flight_condition(aircraft, maneuver.condition)
+    reduced = residualize(full, modes.table.at(fuel), condition, numbers)
     return {f"{prediction.source}, {RESIDUALIZED}": reduced, prediction.source: plain}
 
 
-def priors_of(
+def collect_priors(
     predicted: dict[str, DerivativeTable], free: tuple[str, ...], settings: RunSettings
 ) -> dict[str, tuple[float, float]]:
-    """Priors given by name, and by the prediction where a spread was asked for.
+    """Collect the priors given by name, and those of the prediction if a spread is requested.
 
     Raises
     ------
     BadInput
-        If one has no usable standard deviation.
+        If a prior has no usable standard deviation.
     """
-    priors = _priors_of(predicted, free, settings)
+    priors = _collect_priors(predicted, free, settings)
     for name, (_, spread) in priors.items():
         if not _SPREADS[0] < spread < _SPREADS[1]:
             raise BadInput(
-                f"the prior of '{name}' has a standard deviation of {spread:g}; give one that "
-                "says how far the parameter may be off",
+                f"the prior of '{name}' has a standard deviation of {spread:g}; give "
+                "the uncertainty of the parameter",
                 code="bad-prior",
                 name=name,
             )
     return priors
 
 
-def _priors_of(
+def _collect_priors(
     predicted: dict[str, DerivativeTable], free: tuple[str, ...], settings: RunSettings
 ) -> dict[str, tuple[float, float]]:
     spread = settings.prior_spread
@@ -122,7 +127,7 @@ def _priors_of(
         return dict(settings.priors)
     if not spread > 0.0:
         raise BadInput(
-            f"a prior spread of {spread:g} is no share of a derivative; give one above zero",
+            f"a prior spread of {spread:g} is no fraction of a derivative; give one above zero",
             code="bad-prior",
         )
     if not predicted:

@@ -1,4 +1,4 @@
-"""Searching: a search for structure from request to result, and its candidates as runs."""
+"""Model structure searches from request to result, and runs of their candidates."""
 
 from __future__ import annotations
 
@@ -15,36 +15,36 @@ from flexsid.records.search import SearchCandidate, SearchResult, StructureSearc
 from flexsid.storage import batches
 from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.store import Store
-from flexsid.workflow.measurements.recording import trim_removed
-from flexsid.workflow.measurements.transforms import load_channels
+from flexsid.workflow.measurements.maneuver_spectra import load_channels
+from flexsid.workflow.measurements.recording import remove_trim
 from flexsid.workflow.model_structures.model_structures import check_structure
-from flexsid.workflow.runs.computation import EstimationTask, versions
+from flexsid.workflow.runs.computation import EstimationTask, read_versions
 from flexsid.workflow.runs.estimation import prepare as prepare_run
-from flexsid.workflow.runs.run_identity import identified
-from flexsid.workflow.structure_determination.computation import search
+from flexsid.workflow.runs.run_identity import add_hashes
+from flexsid.workflow.structure_determination.computation import compute_search
 from flexsid.workflow.structure_determination.task import (
     SearchTask,
+    build_thresholds,
     check_same_candidates,
-    thresholds_of,
 )
 
-__all__ = ["candidate_of", "open_as_run", "prepare_search", "search"]
+__all__ = ["compute_search", "create_candidate_run", "get_candidate", "prepare_search"]
 
 ENDED = (RunState.SUCCEEDED, RunState.FAILED, RunState.CANCELLED)
 _END_S = 0.5
-_STILL_MOVING = 0.02  # of the largest motion
+_UNDECAYED = 0.02  # of the largest motion
 
 
-def prepare_search(store: Store, wanted: StructureSearch) -> SearchTask:
-    """Read all that a search needs.
+def prepare_search(store: Store, request: StructureSearch) -> SearchTask:
+    """Read everything that a search needs.
 
     Raises
     ------
     BadInput
         If there is no maneuver, one is named twice, they do not share candidates, or the
-        structure does not fit one of them.
+        model structure does not fit one of them.
     """
-    ids, unseen = wanted.maneuver_ids, wanted.settings.validate_on
+    ids, unseen = request.maneuver_ids, request.settings.validate_on
     if not ids:
         raise BadInput("a search needs at least one maneuver", code="no-maneuver")
     if len(set(ids)) < len(ids):
@@ -52,31 +52,31 @@ def prepare_search(store: Store, wanted: StructureSearch) -> SearchTask:
     both = sorted(set(ids) & set(unseen))
     if both:
         raise BadInput(
-            f"maneuver {both[0]} is searched and kept out for validation; choose one of the two",
+            f"maneuver {both[0]} is used for the search and for validation; use it for one of them",
             code="not-unseen",
             maneuver_id=both[0],
         )
     aircraft = store.aircraft.get(store.maneuvers.get(ids[0]).aircraft_id)
-    check_structure(store, aircraft, wanted.structure)
-    tasks = tuple(_task(store, wanted, number) for number in ids)
-    others = tuple(_task(store, wanted, number) for number in unseen)
+    check_structure(store, aircraft, request.structure)
+    tasks = tuple(_prepare_maneuver(store, request, number) for number in ids)
+    others = tuple(_prepare_maneuver(store, request, number) for number in unseen)
     check_same_candidates((*tasks, *others))
-    thresholds_of(wanted.settings)
+    build_thresholds(request.settings)
     return SearchTask(
-        method=wanted.method,
-        settings=wanted.settings,
-        structure=wanted.structure,
+        method=request.method,
+        settings=request.settings,
+        structure=request.structure,
         maneuvers=tasks,
         unseen=others,
         warnings=(
             *dict.fromkeys(warning for task in tasks for warning in task.warnings),
-            *_still_moving(store, wanted, tasks),
+            *_warn_of_undecayed_motion(store, request, tasks),
         ),
     )
 
 
-def add_search(store: Store, wanted: StructureSearch) -> StructureSearch:
-    """Keep a request, refused at once if it cannot be carried out.
+def add_search(store: Store, request: StructureSearch) -> StructureSearch:
+    """Store a search request; an invalid one is refused.
 
     Raises
     ------
@@ -85,53 +85,53 @@ def add_search(store: Store, wanted: StructureSearch) -> StructureSearch:
     Conflict
         If a maneuver was deleted.
     """
-    refuse_deleted(store, (*wanted.maneuver_ids, *wanted.settings.validate_on))
-    prepare_search(store, wanted)
-    return store.searches.add(replace(wanted, state=RunState.QUEUED))
+    refuse_deleted(store, (*request.maneuver_ids, *request.settings.validate_on))
+    prepare_search(store, request)
+    return store.searches.add(replace(request, state=RunState.QUEUED))
 
 
-def carry_out_search(
+def run_search(
     store: Store, search_id: int, compute: Callable[[SearchTask], SearchResult]
 ) -> StructureSearch:
-    """Carry out a search that waits, and keep what came out; one that has ended stays so.
+    """Run a queued search and store its result; one that has ended is returned unchanged.
 
-    What is wrong with it, or with the software, ends it as failed; what ``compute`` raises
-    otherwise (``Cancelled``, an interrupt) is passed on.
+    An error of the request or the software ends it as failed; other exceptions of ``compute``
+    (``Cancelled``, an interrupt) are raised.
     """
-    wanted = _passed(store, search_id, state=RunState.RUNNING, progress=None)
-    if wanted.state is not RunState.RUNNING:
-        return wanted
+    request = _update_search(store, search_id, state=RunState.RUNNING, progress=None)
+    if request.state is not RunState.RUNNING:
+        return request
     try:
-        result = compute(prepare_search(store, wanted))
+        result = compute(prepare_search(store, request))
     except (Cancelled, KeyboardInterrupt):
-        _passed(store, search_id, state=RunState.CANCELLED, finished_at=datetime.now(UTC))
+        _update_search(store, search_id, state=RunState.CANCELLED, finished_at=datetime.now(UTC))
         raise
     except FlexsidError as error:
         return fail_search(store, search_id, error.code, error.message)
-    return _passed(
+    return _update_search(
         store,
         search_id,
         state=RunState.SUCCEEDED,
         result=result,
-        versions=versions(),
+        versions=read_versions(),
         finished_at=datetime.now(UTC),
     )
 
 
 def fail_search(store: Store, search_id: int, code: str, message: str) -> StructureSearch:
-    """End a search with the reason why."""
+    """End a search as failed with an error."""
     error = {"code": code, "message": message}
     now = datetime.now(UTC)
-    return _passed(store, search_id, state=RunState.FAILED, error=error, finished_at=now)
+    return _update_search(store, search_id, state=RunState.FAILED, error=error, finished_at=now)
 
 
 def cancel_search(store: Store, search_id: int) -> StructureSearch:
-    """Stop a search that has not ended.
+    """Cancel a search that has not ended.
 
     Raises
     ------
     Conflict
-        If it has.
+        If it has ended.
     """
     before = store.searches.get(search_id)
     if before.state in ENDED:
@@ -139,16 +139,16 @@ def cancel_search(store: Store, search_id: int) -> StructureSearch:
             f"search {search_id} has {before.state.value} already; there is nothing to cancel",
             code="search-ended",
         )
-    return _passed(store, search_id, state=RunState.CANCELLED, finished_at=datetime.now(UTC))
+    return _update_search(store, search_id, state=RunState.CANCELLED, finished_at=datetime.now(UTC))
 
 
-def note_progress(store: Store, search_id: int, progress: Progress) -> bool:
-    """Write how far a search is; False where it has ended, e.g. by being cancelled."""
-    return _passed(store, search_id, progress=progress).state is RunState.RUNNING
+def store_progress(store: Store, search_id: int, progress: Progress) -> bool:
+    """Store the progress of a search; False if it has ended, e.g. by cancellation."""
+    return _update_search(store, search_id, progress=progress).state is RunState.RUNNING
 
 
-def _passed(store: Store, search_id: int, **changes: Any) -> StructureSearch:
-    """Change a search that has not ended, in one transaction."""
+def _update_search(store: Store, search_id: int, **changes: Any) -> StructureSearch:
+    """Update a search that has not ended, in one transaction."""
     with store.transaction():
         found = store.searches.get(search_id)
         if found.state in ENDED:
@@ -156,8 +156,8 @@ def _passed(store: Store, search_id: int, **changes: Any) -> StructureSearch:
         return store.searches.replace(replace(found, **changes))
 
 
-def group_of(store: Store, search_id: int, name: str | None) -> TermGroup:
-    """Terms that a finished search looked at together, by name; the first by default.
+def get_group(store: Store, search_id: int, name: str | None) -> TermGroup:
+    """Return a group of terms of a finished search by name; the first by default.
 
     Raises
     ------
@@ -169,7 +169,7 @@ def group_of(store: Store, search_id: int, name: str | None) -> TermGroup:
     found = store.searches.get(search_id)
     if found.result is None:
         raise Conflict(
-            f"search {search_id} is {found.state.value} and has found nothing yet",
+            f"search {search_id} is {found.state.value} and has no result yet",
             code="search-without-result",
         )
     for group in found.result.groups:
@@ -179,8 +179,8 @@ def group_of(store: Store, search_id: int, name: str | None) -> TermGroup:
     raise UnknownRecord(f"search {search_id} has no '{name}'; it has {names}")
 
 
-def candidate_of(wanted: StructureSearch, number: int) -> SearchCandidate:
-    """One candidate of a finished search, by its place.
+def get_candidate(request: StructureSearch, number: int) -> SearchCandidate:
+    """Return a candidate of a finished search by its index.
 
     Raises
     ------
@@ -189,37 +189,37 @@ def candidate_of(wanted: StructureSearch, number: int) -> SearchCandidate:
     UnknownRecord
         If it has no such candidate.
     """
-    if wanted.result is None:
+    if request.result is None:
         raise Conflict(
-            f"search {wanted.id} is {wanted.state.value} and has no candidates yet",
+            f"search {request.id} is {request.state.value} and has no candidates yet",
             code="search-without-result",
         )
-    if not 0 <= number < len(wanted.result.candidates):
-        raise UnknownRecord(f"search {wanted.id} has no candidate {number}")
-    return wanted.result.candidates[number]
+    if not 0 <= number < len(request.result.candidates):
+        raise UnknownRecord(f"search {request.id} has no candidate {number}")
+    return request.result.candidates[number]
 
 
-def open_as_run(store: Store, search_id: int, number: int, author: str) -> EstimationRun:
-    """The run of a candidate; it is asked for when first opened."""
+def create_candidate_run(store: Store, search_id: int, number: int, author: str) -> EstimationRun:
+    """Return the run of a candidate; it is created at the first call."""
     with store.transaction():
         found = store.searches.get(search_id)
-        candidate = candidate_of(found, number)
+        candidate = get_candidate(found, number)
         if candidate.run_id is not None:
             return store.runs.get(candidate.run_id)
-        asked = found.settings
+        settings = found.settings
         run, _ = batches.add_once(
             store,
-            identified(
+            add_hashes(
                 store,
                 EstimationRun(
                     maneuver_id=found.maneuver_ids[0],
                     method=found.method,
                     structure=candidate.structure,
                     settings=RunSettings(
-                        band_hz=asked.band_hz,
-                        max_iterations=asked.max_iterations,
-                        noise=asked.noise,
-                        together_with=found.maneuver_ids[1:],
+                        band_hz=settings.band_hz,
+                        max_iterations=settings.max_iterations,
+                        noise=settings.noise,
+                        additional_maneuver_ids=found.maneuver_ids[1:],
                     ),
                     modal_table_id=found.modal_table_id,
                     damping_table_id=found.damping_table_id,
@@ -237,32 +237,34 @@ def open_as_run(store: Store, search_id: int, number: int, author: str) -> Estim
     return run
 
 
-def _task(store: Store, wanted: StructureSearch, maneuver_id: int) -> EstimationTask:
-    asked = wanted.settings
+def _prepare_maneuver(store: Store, request: StructureSearch, maneuver_id: int) -> EstimationTask:
+    settings = request.settings
     return prepare_run(
         store,
         EstimationRun(
             maneuver_id=maneuver_id,
-            method=wanted.method,
-            structure=wanted.structure,
+            method=request.method,
+            structure=request.structure,
             settings=RunSettings(
-                band_hz=asked.band_hz, max_iterations=asked.max_iterations, noise=asked.noise
+                band_hz=settings.band_hz,
+                max_iterations=settings.max_iterations,
+                noise=settings.noise,
             ),
-            modal_table_id=wanted.modal_table_id,
-            damping_table_id=wanted.damping_table_id,
-            prediction_id=wanted.prediction_id,
+            modal_table_id=request.modal_table_id,
+            damping_table_id=request.damping_table_id,
+            prediction_id=request.prediction_id,
         ),
     )
 
 
-def _still_moving(
-    store: Store, wanted: StructureSearch, tasks: tuple[EstimationTask, ...]
+def _warn_of_undecayed_motion(
+    store: Store, request: StructureSearch, tasks: tuple[EstimationTask, ...]
 ) -> tuple[str, ...]:
-    """Warn of records that end before the motion has died away; OE takes that into account."""
-    said = []
-    if wanted.method is Method.OE:
+    """Warn of records that end before the motion has decayed; OE models that."""
+    warnings = []
+    if request.method is Method.OE:
         return ()
-    for maneuver_id, task in zip(wanted.maneuver_ids, tasks, strict=True):
+    for maneuver_id, task in zip(request.maneuver_ids, tasks, strict=True):
         maneuver = store.maneuvers.get(maneuver_id)
         excitation = maneuver.excitation
         recorded = {channel.name for channel in store.channels.find(maneuver_id=maneuver_id)}
@@ -271,16 +273,16 @@ def _still_moving(
             continue
         left = []
         for channel, samples in load_channels(store, maneuver_id, names):
-            values = trim_removed(samples[:, None], channel.rate_hz, channel.start_s, maneuver)
+            values = remove_trim(samples[:, None], channel.rate_hz, channel.start_s, maneuver)
             begin = round((excitation.start_s - channel.start_s) * channel.rate_hz)
             last = values[-max(2, round(_END_S * channel.rate_hz)) :]
             noise = np.var(values[:begin]) if begin > 2 else 0.0
             moving = max(float(np.mean(last**2) - noise), 0.0)
             left.append(np.sqrt(moving) / max(float(np.abs(values).max()), 1e-300))
         share = float(np.median(left))
-        if share > _STILL_MOVING:
-            said.append(
-                f"{maneuver.label} ends while the aircraft still moves ({share:.0%} of its largest "
-                "motion): what lies behind the end may pass for terms that are not there."
+        if share > _UNDECAYED:
+            warnings.append(
+                f"{maneuver.label} ends before the motion has decayed ({share:.0%} of its largest "
+                "value): leakage may support terms that are not in the system."
             )
-    return tuple(said)
+    return tuple(warnings)

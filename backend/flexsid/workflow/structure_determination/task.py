@@ -1,4 +1,4 @@
-"""What a search for structure is given, and what it makes of one structure."""
+"""Task of a model structure search, and a fitted candidate."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Report = Callable[[Progress], None]
 
 @dataclass(frozen=True, slots=True)
 class SearchTask:
-    """All that a worker needs: one task for each maneuver, and for each that is only predicted."""
+    """Input of a worker: one task for each fitted and for each validation maneuver."""
 
     method: Method
     settings: SearchSettings
@@ -30,22 +30,22 @@ class SearchTask:
 
     @property
     def thresholds(self) -> Thresholds:
-        """What a term must show."""
-        return thresholds_of(self.settings)
+        """Thresholds of the F test and the PSE."""
+        return build_thresholds(self.settings)
 
 
-def thresholds_of(asked: SearchSettings) -> Thresholds:
-    """What a term must show; refused where that makes no sense."""
-    return Thresholds(f_in=asked.f_in, f_out=asked.f_out, pse_noise=asked.pse_noise)
+def build_thresholds(settings: SearchSettings) -> Thresholds:
+    """Build the thresholds of a search; invalid ones are refused."""
+    return Thresholds(f_in=settings.f_in, f_out=settings.f_out, pse_noise=settings.pse_noise)
 
 
 def check_same_candidates(tasks: Sequence[EstimationTask]) -> None:
-    """Refuse maneuvers that cannot share one structure.
+    """Refuse maneuvers that cannot share one model structure.
 
     Raises
     ------
     BadInput
-        Naming the maneuver whose inputs or modes differ.
+        If the inputs or modes of a maneuver differ.
     """
     first = tasks[0].model
     for other in tasks[1:]:
@@ -57,26 +57,26 @@ def check_same_candidates(tasks: Sequence[EstimationTask]) -> None:
             raise BadInput(
                 f"{other.maneuvers[0].label} has inputs {', '.join(other.model.inputs)}, "
                 f"{tasks[0].maneuvers[0].label} has {', '.join(first.inputs)}; name the inputs "
-                "of the structure, or search over maneuvers with the same ones",
+                "of the model structure, or search over maneuvers with the same ones",
                 code="other-candidates",
             )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fitted:
-    """A structure with its values in every maneuver, and why it is there."""
+class FittedCandidate:
+    """A candidate model structure with its estimates in every maneuver and its origin."""
 
     name: str
     why: str
-    chosen: tuple[str, ...]
+    selected: tuple[str, ...]
     estimates: tuple[Estimate, ...]
     proposed: bool
     cost: float | None = None
     bic: float | None = None
     likelihood_ratio: float | None = None
-    foretold: float | None = None
+    predicted_ratio: float | None = None
 
 
-def derivatives_of(candidates: Parameters) -> tuple[str, ...]:
-    """Names of the candidates that may be left out; the parameters behind them are delays."""
+def list_candidate_derivatives(candidates: Parameters) -> tuple[str, ...]:
+    """Return the names of the derivatives among the candidates; the others are delays."""
     return candidates.names[: candidates.rows.size]

@@ -1,4 +1,4 @@
-"""Read from the store what figures draw: finished numbers, nothing drawn."""
+"""Views: data of figures, read from the database."""
 
 from flexsid.workflow.views.campaign import envelope
 from flexsid.workflow.views.channels import read_channels

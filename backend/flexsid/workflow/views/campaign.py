@@ -1,4 +1,4 @@
-"""Where a campaign was flown."""
+"""Flight envelope of a campaign."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from flexsid.storage.store import Store
 
 
 def envelope(store: Store, **filters: Unpack[ManeuverFilters]) -> Envelope:
-    """Read the conditions of the maneuvers that the list would show."""
+    """Read the flight conditions of the listed maneuvers."""
     return Envelope(
         marks=tuple(
             EnvelopeMark(

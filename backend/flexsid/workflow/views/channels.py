@@ -13,16 +13,16 @@ from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.records.views import ChannelTrace
 from flexsid.storage.store import Store
 from flexsid.units import si_unit, to_si
-from flexsid.workflow.measurements.conditioning import conditioning_of
-from flexsid.workflow.measurements.excitation_interval import samples_between
+from flexsid.workflow.measurements.conditioning import read_conditioning
+from flexsid.workflow.measurements.excitation_interval import slice_samples
 from flexsid.workflow.measurements.recording import Conditioning
 
 Interval = tuple[float, float]
 _Parts = list[tuple[Channel, float]]
 
 
-def input_names(store: Store, maneuver: Maneuver) -> tuple[str, ...]:
-    """Measured surfaces of a maneuver, in the order of the recorder."""
+def list_input_names(store: Store, maneuver: Maneuver) -> tuple[str, ...]:
+    """List the measured surfaces of a maneuver, in the order of the recorder."""
     measured = store.channels.find(maneuver_id=maneuver.id, role=Role.INPUT)
     return tuple(channel.name for channel in measured)
 
@@ -35,20 +35,22 @@ def read_channels(
     Raises
     ------
     BadInput
-        If there is neither a channel nor a combination of this name, or the channels
-        of a combination were not sampled together.
+        If there is neither a channel nor a combination of this name, or the channels of a
+        combination have different sampling.
     """
     parts = _find(store, maneuver, names)
     needed = {channel.array for terms in parts.values() for channel, _ in terms}
     samples = store.arrays.get_many(needed)
-    steps = conditioning_of(store, maneuver.id)
-    return tuple(_trace(name, terms, samples, steps, interval_s) for name, terms in parts.items())
+    steps = read_conditioning(store, maneuver.id)
+    return tuple(
+        _build_trace(name, terms, samples, steps, interval_s) for name, terms in parts.items()
+    )
 
 
-def sampling(
+def find_sampling(
     store: Store, maneuver: Maneuver, names: Sequence[str]
 ) -> dict[str, tuple[float, str]]:
-    """Sampling rate [Hz] and SI unit of channels and combinations, by name."""
+    """Return sampling rate [Hz] and SI unit of channels and combinations, by name."""
     parts = _find(store, maneuver, names)
     return {
         name: (channel.rate_hz, si_unit(channel.unit)) for name, ((channel, _), *_) in parts.items()
@@ -59,10 +61,12 @@ def _find(store: Store, maneuver: Maneuver, names: Sequence[str]) -> dict[str, _
     recorded = {channel.name: channel for channel in store.channels.find(maneuver_id=maneuver.id)}
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     combined = {combination.name: combination for combination in aircraft.combinations}
-    return {name: _parts(name, recorded, combined) for name in dict.fromkeys(names)}
+    return {name: _list_terms(name, recorded, combined) for name in dict.fromkeys(names)}
 
 
-def _parts(name: str, recorded: dict[str, Channel], combined: dict[str, Combination]) -> _Parts:
+def _list_terms(
+    name: str, recorded: dict[str, Channel], combined: dict[str, Combination]
+) -> _Parts:
     if name in recorded:
         return [(recorded[name], 1.0)]
     terms = combined[name].terms if name in combined else ()
@@ -79,7 +83,7 @@ def _parts(name: str, recorded: dict[str, Channel], combined: dict[str, Combinat
     channels = [recorded[term] for term, _ in terms]
     if len({(c.rate_hz, c.start_s, c.n_samples, si_unit(c.unit)) for c in channels}) > 1:
         raise BadInput(
-            f"'{name}' combines channels of different rates or units; choose its parts instead: "
+            f"'{name}' combines channels of different rates or units; select its parts instead: "
             f"{', '.join(channel.name for channel in channels)}",
             code="unequal-channels",
             channel=name,
@@ -87,7 +91,7 @@ def _parts(name: str, recorded: dict[str, Channel], combined: dict[str, Combinat
     return [(recorded[term], weight) for term, weight in terms]
 
 
-def _trace(
+def _build_trace(
     name: str,
     parts: _Parts,
     samples: dict[str, np.ndarray],
@@ -97,9 +101,9 @@ def _trace(
     first, _ = parts[0]
     window = slice(0, first.n_samples)
     if interval_s is not None:
-        window = samples_between(interval_s, first.start_s, first.rate_hz, first.n_samples)
+        window = slice_samples(interval_s, first.start_s, first.rate_hz, first.n_samples)
     values = sum(
-        weight * _conditioned(channel, samples[channel.array], steps, window)
+        weight * _apply_conditioning(channel, samples[channel.array], steps, window)
         for channel, weight in parts
     )
     index = np.arange(window.start, window.stop)
@@ -112,18 +116,18 @@ def _trace(
     )
 
 
-def _conditioned(
+def _apply_conditioning(
     channel: Channel, samples: np.ndarray, steps: dict[str, Conditioning], window: slice
 ) -> np.ndarray:
-    """Samples of a window in SI with what was decided about the channel applied."""
+    """Return samples of a window in SI with the conditioning of the channel applied."""
     if channel.name not in steps:
         return to_si(samples[window], channel.unit)
     values = np.asarray(to_si(samples, channel.unit), dtype=float)
-    return steps[channel.name].aligned(values, channel.rate_hz)[window]
+    return steps[channel.name].align(values, channel.rate_hz)[window]
 
 
-def on_one_clock(traces: Sequence[ChannelTrace]) -> tuple[ChannelTrace, ...]:
-    """Bring traces to the time axis of the one with the fewest samples."""
+def resample_to_slowest(traces: Sequence[ChannelTrace]) -> tuple[ChannelTrace, ...]:
+    """Resample traces to the time axis of the one with the fewest samples."""
     clock = min(traces, key=lambda trace: trace.time_s.size).time_s
     return tuple(
         trace

@@ -1,4 +1,4 @@
-"""How alike the modes of two sources are: MAC, pairs, COMAC."""
+"""Correlation of the modes of two sources: MAC, mode pairs, COMAC."""
 
 from __future__ import annotations
 
@@ -12,55 +12,58 @@ from flexsid.errors import BadInput
 from flexsid.records.finite import finite_or_none
 from flexsid.records.modal_views import AssuranceMatrix, Correlation, PairedMode, PointAgreement
 from flexsid.storage.store import Store
-from flexsid.sysid.modes.assurance import coordinate_assurance, modal_assurance, scale_factors
-from flexsid.sysid.modes.table import fuel_weights, weighted
-from flexsid.sysid.modes.tracking import DOUBTFUL
+from flexsid.sysid.modes.assurance import compute_comac, compute_mac, compute_modal_scale_factors
+from flexsid.sysid.modes.table import compute_fuel_weights, sum_weighted_rows
+from flexsid.sysid.modes.tracking import LOW_MAC
 from flexsid.workflow.modal_data.tracked_modes import (
-    damping_at,
-    mode_names,
+    format_title,
+    interpolate_damping,
+    interpolate_shape,
+    list_mode_names,
     open_modes,
-    shape_at,
-    title,
 )
 
 _SAME_PLACE = 0.02  # of the extent of a structure
 
 
-def assurance(
+def compute_assurance(
     store: Store,
     modal_table_id: int,
     fuel: float,
     other_id: int | None,
     other_fuel: float,
 ) -> AssuranceMatrix:
-    """MAC of the modes of a table with themselves, with another fuel, or with another table."""
-    one = _shapes(store, modal_table_id, fuel)
-    other = _shapes(store, modal_table_id if other_id is None else other_id, other_fuel)
-    a, b, _ = _common(one, other)
+    """Compute the MAC of a table with itself, at another fuel, or with another table."""
+    one = _read_shapes(store, modal_table_id, fuel)
+    other = _read_shapes(store, modal_table_id if other_id is None else other_id, other_fuel)
+    a, b, _ = _select_common(one, other)
     return AssuranceMatrix(
         rows=one.names,
         columns=other.names,
         row_title=f"{one.title}, fuel {fuel:g}",
         column_title=f"{other.title}, fuel {other_fuel:g}",
-        values=modal_assurance(_flat(a), _flat(b)),
+        values=compute_mac(_flatten(a), _flatten(b)),
     )
 
 
 def correlate(
     store: Store, modal_table_id: int, fuel: float, other_id: int, other_fuel: float
 ) -> Correlation:
-    """Pair the modes of two sources and say where their shapes differ."""
-    one, other = _shapes(store, modal_table_id, fuel), _shapes(store, other_id, other_fuel)
-    a, b, points = _common(one, other)
+    """Pair the modes of two sources by MAC, with COMAC by point."""
+    one, other = (
+        _read_shapes(store, modal_table_id, fuel),
+        _read_shapes(store, other_id, other_fuel),
+    )
+    a, b, points = _select_common(one, other)
     moved = np.abs(b).max(axis=(0, 1)) > 1e-9 * np.abs(b).max()  # directions that were measured
     measured = (np.abs(b).max(axis=0) > 1e-9 * np.abs(b).max()) & (
         np.abs(a).max(axis=0) > 1e-9 * np.abs(a).max()
     )
     flat_a, flat_b = a[:, measured], b[:, measured]
-    values = modal_assurance(flat_a, flat_b)
-    chosen = linear_sum_assignment(-values)
-    pairs, kept = [], []
-    for i, j in zip(*chosen, strict=True):
+    values = compute_mac(flat_a, flat_b)
+    assignment = linear_sum_assignment(-values)
+    pairs, matched = [], []
+    for i, j in zip(*assignment, strict=True):
         pairs.append(
             PairedMode(
                 number=one.numbers[i],
@@ -75,25 +78,25 @@ def correlate(
                 other_damping=finite_or_none(other.zeta[j]),
             )
         )
-        if values[i, j] >= DOUBTFUL:
-            kept.append((int(i), int(j)))
+        if values[i, j] >= LOW_MAC:
+            matched.append((int(i), int(j)))
     agreement: tuple[PointAgreement, ...] = ()
     notes = [f"Compared at {len(points)} points in {int(measured.sum())} directions."]
     if not moved.all():
         missing = [name for name, there in zip("xyz", moved, strict=True) if not there]
         notes.append(f"The second source does not move in {', '.join(missing)}.")
-    if kept:
-        first = flat_a[[i for i, _ in kept]]
-        second = flat_b[[j for _, j in kept]]
-        second = second * scale_factors(first, second)[:, None]
-        comac = coordinate_assurance(first, second)
+    if matched:
+        first = flat_a[[i for i, _ in matched]]
+        second = flat_b[[j for _, j in matched]]
+        second = second * compute_modal_scale_factors(first, second)[:, None]
+        comac = compute_comac(first, second)
         agreement = tuple(
             PointAgreement(point=points[p], direction="xyz"[d], comac=float(c))
             for (p, d), c in zip(np.argwhere(measured), comac, strict=True)
         )
-        notes.append(f"COMAC over the {len(kept)} pairs with a MAC of {DOUBTFUL:g} or more.")
+        notes.append(f"COMAC over the {len(matched)} pairs with a MAC of {LOW_MAC:g} or more.")
     else:
-        notes.append("No pair is alike enough for a COMAC.")
+        notes.append("No pair has a MAC high enough for a COMAC.")
     return Correlation(
         modal_table_id=modal_table_id,
         other_id=other_id,
@@ -108,7 +111,7 @@ def correlate(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Shapes:
-    """Translations of all modes at points that have names or places."""
+    """Translations of all modes at named or located points."""
 
     title: str
     names: tuple[str, ...]
@@ -120,32 +123,39 @@ class _Shapes:
     zeta: np.ndarray
 
 
-def _shapes(store: Store, modal_table_id: int, fuel: float) -> _Shapes:
+def _read_shapes(store: Store, modal_table_id: int, fuel: float) -> _Shapes:
     modes = open_modes(store, store.modal_tables.get(modal_table_id))
     table = modes.table
-    weights = fuel_weights(modes.fuel, fuel)
-    omega = weighted(weights, modes.omega)
+    weights = compute_fuel_weights(modes.fuel, fuel)
+    omega = sum_weighted_rows(weights, modes.omega)
     hertz = omega / (2.0 * np.pi)
-    zeta = damping_at(store, modes, fuel)
-    names = mode_names(table)
+    zeta = interpolate_damping(store, modes, fuel)
+    names = list_mode_names(table)
     if "nodes" in table.arrays:
         nodes = np.asarray(store.arrays.get(table.arrays["nodes"]), dtype=float)
         values = np.stack(
-            [shape_at(store, modes, mode, fuel)[:, :3] for mode in range(len(table.numbers))]
+            [
+                interpolate_shape(store, modes, mode, fuel)[:, :3]
+                for mode in range(len(table.numbers))
+            ]
         )
         ids = table.arrays.get("node_ids")
         labels = range(1, len(nodes) + 1) if ids is None else store.arrays.get(ids).tolist()
         points = tuple(f"node {label}" for label in labels)
-        return _Shapes(title(table), names, table.numbers, nodes, points, values, hertz, zeta)
+        return _Shapes(
+            format_title(table), names, table.numbers, nodes, points, values, hertz, zeta
+        )
     if "shape" in table.arrays:
         whole = modes.tracking.align(np.asarray(store.arrays.get(table.arrays["shape"]), float))
-        values = weighted(weights, whole)[..., :3]
-        return _Shapes(title(table), names, table.numbers, None, table.points, values, hertz, zeta)
+        values = sum_weighted_rows(weights, whole)[..., :3]
+        return _Shapes(
+            format_title(table), names, table.numbers, None, table.points, values, hertz, zeta
+        )
     raise BadInput(f"table '{table.name}' has no shapes", code="no-shapes")
 
 
-def _common(one: _Shapes, other: _Shapes) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
-    """Shapes at the points that both have: by place where both have places, else by name."""
+def _select_common(one: _Shapes, other: _Shapes) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
+    """Select shapes at common points: by location where both have it, else by name."""
     if one.places is not None and other.places is not None:
         if one.places.shape == other.places.shape and np.allclose(one.places, other.places):
             return one.values, other.values, one.points
@@ -154,16 +164,21 @@ def _common(one: _Shapes, other: _Shapes) -> tuple[np.ndarray, np.ndarray, tuple
         distance, near = np.asarray(found[0]), np.asarray(found[1])
         close = distance <= _SAME_PLACE * extent
         if not close.any():
-            raise BadInput("the sources have no node in the same place", code="nothing-common")
+            raise BadInput(
+                "the sources have no common node; check units and axes of the nodes",
+                code="nothing-common",
+            )
         points = tuple(p for p, there in zip(other.points, close, strict=True) if there)
         return one.values[:, near[close]], other.values[:, close], points
     names = [name for name in one.points if name in other.points]
     if not names:
-        raise BadInput("the sources have no point in common", code="nothing-common")
+        raise BadInput(
+            "the sources have no common point; check the names of the points", code="nothing-common"
+        )
     first = [one.points.index(name) for name in names]
     second = [other.points.index(name) for name in names]
     return one.values[:, first], other.values[:, second], tuple(names)
 
 
-def _flat(values: np.ndarray) -> np.ndarray:
+def _flatten(values: np.ndarray) -> np.ndarray:
     return values.reshape(values.shape[0], -1)

@@ -7,27 +7,32 @@ import numpy as np
 from flexsid.records.finite import finite_or_none
 from flexsid.records.modal_views import CrossingMark, ModeAtFuel, ModesAgainstFuel
 from flexsid.storage.store import Store
-from flexsid.sysid.modes.table import fuel_weights, interpolate, weighted
-from flexsid.sysid.modes.tracking import crossings
-from flexsid.workflow.modal_data.tracked_modes import damping_at, mode_names, open_modes, title
+from flexsid.sysid.modes.table import compute_fuel_weights, interpolate, sum_weighted_rows
+from flexsid.sysid.modes.tracking import find_mode_crossings
+from flexsid.workflow.modal_data.tracked_modes import (
+    format_title,
+    interpolate_damping,
+    list_mode_names,
+    open_modes,
+)
 
 _FINE = 101
 
 
-def modes_at(store: Store, modal_table_id: int, fuel: float) -> tuple[ModeAtFuel, ...]:
+def list_modes_at(store: Store, modal_table_id: int, fuel: float) -> tuple[ModeAtFuel, ...]:
     """List the modes of a table at a fuel fraction, in order of frequency there."""
     modes = open_modes(store, store.modal_tables.get(modal_table_id))
     table = modes.table
-    weights = fuel_weights(modes.fuel, fuel)
-    omega = weighted(weights, modes.omega)
-    zeta = damping_at(store, modes, fuel)
+    weights = compute_fuel_weights(modes.fuel, fuel)
+    omega = sum_weighted_rows(weights, modes.omega)
+    zeta = interpolate_damping(store, modes, fuel)
     mass = None if modes.mass is None else interpolate(modes.fuel, modes.mass, fuel)
     followed = modes.tracking.assurance.min(axis=0)
     reasons = [*table.reasons, *[""] * len(table.numbers)]
     listed = [
         ModeAtFuel(
             number=number,
-            name=mode_names(table)[place],
+            name=list_mode_names(table)[place],
             symmetric=table.symmetric[place],
             reason=reasons[place],
             frequency_hz=float(omega[place]) / (2.0 * np.pi),
@@ -40,34 +45,36 @@ def modes_at(store: Store, modal_table_id: int, fuel: float) -> tuple[ModeAtFuel
     return tuple(sorted(listed, key=lambda mode: mode.frequency_hz))
 
 
-def modes_against_fuel(store: Store, modal_table_id: int) -> ModesAgainstFuel:
-    """Frequency and damping of every mode over fuel, crossings found."""
+def trace_modes(store: Store, modal_table_id: int) -> ModesAgainstFuel:
+    """Trace frequency and damping of every mode over fuel, with crossings."""
     modes = open_modes(store, store.modal_tables.get(modal_table_id))
     table = modes.table
-    names = mode_names(table)
+    names = list_mode_names(table)
     fine = np.linspace(modes.fuel[0], modes.fuel[-1], _FINE if modes.fuel.size > 1 else 1)
-    omega = np.array([weighted(fuel_weights(modes.fuel, f), modes.omega) for f in fine])
+    omega = np.array(
+        [sum_weighted_rows(compute_fuel_weights(modes.fuel, f), modes.omega) for f in fine]
+    )
     marks = tuple(
         CrossingMark(
             fuel=mark.fuel,
             frequency_hz=mark.omega / (2.0 * np.pi),
             names=(names[mark.modes[0]], names[mark.modes[1]]),
         )
-        for mark in crossings(fine, omega)
+        for mark in find_mode_crossings(fine, omega)
     )
-    doubtful = tuple(
+    low_mac = tuple(
         (float(modes.fuel[row]), float(modes.omega[row, mode]) / (2.0 * np.pi))
-        for row, mode in modes.tracking.doubtful
+        for row, mode in modes.tracking.low_mac
     )
     return ModesAgainstFuel(
-        title=title(table),
+        title=format_title(table),
         names=names,
         symmetric=table.symmetric,
         fuel=fine,
         frequency_hz=omega / (2.0 * np.pi),
-        damping=np.array([damping_at(store, modes, f) for f in fine]),
+        damping=np.array([interpolate_damping(store, modes, f) for f in fine]),
         table_fuel=modes.fuel,
         table_hz=modes.omega / (2.0 * np.pi),
         crossings=marks,
-        doubtful=doubtful,
+        uncertain=low_mac,
     )

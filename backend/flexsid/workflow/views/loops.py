@@ -1,4 +1,4 @@
-"""Loops of a maneuver as flown, where excitation and deflection were both recorded."""
+"""Measured open-loop responses of a maneuver with recorded excitation and deflection."""
 
 from __future__ import annotations
 
@@ -7,35 +7,38 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.views import LoopCurve, LoopPlot
 from flexsid.storage.store import Store
-from flexsid.sysid.stability.flown_loops import flown_loops
-from flexsid.workflow.aircraft.aircraft_models import servo_of
-from flexsid.workflow.measurements.maneuver_spectra import measure
+from flexsid.sysid.stability.measured_loops import estimate_loop_gains
+from flexsid.workflow.aircraft.aircraft_models import get_servo
+from flexsid.workflow.measurements.maneuver_spectra import read_measured_spectra
 
 
 def loops(store: Store, maneuver_id: int) -> LoopPlot:
-    """Gain of every excited surface's loop, with margins.
+    """Estimate the loop gain of every excited surface, with margins.
 
     Raises
     ------
     BadInput
-        If the excitation is not known or was not recorded, or no servo is described.
+        If the excitation is unknown or was not recorded, or a servo is not defined.
     """
     maneuver = store.maneuvers.get(maneuver_id)
     if maneuver.excitation is None:
         raise BadInput(
-            f"the excitation of maneuver {maneuver_id} is not known, so loops cannot be read",
+            f"the excitation of maneuver {maneuver_id} is unknown, so loops cannot be estimated;"
+            " import it with [excitation]",
             code="no-excitation",
         )
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     inputs = tuple(maneuver.excitation.harmonics)
-    lines = measure(store, maneuver, aircraft, inputs, ())
-    if lines.commands is None:
+    spectra = read_measured_spectra(store, maneuver, aircraft, inputs, ())
+    if spectra.commands is None:
         raise BadInput(
-            "the excitation commands were not recorded; loops need them beside the deflections",
+            "the excitation commands were not recorded; loops need commands and deflections",
             code="no-commands",
         )
-    servos = np.stack([servo_of(aircraft, name).response(lines.omega) for name in inputs], axis=1)
-    found = flown_loops(lines.inputs, lines.commands, servos, lines.owner)
+    servos = np.stack(
+        [get_servo(aircraft, name).response(spectra.omega) for name in inputs], axis=1
+    )
+    found = estimate_loop_gains(spectra.inputs, spectra.commands, servos, spectra.assigned_input)
     return LoopPlot(
         maneuver_id=maneuver_id,
         curves=tuple(

@@ -1,4 +1,4 @@
-"""What a maneuver looked like: its channels in time and by frequency."""
+"""Time histories and spectra of the channels of a maneuver."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.quality import SignalToNoise
 from flexsid.records.views import ChannelHistories, Spectra
 from flexsid.storage.store import Store
-from flexsid.sysid.spectra.scatter import noise_about_responses
-from flexsid.workflow.measurements.excitation_interval import excitation_interval
-from flexsid.workflow.measurements.recording import SpectrumFrequencies, maneuver_lines
-from flexsid.workflow.measurements.transforms import spectra_of
-from flexsid.workflow.views.channels import input_names, read_channels, sampling
+from flexsid.sysid.spectra.residual_spectrum import estimate_noise_about_responses
+from flexsid.workflow.measurements.excitation_interval import get_excitation_interval
+from flexsid.workflow.measurements.maneuver_spectra import read_spectra
+from flexsid.workflow.measurements.recording import SpectrumFrequencies, select_frequencies
+from flexsid.workflow.views.channels import find_sampling, list_input_names, read_channels
 
 POINTS = 1000  # about as many as a screen has columns
 _MOST_POINTS = 20_000
 _BACKGROUND = 2000  # points of a whole spectrum
-_FIRST_LINE = 2.0  # cycles per record below which a line is mostly drift
+_FIRST_CYCLES = 2.0  # cycles per record, below which drift dominates
 _CLEAR_OF_NYQUIST = 0.4  # of the sampling rate, clear of the anti-alias filter's skirt
 
 
@@ -35,7 +35,7 @@ def time_history(
     """Read channels over a window; the inputs over the whole record by default."""
     if not 10 <= points <= _MOST_POINTS:
         raise BadInput(
-            f"{points} points per channel cannot be drawn; choose 10 to {_MOST_POINTS}",
+            f"{points} points per channel are out of range; select 10 to {_MOST_POINTS}",
             code="bad-points",
         )
     maneuver = store.maneuvers.get(maneuver_id)
@@ -48,12 +48,12 @@ def time_history(
             f"the window from {start_s} to {stop_s} s is empty; the start must come first",
             code="bad-window",
         )
-    chosen = channels or input_names(store, maneuver)
+    selected = channels or list_input_names(store, maneuver)
     excitation = maneuver.excitation
     return ChannelHistories(
         maneuver_id=maneuver_id,
-        traces=read_channels(store, maneuver, chosen, window),
-        excitation_s=None if excitation is None else excitation_interval(excitation),
+        traces=read_channels(store, maneuver, selected, window),
+        excitation_s=None if excitation is None else get_excitation_interval(excitation),
         points=points,
     )
 
@@ -61,35 +61,41 @@ def time_history(
 def spectrum(
     store: Store, maneuver_id: int, channels: Sequence[str] = (), *, full: bool = False
 ) -> Spectra:
-    """Transform channels at the maneuver's lines; the inputs by default.
+    """Transform channels at the maneuver's harmonics; the inputs by default.
 
-    A slow channel says nothing above its Nyquist frequency and has no number there.
-    With ``full`` the whole spectrum of the record stands behind the lines.
+    A channel is NaN above its Nyquist frequency. With ``full`` the spectrum of the whole record is
+    added as background.
     """
     maneuver = store.maneuvers.get(maneuver_id)
     aircraft = store.aircraft.get(maneuver.aircraft_id)
-    inputs = input_names(store, maneuver)
-    rates = sampling(store, maneuver, channels or inputs)
-    lines = _lines(maneuver, min((rate_hz for rate_hz, _ in rates.values()), default=0.0))
+    inputs = list_input_names(store, maneuver)
+    rates = find_sampling(store, maneuver, channels or inputs)
+    lines = _select_frequencies(
+        maneuver, min((rate_hz for rate_hz, _ in rates.values()), default=0.0)
+    )
     values = np.full((lines.omega.size, len(rates)), np.nan, dtype=complex)
     for rate_hz in {rate_hz for rate_hz, _ in rates.values()}:
         seen = lines.omega <= np.pi * rate_hz
-        below = SpectrumFrequencies(lines.omega[seen], lines.owner[seen], lines.inputs)
+        below = SpectrumFrequencies(lines.omega[seen], lines.assigned_input[seen], lines.inputs)
         alike = tuple(name for name, (rate, _) in rates.items() if rate == rate_hz)
         columns = [place for place, name in enumerate(rates) if name in alike]
-        found = spectra_of(store, maneuver, aircraft, alike, below).values
+        found = read_spectra(store, maneuver, aircraft, alike, below).values
         values[np.ix_(seen, np.array(columns))] = found
-    background_hz, background = _background(store, maneuver, tuple(rates)) if full else (None, None)
+    background_hz, background = (
+        _compute_background(store, maneuver, tuple(rates)) if full else (None, None)
+    )
     frequency_hz = lines.omega / (2.0 * np.pi)
     return Spectra(
         maneuver_id=maneuver_id,
         inputs=inputs,
         frequency_hz=frequency_hz,
-        owners=tuple(lines.inputs[owner] if owner >= 0 else "" for owner in lines.owner),
+        assigned_inputs=tuple(
+            lines.inputs[own_input] if own_input >= 0 else "" for own_input in lines.assigned_input
+        ),
         names=tuple(rates),
         units=tuple(unit for _, unit in rates.values()),
         magnitude=np.abs(values),
-        noise=_noise(store, maneuver, lines, values),
+        noise=_estimate_noise(store, maneuver, lines, values),
         background_hz=background_hz,
         background=background,
         band_hz=(float(frequency_hz[0]), float(frequency_hz[-1])) if frequency_hz.size else None,
@@ -97,12 +103,12 @@ def spectrum(
 
 
 def signal_to_noise(store: Store, maneuver_id: int, channels: Sequence[str] = ()) -> SignalToNoise:
-    """Signal over noise of channels at every line; all inputs and outputs by default.
+    """Estimate signal-to-noise ratios at every harmonic; all inputs and outputs by default.
 
     Raises
     ------
     BadInput
-        If the noise of single lines cannot be told.
+        If the noise at harmonics cannot be estimated.
     """
     if not channels:
         recorded = store.channels.find(maneuver_id=maneuver_id)
@@ -110,8 +116,8 @@ def signal_to_noise(store: Store, maneuver_id: int, channels: Sequence[str] = ()
     found = spectrum(store, maneuver_id, channels)
     if found.noise is None:
         raise BadInput(
-            "the noise of single lines is only known where the excitation is: import the maneuver "
-            "with its [excitation]",
+            "noise at harmonics can be estimated only with known excitation; import the maneuver "
+            "with [excitation]",
             code="no-noise",
         )
     floor = np.where(found.noise > 0, found.noise, np.nan)
@@ -121,31 +127,31 @@ def signal_to_noise(store: Store, maneuver_id: int, channels: Sequence[str] = ()
         maneuver_id=maneuver_id,
         names=found.names,
         frequency_hz=found.frequency_hz,
-        owners=found.owners,
+        assigned_inputs=found.assigned_inputs,
         decibel=np.where(np.isfinite(decibel), decibel, np.nan),
     )
 
 
-def _noise(
+def _estimate_noise(
     store: Store, maneuver: Maneuver, lines: SpectrumFrequencies, values: np.ndarray
 ) -> np.ndarray | None:
-    """Noise of every line, from how responses to the excitation scatter; None if unknown."""
+    """Estimate noise at every harmonic from adjacent responses; None if unknown."""
     recorded = {c.name: c.rate_hz for c in store.channels.find(maneuver_id=maneuver.id)}
     names = [f"{n}_command" if f"{n}_command" in recorded else n for n in lines.inputs]
-    if not names or (lines.owner < 0).any() or not recorded.keys() >= set(names):
+    if not names or (lines.assigned_input < 0).any() or not recorded.keys() >= set(names):
         return None
     if lines.omega[-1] > np.pi * min(recorded[name] for name in names):
         return None
     aircraft = store.aircraft.get(maneuver.aircraft_id)
-    commands = spectra_of(store, maneuver, aircraft, tuple(names), lines).values
-    own = commands[np.arange(lines.omega.size), lines.owner]
-    return noise_about_responses(lines.omega, lines.owner, values, own)
+    commands = read_spectra(store, maneuver, aircraft, tuple(names), lines).values
+    own = commands[np.arange(lines.omega.size), lines.assigned_input]
+    return estimate_noise_about_responses(lines.omega, lines.assigned_input, values, own)
 
 
-def _background(
+def _compute_background(
     store: Store, maneuver: Maneuver, names: tuple[str, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Spectrum of whole records; of the bins that share a point the largest is kept."""
+    """Compute spectra of whole records, with the maximum of the bins of each point."""
     traces = read_channels(store, maneuver, names)
     top_hz = max(0.5 / (trace.time_s[1] - trace.time_s[0]) for trace in traces)
     edges = np.linspace(0.0, top_hz, _BACKGROUND + 1)
@@ -161,10 +167,10 @@ def _background(
     return 0.5 * (edges[1:] + edges[:-1]), found
 
 
-def _lines(maneuver: Maneuver, rate_hz: float) -> SpectrumFrequencies:
-    """The excited lines; without known excitation those that the record length gives."""
+def _select_frequencies(maneuver: Maneuver, rate_hz: float) -> SpectrumFrequencies:
+    """Return excited harmonics; without known excitation, multiples of one over the record."""
     if maneuver.excitation is not None:
-        return maneuver_lines(maneuver)
-    return maneuver_lines(
-        maneuver, (_FIRST_LINE / maneuver.duration_s, _CLEAR_OF_NYQUIST * rate_hz)
+        return select_frequencies(maneuver)
+    return select_frequencies(
+        maneuver, (_FIRST_CYCLES / maneuver.duration_s, _CLEAR_OF_NYQUIST * rate_hz)
     )

@@ -1,4 +1,4 @@
-"""Models of every order at a condition: derivatives, poles and responses against the full one."""
+"""Reduced models at a condition: derivatives, poles and responses against the full model."""
 
 from __future__ import annotations
 
@@ -21,20 +21,24 @@ from flexsid.sysid.stability.order import (
     POLE_BAND,
     OrderStudy,
     ReducedModel,
-    reduced_response,
+    compute_reduced_response,
     study_order,
 )
-from flexsid.workflow.aircraft.aircraft_models import build_model, default_outputs, define_outputs
-from flexsid.workflow.aircraft.derivative_predictions import (
-    best_prediction,
-    predicted_modes,
-    prediction_at,
+from flexsid.workflow.aircraft.aircraft_models import (
+    build_model,
+    define_outputs,
+    list_default_outputs,
 )
-from flexsid.workflow.aircraft.flight_condition import complete_condition, standard_density
+from flexsid.workflow.aircraft.derivative_predictions import (
+    interpolate_prediction,
+    list_predicted_modes,
+    select_prediction,
+)
+from flexsid.workflow.aircraft.flight_condition import complete_condition, compute_standard_density
 from flexsid.workflow.modal_data.aligned_modes import AircraftModes, find_modal_tables, load_modes
 
 BAND_HZ = (0.25, 15.0)
-_LINES = 240
+_FREQUENCIES = 240
 _FORCE = re.compile(r"CQ(\d+)_alpha")
 _UNITS = {
     SensorKind.ACCELEROMETER: ("g/rad", 1.0 / 9.80665),
@@ -44,8 +48,8 @@ _UNITS = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OrderQuestion:
-    """Which aircraft, where it flies, and from whose derivatives."""
+class OrderQuery:
+    """Aircraft, flight condition and source of derivatives of an order study."""
 
     aircraft_id: int
     airspeed_m_s: float
@@ -64,57 +68,57 @@ class _Full:
     modal_table_id: int
     prediction_id: int
     kinds: dict[str, SensorKind]
-    left_out: tuple[str, ...]
+    notes: tuple[str, ...]
 
 
-def model_order(store: Store, question: OrderQuestion) -> ModelOrder:
-    """Say how many modes a condition needs, and why."""
-    full = _full_model(store, question)
-    study = study_order(full.model, full.derivatives, _lines(question))
+def study_model_order(store: Store, query: OrderQuery) -> ModelOrder:
+    """Determine the number of modes needed at a condition, with the evidence."""
+    full = _build_full_model(store, query)
+    study = study_order(full.model, full.derivatives, _select_frequencies(query))
     names = full.modes.names
     return ModelOrder(
-        aircraft_id=question.aircraft_id,
+        aircraft_id=query.aircraft_id,
         modal_table_id=full.modal_table_id,
         prediction_id=full.prediction_id,
-        airspeed_m_s=question.airspeed_m_s,
-        fuel=question.fuel,
+        airspeed_m_s=query.airspeed_m_s,
+        fuel=query.fuel,
         needed=study.needed,
-        evidence=(*_evidence(study, names, question), *full.left_out),
+        evidence=(*_describe_evidence(study, names, query), *full.notes),
         full=study.full.named(),
-        steps=tuple(_step(step, names) for step in study.steps),
+        steps=tuple(_build_step(step, names) for step in study.steps),
     )
 
 
-def reduced_responses(
-    store: Store, question: OrderQuestion, output: str, surface: str, counts: tuple[int, ...]
+def compute_reduced_responses(
+    store: Store, query: OrderQuery, output: str, surface: str, counts: tuple[int, ...]
 ) -> ReducedResponses:
-    """One response with all modes, with some, and to sensors blind to the structure (Fig. 11).
+    """Compute a response with all modes, some modes, and rigid-body sensors (Fig. 11).
 
     Raises
     ------
     BadInput
-        If the output or the input is not one of the model.
+        If the model lacks the output or the input.
     """
-    full = _full_model(store, question)
+    full = _build_full_model(store, query)
     for name, known in ((output, full.model.outputs), (surface, full.model.inputs)):
         if name not in known:
             raise BadInput(
-                f"'{name}' is not of the model, which has {', '.join(known)}", code="unknown-name"
+                f"the model has no '{name}'; it has {', '.join(known)}", code="unknown-name"
             )
-    omega = _lines(question)
+    omega = _select_frequencies(query)
     y, u = full.model.outputs.index(output), full.model.inputs.index(surface)
     unit, factor = _UNITS.get(full.kinds[output], ("1", 1.0))
     numbers = full.derivatives.modes
     curves = [(f"all {len(numbers)} modes", full.model.response(full.derivatives, omega)[:, y, u])]
     for count in counts:
         if 0 <= count < len(numbers):
-            reduced = reduced_response(full.model, full.derivatives, numbers[:count], omega)
-            curves.append((_title(numbers[:count], full.modes.names), reduced[:, y, u]))
-    blind = AeroelasticModel(
+            reduced = compute_reduced_response(full.model, full.derivatives, numbers[:count], omega)
+            curves.append((_format_title(numbers[:count], full.modes.names), reduced[:, y, u]))
+    rigid = AeroelasticModel(
         full.model.condition, full.model.modes, full.model.inputs, full.model.sensors.rigid_only()
     )
     curves.append(
-        ("sensors blind to the structure", blind.response(full.derivatives, omega)[:, y, u])
+        ("rigid-body sensors (C_e = 0)", rigid.response(full.derivatives, omega)[:, y, u])
     )
     return ReducedResponses(
         output=output,
@@ -125,55 +129,54 @@ def reduced_responses(
     )
 
 
-def _full_model(store: Store, question: OrderQuestion) -> _Full:
-    aircraft = store.aircraft.get(question.aircraft_id)
-    modal, damping = find_modal_tables(store, question.aircraft_id, question.modal_table_id, None)
+def _build_full_model(store: Store, query: OrderQuery) -> _Full:
+    aircraft = store.aircraft.get(query.aircraft_id)
+    modal, damping = find_modal_tables(store, query.aircraft_id, query.modal_table_id, None)
     modes = load_modes(store, modal, damping)
     inputs = symmetric_surfaces(aircraft)
     symmetric = tuple(n for n in modes.table.numbers if modes.symmetric[n])
-    prediction = best_prediction(
-        store, question.aircraft_id, question.prediction_id, symmetric, inputs
-    )
+    prediction = select_prediction(store, query.aircraft_id, query.prediction_id, symmetric, inputs)
     if prediction is None:
         raise BadInput(
-            "the aircraft has no predicted derivatives; import some, as a reduced model needs "
-            "those of the modes that are left out",
+            "the aircraft has no predicted derivatives; import a prediction, since a reduced "
+            "model needs derivatives of residualised modes",
             code="no-prediction",
         )
-    at_fuel = modes.table.at(question.fuel)
-    covered = predicted_modes(prediction, symmetric)
+    at_fuel = modes.table.at(query.fuel)
+    covered = list_predicted_modes(prediction, symmetric)
     if symmetric and not covered:
         raise BadInput(
             f"prediction '{prediction.source}' has no generalised force of the modes of modal "
             f"table '{modal.name}', version {modal.version} ({', '.join(map(str, symmetric))}); "
-            "choose the modal table that it was made for, or import a prediction for this one",
+            "select the modal table of the prediction, or import a prediction for this one",
             code="modes-not-predicted",
             modal_table_id=modal.id,
             prediction_id=prediction.id,
         )
     order = sorted(covered, key=lambda n: float(at_fuel.omega[at_fuel.numbers.index(n)]))
     values = {
-        name: value for name, (value, _) in prediction_at(store, prediction, question.fuel).items()
+        name: value
+        for name, (value, _) in interpolate_prediction(store, prediction, query.fuel).items()
     }
     condition = complete_condition(
         aircraft,
         {
-            "airspeed": question.airspeed_m_s,
-            "density": standard_density(question.altitude_m or 0.0),
-            "fuel_fraction": question.fuel,
+            "airspeed": query.airspeed_m_s,
+            "density": compute_standard_density(query.altitude_m or 0.0),
+            "fuel_fraction": query.fuel,
         },
     )
     moved = {sensor.point for sensor in aircraft.sensors if sensor.point in modes.table.points}
     seen = [s.name for s in aircraft.sensors if s.point in moved or s.point in modes.table.gauges]
     if not seen:
         raise BadInput(
-            f"no sensor of {aircraft.name} has a place in the modal table {modal.name!r}; take one "
+            f"no sensor of {aircraft.name} is in the modal table {modal.name!r}; select a table "
             "with shapes at the sensors",
             code="no-sensors",
         )
-    outputs = define_outputs(aircraft, default_outputs(aircraft, seen))
-    chosen = at_fuel.select(tuple(order))
-    model = build_model(aircraft, condition, chosen, inputs, outputs)
+    outputs = define_outputs(aircraft, list_default_outputs(aircraft, seen))
+    selected = at_fuel.select(tuple(order))
+    model = build_model(aircraft, condition, selected, inputs, outputs)
     assert modal.id is not None
     assert prediction.id is not None
     return _Full(
@@ -183,17 +186,17 @@ def _full_model(store: Store, question: OrderQuestion) -> _Full:
         modal.id,
         prediction.id,
         {output.name: output.kind for output in outputs},
-        _left_out(prediction, modal, symmetric, covered),
+        _describe_differences(prediction, modal, symmetric, covered),
     )
 
 
-def _left_out(
+def _describe_differences(
     prediction: DerivativePrediction,
     modal: ModalTable,
     symmetric: tuple[int, ...],
     covered: tuple[int, ...],
 ) -> tuple[str, ...]:
-    """What the prediction and the table do not share, in words."""
+    """Describe modes of the prediction or the table only."""
     known = {
         int(match[1]) for name in prediction.names if (match := _FORCE.fullmatch(name)) is not None
     }
@@ -204,24 +207,26 @@ def _left_out(
     ):
         if numbers:
             listed = ", ".join(map(str, sorted(numbers)))
-            notes.append(f"Modes {listed} {text}: the full model is without them.")
+            notes.append(f"Modes {listed} {text}: the full model omits them.")
     return tuple(notes)
 
 
-def _lines(question: OrderQuestion) -> np.ndarray:
-    low, high = question.band_hz
-    return 2.0 * np.pi * np.geomspace(low, high, _LINES)
+def _select_frequencies(query: OrderQuery) -> np.ndarray:
+    low, high = query.band_hz
+    return 2.0 * np.pi * np.geomspace(low, high, _FREQUENCIES)
 
 
-def _title(numbers: tuple[int, ...], names: dict[int, str]) -> str:
+def _format_title(numbers: tuple[int, ...], names: dict[int, str]) -> str:
     return " + ".join(["SP", *(names[number] for number in numbers)])
 
 
-def _evidence(study: OrderStudy, names: dict[int, str], question: OrderQuestion) -> tuple[str, ...]:
+def _describe_evidence(
+    study: OrderStudy, names: dict[int, str], query: OrderQuery
+) -> tuple[str, ...]:
     needed = study.steps[study.needed]
-    high = question.band_hz[1]
+    high = query.band_hz[1]
     sentences = [
-        f"With {_title(needed.modes, names)} every derivative of the rigid body is within "
+        f"With {_format_title(needed.modes, names)} every derivative of the rigid body is within "
         f"{100 * max(needed.bias, 0.0):.0f} % of the full model's"
         + (f" (worst {needed.worst})" if needed.worst else "")
         + f", and every pole below {high:g} Hz within {100 * needed.pole_error:.1f} %."
@@ -243,7 +248,7 @@ def _evidence(study: OrderStudy, names: dict[int, str], question: OrderQuestion)
     return tuple(sentences)
 
 
-def _step(step: ReducedModel, names: dict[int, str]) -> OrderStep:
+def _build_step(step: ReducedModel, names: dict[int, str]) -> OrderStep:
     return OrderStep(
         modes=step.modes,
         names=tuple(names[number] for number in step.modes),
@@ -251,13 +256,13 @@ def _step(step: ReducedModel, names: dict[int, str]) -> OrderStep:
         bias=step.bias,
         pole_error=step.pole_error if np.isfinite(step.pole_error) else None,
         response_error=step.response_error,
-        poles=_pairs(step.poles),
-        truncated_poles=_pairs(step.truncated_poles),
+        poles=_split_complex(step.poles),
+        truncated_poles=_split_complex(step.truncated_poles),
         residualized=step.residualized.named(),
         truncated=step.truncated.named(),
         sufficient=step.sufficient,
     )
 
 
-def _pairs(poles: np.ndarray) -> tuple[tuple[float, float], ...]:
+def _split_complex(poles: np.ndarray) -> tuple[tuple[float, float], ...]:
     return tuple((float(np.real(pole)), float(np.imag(pole))) for pole in poles)

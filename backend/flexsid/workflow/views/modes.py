@@ -1,4 +1,4 @@
-"""Structural modes at the fuel of a maneuver: marks on a frequency axis, poles in vacuo."""
+"""Structural modes at the fuel of a maneuver: frequency markers, in-vacuo poles."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from flexsid.sysid.modes import StructuralModes
 from flexsid.workflow.modal_data.aligned_modes import AircraftModes, find_modal_tables, load_modes
 
 
-def mode_markers(
+def find_mode_markers(
     store: Store, maneuver: Maneuver, band_hz: tuple[float, float]
 ) -> tuple[ModeMarker, ...]:
-    """In-vacuo frequencies of the modes of the maneuver's symmetry within a band."""
+    """Find in-vacuo frequencies of the modes of the maneuver's symmetry within a band."""
     try:
-        known, at_fuel = _modes(store, maneuver, None, None)
-    except BadInput:  # an aircraft without modal table has a Bode plot all the same
+        known, at_fuel = _load(store, maneuver, None, None)
+    except BadInput:  # without modal table the Bode plot has no markers
         return ()
     symmetric = maneuver.axis in ("longitudinal", GROUND)
     markers = (
@@ -30,8 +30,10 @@ def mode_markers(
     return tuple(mark for mark in markers if band_hz[0] <= mark.frequency_hz <= band_hz[1])
 
 
-def identified_markers(run: EstimationRun, band_hz: tuple[float, float]) -> tuple[ModeMarker, ...]:
-    """Natural frequencies of the oscillatory poles of a run's model within a band."""
+def find_identified_markers(
+    run: EstimationRun, band_hz: tuple[float, float]
+) -> tuple[ModeMarker, ...]:
+    """Find natural frequencies of oscillatory poles of a run's model within a band."""
     poles = () if run.result is None else run.result.poles
     markers = (
         ModeMarker(
@@ -45,24 +47,24 @@ def identified_markers(run: EstimationRun, band_hz: tuple[float, float]) -> tupl
     return tuple(mark for mark in markers if band_hz[0] <= mark.frequency_hz <= band_hz[1])
 
 
-def modal_poles(store: Store, run: EstimationRun) -> tuple[Pole, ...]:
-    """Poles in vacuo of the modes in a run's model. [rad/s]"""
+def list_modal_poles(store: Store, run: EstimationRun) -> tuple[Pole, ...]:
+    """List in-vacuo poles of the modes of a run's model. [rad/s]"""
     if not run.structure.modes:
         return ()
     maneuver = store.maneuvers.get(run.maneuver_id)
-    known, at_fuel = _modes(store, maneuver, run.modal_table_id, run.damping_table_id)
-    chosen = at_fuel.select(run.structure.modes)
+    known, at_fuel = _load(store, maneuver, run.modal_table_id, run.damping_table_id)
+    selected = at_fuel.select(run.structure.modes)
     return tuple(
         Pole(
             real=float(-zeta * omega),
             imag=float(omega * np.sqrt(1.0 - zeta**2)),
             name=known.names[number],
         )
-        for number, omega, zeta in zip(chosen.numbers, chosen.omega, chosen.zeta, strict=True)
+        for number, omega, zeta in zip(selected.numbers, selected.omega, selected.zeta, strict=True)
     )
 
 
-def _modes(
+def _load(
     store: Store, maneuver: Maneuver, modal_table_id: int | None, damping_table_id: int | None
 ) -> tuple[AircraftModes, StructuralModes]:
     tables = find_modal_tables(store, maneuver.aircraft_id, modal_table_id, damping_table_id)

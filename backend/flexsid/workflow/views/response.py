@@ -12,18 +12,18 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.views import Blanked, Bode, Response
 from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyResponse
-from flexsid.sysid.spectra.reliability import relative_std, unreliable
-from flexsid.sysid.spectra.repeated import combine
+from flexsid.sysid.spectra.reliability import find_unreliable_points, relative_std
+from flexsid.sysid.spectra.repetition import combine_responses
 from flexsid.workflow.aircraft.aircraft_models import define_outputs
-from flexsid.workflow.measurements.maneuver_spectra import measure
-from flexsid.workflow.measurements.recording import maneuver_lines
-from flexsid.workflow.runs.identified_models import IdentifiedModel, identified
-from flexsid.workflow.views.channels import input_names, sampling
-from flexsid.workflow.views.modes import identified_markers, mode_markers
-from flexsid.workflow.views.repetition import measure_windows, period_coherence
+from flexsid.workflow.measurements.maneuver_spectra import read_measured_spectra
+from flexsid.workflow.measurements.recording import select_frequencies
+from flexsid.workflow.runs.identified_models import IdentifiedModel, load_identified_model
+from flexsid.workflow.views.channels import find_sampling, list_input_names
+from flexsid.workflow.views.modes import find_identified_markers, find_mode_markers
+from flexsid.workflow.views.repetition import compute_period_coherence, measure_windows
 
 _GRID = 400  # points of a model's curve
-_MARGIN = 1.1  # modes a little outside the lines still explain what is seen
+_MARGIN = 1.1  # modes slightly outside the measured band are shown
 
 
 def bode(
@@ -38,24 +38,24 @@ def bode(
     rigid: bool = False,
     windowed: bool = False,
 ) -> Bode:
-    """Read responses of outputs to inputs; to all that were excited by default.
+    """Read frequency responses of outputs to inputs; to all excited inputs by default.
 
     Parameters
     ----------
     store, maneuver_id
-        What was flown.
+        Maneuver.
     outputs, inputs
         Names.
     run_ids
-        Runs whose models come beside them where they have output and input.
+        Runs whose models are added, if they have output and input.
     beside
         Further maneuvers, as measured.
     average
-        One response of all maneuvers, weighed by what each is worth.
+        One response of all maneuvers, weighted by information.
     rigid
-        Also what the models' sensors would see if they did not flex (C_e = 0).
+        Also responses of the models with rigid-body sensors (C_e = 0).
     windowed
-        From averaged windows, as always where no lines are known (sweeps, doublets).
+        From averaged windows, as always without harmonics (sweeps, doublets).
 
     Raises
     ------
@@ -67,28 +67,32 @@ def bode(
         raise BadInput("a frequency response takes at least one output", code="no-output")
     maneuvers = [store.maneuvers.get(number) for number in dict.fromkeys((maneuver_id, *beside))]
     first = maneuvers[0]
-    flown = [measured_responses(store, m, names, windowed=windowed) for m in maneuvers]
-    columns = [each.columns for each in flown]
-    known = input_names(store, first)
-    chosen = tuple(dict.fromkeys(inputs)) or tuple(name for name in known if name in columns[0])
+    responses = [measure_responses(store, m, names, windowed=windowed) for m in maneuvers]
+    columns = [each.columns for each in responses]
+    known = list_input_names(store, first)
+    selected = tuple(dict.fromkeys(inputs)) or tuple(name for name in known if name in columns[0])
     for found in columns:
-        _check_excited(chosen, found)
-    units = {name: unit for name, (_, unit) in sampling(store, first, [*names, *chosen]).items()}
+        _check_excited(selected, found)
+    units = {
+        name: unit for name, (_, unit) in find_sampling(store, first, [*names, *selected]).items()
+    }
     probabilities: dict[str, float] = {}
     labels = [(m.id, m.label if len(maneuvers) > 1 else "") for m in maneuvers]
     if average and len(maneuvers) > 1:
-        together = {name: combine([found[name] for found in columns]) for name in chosen}
+        together = {
+            name: combine_responses([found[name] for found in columns]) for name in selected
+        }
         probabilities = {name: value.probability for name, value in together.items()}
         columns = [{name: value.response for name, value in together.items()}]
-        flown = []
+        responses = []
         labels = [(None, f"average of {len(maneuvers)}")]
-    pairs = [(output, name) for output in names for name in chosen]
+    pairs = [(output, name) for output in names for name in selected]
     measured = tuple(
         replace(
-            _response(found[name], output, units),
+            _build_response(found[name], output, units),
             maneuver_id=number,
             label=label,
-            coherence=flown[place].coherent(output, name) if flown else None,
+            coherence=responses[place].get_coherence(output, name) if responses else None,
         )
         for output, name in pairs
         for place, (found, (number, label)) in enumerate(zip(columns, labels, strict=True))
@@ -100,16 +104,16 @@ def bode(
     runs = [store.runs.get(number) for number in dict.fromkeys(run_ids)]
     models: list[Response] = []
     for run in runs:
-        own = identified(store, run)
+        own = load_identified_model(store, run)
         label = f"{run.method.value} {run.id}"
         curves = [(own, label, False)]
         if rigid:
-            curves.append((_blind(own), f"{label}, C_e = 0", True))
+            curves.append((_remove_flexibility(own), f"{label}, C_e = 0", True))
         for model, name, is_rigid in curves:
-            for curve in _curves(model, pairs, (low, high), units):
+            for curve in _compute_curves(model, pairs, (low, high), units):
                 anchor = anchors[curve.output, curve.input]
                 models.append(
-                    replace(_beside(curve, anchor), run_id=run.id, label=name, rigid=is_rigid)
+                    replace(_align_phase(curve, anchor), run_id=run.id, label=name, rigid=is_rigid)
                 )
     return Bode(
         maneuver_id=maneuver_id,
@@ -117,46 +121,48 @@ def bode(
         measured=measured,
         models=tuple(models),
         modes=(
-            *mode_markers(store, first, band),
-            *(mark for run in runs for mark in identified_markers(run, band)),
+            *find_mode_markers(store, first, band),
+            *(mark for run in runs for mark in find_identified_markers(run, band)),
         ),
         agreement=probabilities,
     )
 
 
 @dataclass(frozen=True, slots=True)
-class MeasuredResponses:
-    """Responses by input, and the coherence of every output at the lines of each input."""
+class ResponseMeasurements:
+    """Responses by input, and the coherence of every output at the harmonics of each input."""
 
     columns: dict[str, FrequencyResponse]
     coherence: dict[str, np.ndarray]
 
-    def coherent(self, output: str, input_: str) -> np.ndarray | None:
-        """Coherence of one response, where it is known."""
+    def get_coherence(self, output: str, input_: str) -> np.ndarray | None:
+        """Return the coherence of one response, where known."""
         if input_ not in self.coherence:
             return None
         return self.coherence[input_][:, self.columns[input_].outputs.index(output)]
 
 
-def measured_responses(
+def measure_responses(
     store: Store, maneuver: Maneuver, outputs: tuple[str, ...], *, windowed: bool = False
-) -> MeasuredResponses:
-    """Responses to every excited input: at its own lines, or from windows without lines."""
+) -> ResponseMeasurements:
+    """Estimate responses to every excited input: at its harmonics, else from windows."""
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     definitions = define_outputs(aircraft, outputs)
     if maneuver.excitation is None or windowed:
         found = measure_windows(store, maneuver, aircraft, definitions)
-        return MeasuredResponses(found.columns, dict.fromkeys(found.columns, found.coherence))
+        return ResponseMeasurements(found.columns, dict.fromkeys(found.columns, found.coherence))
     inputs = tuple(maneuver.excitation.harmonics)
-    columns = measure(store, maneuver, aircraft, inputs, definitions).responses()
-    lines = maneuver_lines(maneuver)
-    repeated = period_coherence(store, maneuver, outputs, lines)
+    columns = read_measured_spectra(store, maneuver, aircraft, inputs, definitions).responses()
+    frequencies = select_frequencies(maneuver)
+    repeated = compute_period_coherence(store, maneuver, outputs, frequencies)
     if repeated is None:
-        return MeasuredResponses(columns, {})
-    return MeasuredResponses(
+        return ResponseMeasurements(columns, {})
+    return ResponseMeasurements(
         columns,
         {
-            name: repeated[np.isin(lines.omega, column.omega) & (lines.owner == number)]
+            name: repeated[
+                np.isin(frequencies.omega, column.omega) & (frequencies.assigned_input == number)
+            ]
             for number, (name, column) in enumerate(columns.items())
         },
     )
@@ -166,40 +172,40 @@ def _check_excited(names: Sequence[str], columns: dict[str, FrequencyResponse]) 
     unknown = [name for name in names if name not in columns]
     if unknown:
         raise BadInput(
-            f"'{unknown[0]}' was not excited in this maneuver; excited were {', '.join(columns)}",
+            f"'{unknown[0]}' was not excited in this maneuver; select one of {', '.join(columns)}",
             code="not-excited",
             input=unknown[0],
         )
 
 
-def _blind(model: IdentifiedModel) -> IdentifiedModel:
-    """The same motion seen by sensors that do not flex."""
+def _remove_flexibility(model: IdentifiedModel) -> IdentifiedModel:
+    """Replace sensors by rigid-body sensors (C_e = 0)."""
     return replace(model, model=replace(model.model, sensors=model.model.sensors.rigid_only()))
 
 
-def _curves(
+def _compute_curves(
     model: IdentifiedModel,
     pairs: Sequence[tuple[str, str]],
     band_hz: tuple[float, float],
     units: dict[str, str],
 ) -> list[Response]:
-    """Responses of an identified model on a fine grid over the measured lines."""
+    """Compute responses of an identified model on a fine grid over the measured band."""
     response = model.response(2.0 * np.pi * np.geomspace(*band_hz, _GRID))
     return [
-        _response(response, output, units, name)
+        _build_response(response, output, units, name)
         for output, name in pairs
         if output in response.outputs and name in response.inputs
     ]
 
 
-def _beside(model: Response, data: Response) -> Response:
-    """Move a phase by whole turns to where the measured one is."""
-    at_lines = np.interp(data.frequency_hz, model.frequency_hz, model.phase_rad)
-    turns = np.round(np.nanmedian(data.phase_rad - at_lines) / (2.0 * np.pi))
+def _align_phase(model: Response, data: Response) -> Response:
+    """Shift the phase by multiples of 2 pi to the measured one."""
+    model_phase = np.interp(data.frequency_hz, model.frequency_hz, model.phase_rad)
+    turns = np.round(np.nanmedian(data.phase_rad - model_phase) / (2.0 * np.pi))
     return replace(model, phase_rad=model.phase_rad + 2.0 * np.pi * turns)
 
 
-def _response(
+def _build_response(
     column: FrequencyResponse, output: str, units: dict[str, str], input_: str | None = None
 ) -> Response:
     name = column.inputs[0] if input_ is None else input_
@@ -207,7 +213,7 @@ def _response(
     values = column.values[place]
     frequency_hz = column.omega / (2.0 * np.pi)
     relative = relative_std(column)
-    reasons = {reason: points[place] for reason, points in unreliable(column).items()}
+    reasons = {reason: points[place] for reason, points in find_unreliable_points(column).items()}
     blank = np.any(list(reasons.values()), axis=0)
     return Response(
         output=output,
@@ -216,7 +222,7 @@ def _response(
         input_unit=units[name],
         frequency_hz=frequency_hz,
         magnitude=np.abs(values),
-        phase_rad=_unwrapped(values, ~blank),
+        phase_rad=_unwrap(values, ~blank),
         # half of the complex error lies along the response, half across it
         relative_std=None if relative is None else relative[place] / np.sqrt(2.0),
         blanked=tuple(
@@ -228,10 +234,10 @@ def _response(
     )
 
 
-def _unwrapped(values: np.ndarray, reliable: np.ndarray) -> np.ndarray:
-    """Continuous phase of the reliable points; the others come to the nearest turn.
+def _unwrap(values: np.ndarray, reliable: np.ndarray) -> np.ndarray:
+    """Unwrap the phase of reliable points; the others are shifted to the nearest turn.
 
-    One point of pure noise would otherwise shift everything beyond it by a turn.
+    Otherwise one point of noise would shift all further points by a turn.
     """
     phase = np.angle(values)
     if reliable.sum() < 2:

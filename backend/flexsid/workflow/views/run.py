@@ -1,4 +1,4 @@
-"""What a run fitted, what it left over, and how sure it is."""
+"""Fit, residuals, parameter correlation, poles and convergence of runs."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from flexsid.records.views import (
     Residuals,
 )
 from flexsid.storage.store import Store
-from flexsid.workflow.comparison.derivative_comparison import compare, of_coefficient
-from flexsid.workflow.model_structures.run_results import result_of
-from flexsid.workflow.views.modes import modal_poles
+from flexsid.workflow.comparison.derivative_comparison import compare, select_coefficient
+from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.views.modes import list_modal_poles
 
-_SHOWN_FIRST = 2  # outputs drawn when none was chosen; a page shows that many at once
+_SHOWN_FIRST = 2  # outputs drawn by default
 
 
-def finished(store: Store, run_id: int) -> tuple[EstimationRun, RunResult]:
+def read_finished_run(store: Store, run_id: int) -> tuple[EstimationRun, RunResult]:
     """Read a run that has a result.
 
     Raises
@@ -36,29 +36,30 @@ def finished(store: Store, run_id: int) -> tuple[EstimationRun, RunResult]:
         If it has none (yet), or it was altered.
     """
     run = store.runs.get(run_id)
-    return run, result_of(run, "no result to show")
+    return run, get_result(run, "no result to show")
 
 
 def fit(
     store: Store, run_id: int, outputs: Sequence[str] = (), block: str | None = None
 ) -> FitPlot:
-    """Read measured and fitted lines; the first outputs of the first block by default."""
-    run, result = finished(store, run_id)
-    chosen = _block(run, result, block)
-    names = outputs or chosen.outputs[:_SHOWN_FIRST]
-    omega, measured, fitted = _lines(store, chosen)
+    """Read measured and fitted data; the first outputs of the first block by default."""
+    run, result = read_finished_run(store, run_id)
+    selected = _get_block(run, result, block)
+    names = outputs or selected.outputs[:_SHOWN_FIRST]
+    omega, measured, fitted = _read_spectra(store, selected)
     return FitPlot(
         run_id=run_id,
         method=run.method,
-        block=chosen.name,
+        block=selected.name,
         frequency_hz=omega / (2.0 * np.pi),
         traces=tuple(
-            _trace(run, result, chosen, name, measured, fitted) for name in dict.fromkeys(names)
+            _build_trace(run, result, selected, name, measured, fitted)
+            for name in dict.fromkeys(names)
         ),
     )
 
 
-def _trace(
+def _build_trace(
     run: EstimationRun,
     result: RunResult,
     block: FitBlock,
@@ -84,38 +85,38 @@ def _trace(
         measured_magnitude=np.abs(z),
         measured_phase_rad=phase,
         fitted_magnitude=np.abs(y),
-        # on the sheet of the measured phase, so that 179 and -179 degrees are neighbours
+        # unwrapped to the measured phase
         fitted_phase_rad=phase + np.angle(y * z.conj()),
-        r_squared=_r_squared_of(result, block.name, output),
+        r_squared=_get_r_squared(result, block.name, output),
     )
 
 
-def _r_squared_of(result: RunResult, block: str, output: str) -> float | None:
-    """Share of what is drawn that the model explains; older runs know only that of all blocks."""
+def _get_r_squared(result: RunResult, block: str, output: str) -> float | None:
+    """Return R squared of a block; older runs have that of all blocks only."""
     own = [one for one in result.fit.quality if (one.block, one.output) == (block, output)]
     return own[0].r_squared if own else result.fit.r_squared.get(output)
 
 
 def residual(store: Store, run_id: int, block: str | None = None) -> Residuals:
-    """Read residuals of all outputs of a block, each over its own rms."""
-    run, result = finished(store, run_id)
-    chosen = _block(run, result, block)
-    omega, measured, fitted = _lines(store, chosen)
+    """Read residuals of all outputs of a block, normalised by their rms."""
+    run, result = read_finished_run(store, run_id)
+    selected = _get_block(run, result, block)
+    omega, measured, fitted = _read_spectra(store, selected)
     size = np.abs(measured - fitted)
     rms = np.sqrt(np.mean(size**2, axis=0))
     return Residuals(
         run_id=run_id,
         method=run.method,
-        block=chosen.name,
+        block=selected.name,
         frequency_hz=omega / (2.0 * np.pi),
-        outputs=chosen.outputs,
+        outputs=selected.outputs,
         relative=np.divide(size, rms, out=np.zeros_like(size), where=rms > 0),
     )
 
 
 def parameter_correlation(store: Store, run_id: int) -> ParameterCorrelation:
     """Read the correlation of the estimates from their covariance."""
-    _, result = finished(store, run_id)
+    _, result = read_finished_run(store, run_id)
     covariance = store.arrays.get(result.covariance)
     sigma = np.sqrt(np.diag(covariance))
     scale = np.outer(sigma, sigma)
@@ -129,36 +130,36 @@ def parameter_correlation(store: Store, run_id: int) -> ParameterCorrelation:
 
 def poles(store: Store, run_ids: Sequence[int]) -> PoleMap:
     """Read the poles of models, and of the modes of the first one in vacuo."""
-    found = [finished(store, run_id) for run_id in dict.fromkeys(run_ids)]
+    found = [read_finished_run(store, run_id) for run_id in dict.fromkeys(run_ids)]
     if not found:
-        raise BadInput("poles take at least one run; choose one", code="no-run")
+        raise BadInput("poles need at least one run; select one", code="no-run")
     groups = [
         PoleGroup(
             label=f"{run.method.value} {run.id}",
             estimated=True,
-            poles=_upper(result.poles),
+            poles=_select_upper(result.poles),
             run_id=run.id,
             method=run.method,
         )
         for run, result in found
     ]
-    in_vacuo = modal_poles(store, found[0][0])
+    in_vacuo = list_modal_poles(store, found[0][0])
     if in_vacuo:
         groups.append(PoleGroup(label="in vacuo", estimated=False, poles=in_vacuo))
     return PoleMap(groups=tuple(groups))
 
 
-def _upper(poles: tuple[Pole, ...]) -> tuple[Pole, ...]:
+def _select_upper(poles: tuple[Pole, ...]) -> tuple[Pole, ...]:
     return tuple(pole for pole in poles if pole.imag >= 0)
 
 
 def iterations(store: Store, run_id: int) -> Convergence:
-    """Read how the cost fell."""
-    _, result = finished(store, run_id)
+    """Read the cost by iteration."""
+    _, result = read_finished_run(store, run_id)
     return Convergence(run_id=run_id, iterations=result.fit.iterations)
 
 
-def _block(run: EstimationRun, result: RunResult, name: str | None) -> FitBlock:
+def _get_block(run: EstimationRun, result: RunResult, name: str | None) -> FitBlock:
     if name is None and result.blocks:
         return result.blocks[0]
     for block in result.blocks:
@@ -170,7 +171,7 @@ def _block(run: EstimationRun, result: RunResult, name: str | None) -> FitBlock:
     )
 
 
-def _lines(store: Store, block: FitBlock) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _read_spectra(store: Store, block: FitBlock) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     arrays = store.arrays.get_many(block.arrays.values())
     omega, measured, fitted = (
         arrays[block.arrays[name]] for name in ("omega", "measured", "fitted")
@@ -186,4 +187,4 @@ def derivatives(
     coefficient: str | None = None,
 ) -> Comparison:
     """Read the derivatives of one coefficient, by method and prediction."""
-    return of_coefficient(compare(store, run_ids, prediction_ids), coefficient)
+    return select_coefficient(compare(store, run_ids, prediction_ids), coefficient)

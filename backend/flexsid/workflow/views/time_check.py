@@ -1,4 +1,4 @@
-"""Time-domain check: what an identified model says against what was recorded."""
+"""Time-domain check: simulated response of an identified model against measured outputs."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.time_response import time_response
 from flexsid.units import si_unit
 from flexsid.workflow.aircraft.aircraft_models import (
+    compute_input_correction,
     define_outputs,
-    input_correction,
-    output_instrument,
+    get_output_instrument,
 )
-from flexsid.workflow.aircraft.instruments import with_instruments
-from flexsid.workflow.measurements.recording import trim_removed
-from flexsid.workflow.measurements.transforms import load_channels
-from flexsid.workflow.runs.identified_models import IdentifiedModel, identified
+from flexsid.workflow.aircraft.instruments import insert_instruments
+from flexsid.workflow.measurements.maneuver_spectra import load_channels
+from flexsid.workflow.measurements.recording import remove_trim
+from flexsid.workflow.runs.identified_models import IdentifiedModel, load_identified_model
 
 _SHOWN_FIRST = 4
 
@@ -33,7 +33,7 @@ def time_check(
     maneuver_id: int | None = None,
     points: int = 2000,
 ) -> TimeCheck:
-    """Simulate the model of a run under the recorded inputs of its or another maneuver.
+    """Simulate the model of a run with recorded inputs of its own or another maneuver.
 
     Raises
     ------
@@ -45,10 +45,10 @@ def time_check(
     maneuver = own if maneuver_id is None else store.maneuvers.get(maneuver_id)
     if maneuver.aircraft_id != own.aircraft_id:
         raise BadInput(
-            f"maneuver {maneuver_id} was flown by another aircraft than the run's",
+            f"maneuver {maneuver_id} belongs to another aircraft than the run",
             code="wrong-aircraft",
         )
-    found = identified(store, run, maneuver.id)
+    found = load_identified_model(store, run, maneuver.id)
     names = tuple(outputs) or found.model.outputs[:_SHOWN_FIRST]
     unknown = [name for name in names if name not in found.model.outputs]
     if unknown:
@@ -57,10 +57,10 @@ def time_check(
             code="unknown-output",
             output=unknown[0],
         )
-    aircraft = with_instruments(store.aircraft.get(maneuver.aircraft_id), run.structure)
+    aircraft = insert_instruments(store.aircraft.get(maneuver.aircraft_id), run.structure)
     time_s, simulated = _simulate(store, maneuver, aircraft, found)
     traces = [
-        _check(store, maneuver, aircraft, name, time_s, simulated[:, k])
+        _compare(store, maneuver, aircraft, name, time_s, simulated[:, k])
         for name in names
         for k in [found.model.outputs.index(name)]
     ]
@@ -73,25 +73,25 @@ def time_check(
 def _simulate(
     store: Store, maneuver: Maneuver, aircraft: Aircraft, found: IdentifiedModel
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Outputs as recorded would be, on the clock of the inputs."""
-    inputs = _channels(store, maneuver, found.model.inputs)
+    """Simulate recorded outputs on the clock of the inputs."""
+    inputs = _read_channels(store, maneuver, found.model.inputs)
     first = inputs[0][0]
     if any((c.rate_hz, c.start_s) != (first.rate_hz, first.start_s) for c, _ in inputs):
         raise BadInput(
-            "the inputs of this maneuver were not sampled together; they cannot be simulated with",
+            "the inputs of this maneuver have different sampling; a simulation needs one clock",
             code="unequal-channels",
         )
     recorded = np.stack([values for _, values in inputs], axis=1)
 
     def correct(omega: np.ndarray) -> np.ndarray:
         return np.stack(
-            [input_correction(aircraft, name, omega) for name in found.model.inputs], axis=1
+            [compute_input_correction(aircraft, name, omega) for name in found.model.inputs], axis=1
         )
 
     definitions = define_outputs(aircraft, found.model.outputs)
 
     def sense(omega: np.ndarray) -> np.ndarray:
-        instruments = [output_instrument(aircraft, o).response(omega) for o in definitions]
+        instruments = [get_output_instrument(aircraft, o).response(omega) for o in definitions]
         delays = np.exp(-1j * np.outer(omega, found.delays))
         return np.stack(instruments, axis=1) * found.scales * delays
 
@@ -99,7 +99,7 @@ def _simulate(
     return first.start_s + np.arange(first.n_samples) / first.rate_hz, outputs
 
 
-def _check(
+def _compare(
     store: Store,
     maneuver: Maneuver,
     aircraft: Aircraft,
@@ -108,7 +108,7 @@ def _check(
     simulated: np.ndarray,
 ) -> CheckedTrace:
     (definition,) = define_outputs(aircraft, [name])
-    parts = _channels(store, maneuver, tuple(sensor.name for sensor, _ in definition.terms))
+    parts = _read_channels(store, maneuver, tuple(sensor.name for sensor, _ in definition.terms))
     channel = parts[0][0]
     weights = [weight for _, weight in definition.terms]
     measured = np.sum([w * v for w, (_, v) in zip(weights, parts, strict=True)], axis=0)
@@ -126,11 +126,11 @@ def _check(
     )
 
 
-def _channels(
+def _read_channels(
     store: Store, maneuver: Maneuver, names: tuple[str, ...]
 ) -> list[tuple[Channel, np.ndarray]]:
     assert maneuver.id is not None
     return [
-        (channel, trim_removed(values[:, None], channel.rate_hz, channel.start_s, maneuver)[:, 0])
+        (channel, remove_trim(values[:, None], channel.rate_hz, channel.start_s, maneuver)[:, 0])
         for channel, values in load_channels(store, maneuver.id, names)
     ]

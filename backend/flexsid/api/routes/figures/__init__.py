@@ -1,4 +1,4 @@
-"""Figures as plotly specs: numbers from the workflow, drawn by figures, themed by the page."""
+"""Figures as Plotly specifications; colours and fonts are set by the frontend."""
 
 from __future__ import annotations
 
@@ -17,5 +17,5 @@ from flexsid.api.routes.figures import (
 )
 
 router = APIRouter(prefix="/figures", tags=["figures"], responses=FILES)
-for _drawn in (maneuvers, runs, comparisons, flutter, searches, designs, decisions, modes):
-    router.include_router(_drawn.router)
+for _module in (maneuvers, runs, comparisons, flutter, searches, designs, decisions, modes):
+    router.include_router(_module.router)

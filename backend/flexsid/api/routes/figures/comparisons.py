@@ -1,4 +1,4 @@
-"""Figures that hold derivatives of runs and predictions beside each other."""
+"""Figures that compare derivatives of runs and predictions."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from fastapi.responses import Response
 
 from flexsid import figures
 from flexsid.api.context import TheStore
-from flexsid.api.export import Form, sent
+from flexsid.api.export import Form, respond_with_figure
 from flexsid.api.routes.comparisons import TheTrend
-from flexsid.api.routes.figures.answer import Figure, Ids
-from flexsid.api.wire import split_ids
+from flexsid.api.routes.figures.figure import Figure, Ids
+from flexsid.api.serialization import split_ids
 from flexsid.workflow import views
 
 router = APIRouter()
@@ -33,7 +33,7 @@ def draw_derivatives(
         split_ids(prediction_ids, "prediction_ids"),
         coefficient,
     )
-    return sent(figures.derivatives(value), form)
+    return respond_with_figure(figures.derivatives(value), form)
 
 
 @router.get("/forest", response_model=Figure)
@@ -44,14 +44,14 @@ def draw_forest(
     prediction_ids: Ids = None,
     form: Form = "json",
 ) -> Response:
-    """Draw what each run and prediction says about one derivative, over their mean."""
+    """Draw the estimates and predictions of one derivative, with their mean (forest plot)."""
     value = views.derivatives(
         store, split_ids(run_ids, "run_ids"), split_ids(prediction_ids, "prediction_ids")
     )
-    return sent(figures.forest(value, name), form)
+    return respond_with_figure(figures.forest(value, name), form)
 
 
 @router.get("/trend", response_model=Figure)
-def draw_trend(store: TheStore, asked: TheTrend, form: Form = "json") -> Response:
-    """Draw one derivative over the conditions that were flown, with weighted fits."""
-    return sent(figures.trend(asked), form)
+def draw_trend(store: TheStore, derivative_trend: TheTrend, form: Form = "json") -> Response:
+    """Draw one derivative over the flight conditions, with weighted fits."""
+    return respond_with_figure(figures.trend(derivative_trend), form)

@@ -1,4 +1,4 @@
-"""Figures as they were decided upon."""
+"""Frozen figures of decisions."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from fastapi import APIRouter
 from fastapi.responses import Response
 
 from flexsid.api.context import TheStore
-from flexsid.api.export import Form, sent
-from flexsid.api.routes.figures.answer import Figure, Id
-from flexsid.workflow.review.audit import figure_spec
+from flexsid.api.export import Form, respond_with_figure
+from flexsid.api.routes.figures.figure import Figure, Id
+from flexsid.workflow.review.audit import read_figure
 
 router = APIRouter()
 
 
 @router.get("/frozen", response_model=Figure)
 def draw_frozen(store: TheStore, figure_id: Id, form: Form = "json") -> Response:
-    """Draw a figure as it was when it was frozen for a decision."""
-    return sent(figure_spec(store, store.frozen_figures.get(figure_id)), form)
+    """Draw a frozen figure in its stored state."""
+    return respond_with_figure(read_figure(store, store.frozen_figures.get(figure_id)), form)

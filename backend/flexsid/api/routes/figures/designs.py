@@ -1,4 +1,4 @@
-"""Figures of designed excitations."""
+"""Figures of excitation designs."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from fastapi.responses import Response
 
 from flexsid import figures
 from flexsid.api.context import TheStore
-from flexsid.api.export import Form, sent
+from flexsid.api.export import Form, respond_with_figure
 from flexsid.api.routes.designs import Level
-from flexsid.api.routes.figures.answer import Figure, Id
+from flexsid.api.routes.figures.figure import Figure, Id
 from flexsid.workflow.excitation import excitation_designs
-from flexsid.workflow.excitation.predicted_accuracy import expected_response
+from flexsid.workflow.excitation.predicted_accuracy import predict_response
 
 router = APIRouter()
 
@@ -20,33 +20,37 @@ router = APIRouter()
 def draw_design_history(
     store: TheStore, design_id: Id, level: Level = 0, form: Form = "json"
 ) -> Response:
-    """Draw one period of a designed excitation."""
-    value = excitation_designs.designed(store.designs.get(design_id), level)
-    return sent(figures.design_history(value), form)
+    """Draw one period of an excitation design."""
+    value = excitation_designs.sample_design(store.designs.get(design_id), level)
+    return respond_with_figure(figures.design_history(value), form)
 
 
 @router.get("/design-spectrum", response_model=Figure)
 def draw_design_spectrum(
     store: TheStore, design_id: Id, level: Level = 0, form: Form = "json"
 ) -> Response:
-    """Draw the lines of a designed excitation by the input that owns them."""
-    value = excitation_designs.designed(store.designs.get(design_id), level)
-    return sent(figures.design_spectrum(value), form)
+    """Draw the amplitudes of the harmonics of an excitation design, by input."""
+    value = excitation_designs.sample_design(store.designs.get(design_id), level)
+    return respond_with_figure(figures.design_spectrum(value), form)
 
 
 @router.get("/design-worth", response_model=Figure)
-def draw_design_worth(
+def draw_design_information(
     store: TheStore, design_id: Id, run_id: Id, level: Level = 0, form: Form = "json"
 ) -> Response:
-    """Draw what each line of a design is worth for the parameters of a run."""
+    """Draw the information of each harmonic of a design on the parameters of a run."""
     design = store.designs.get(design_id)
-    return sent(figures.design_worth(expected_response(store, design, run_id, level)), form)
+    return respond_with_figure(
+        figures.design_worth(predict_response(store, design, run_id, level)), form
+    )
 
 
 @router.get("/design-signal", response_model=Figure)
 def draw_design_signal(
     store: TheStore, design_id: Id, run_id: Id, level: Level = 0, form: Form = "json"
 ) -> Response:
-    """Draw each output's expected signal over noise at each line of a design."""
+    """Draw the expected signal-to-noise ratio by output and harmonic of a design."""
     design = store.designs.get(design_id)
-    return sent(figures.design_signal(expected_response(store, design, run_id, level)), form)
+    return respond_with_figure(
+        figures.design_signal(predict_response(store, design, run_id, level)), form
+    )

@@ -1,4 +1,4 @@
-"""Figures of what was recorded: maneuvers, whole flights, the ground before and after."""
+"""Figures of recorded data: maneuvers, whole flights and ground tests."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from fastapi.responses import Response
 
 from flexsid import figures
 from flexsid.api.context import TheStore
-from flexsid.api.export import Form, sent
-from flexsid.api.routes.figures.answer import Figure, Id, Ids, Names
+from flexsid.api.export import Form, respond_with_figure
+from flexsid.api.routes.figures.figure import Figure, Id, Ids, Names
 from flexsid.api.routes.maneuvers import Filters
-from flexsid.api.wire import split_ids, split_names
+from flexsid.api.serialization import split_ids, split_names
 from flexsid.workflow import views
 from flexsid.workflow.importing import maneuver_cutting
 from flexsid.workflow.measurements import reconstruction
@@ -25,8 +25,8 @@ _Seconds = Annotated[float | None, Query(allow_inf_nan=False)]
 
 @router.get("/envelope", response_model=Figure)
 def draw_envelope(store: TheStore, filters: Filters, form: Form = "json") -> Response:
-    """Draw where the maneuvers of a list were flown."""
-    return sent(figures.envelope(views.envelope(store, **filters)), form)
+    """Draw the flight conditions of the filtered maneuvers."""
+    return respond_with_figure(figures.envelope(views.envelope(store, **filters)), form)
 
 
 @router.get("/time-history", response_model=Figure)
@@ -39,16 +39,16 @@ def draw_time_history(
     points: int = views.POINTS,
     form: Form = "json",
 ) -> Response:
-    """Draw channels against time, thinned to what a screen shows; inputs by default.
+    """Draw channels over time, decimated for the screen; by default the inputs.
 
-    Files hold every sample of the window.
+    CSV and MAT files contain every sample of the window.
     """
-    chosen = split_names(channels) or ()
-    value = views.time_history(store, maneuver_id, chosen, start_s, stop_s, points)
+    selected = split_names(channels) or ()
+    value = views.time_history(store, maneuver_id, selected, start_s, stop_s, points)
     if form != "json":
         longest = max((trace.time_s.size for trace in value.traces), default=points)
         value = replace(value, points=longest)
-    return sent(figures.time_history(value), form)
+    return respond_with_figure(figures.time_history(value), form)
 
 
 @router.get("/flight-history", response_model=Figure)
@@ -61,10 +61,12 @@ def draw_flight_history(
     points: Annotated[int, Query(ge=100, le=20_000)] = 2000,
     form: Form = "json",
 ) -> Response:
-    """Draw channels of a whole flight against time; the commands by default."""
-    chosen = split_names(channels) or ()
-    value = maneuver_cutting.flight_history(store, flight_id, chosen, start_s, stop_s, points)
-    return sent(figures.time_history(value), form)
+    """Draw channels of a whole flight over time; by default the commands."""
+    selected = split_names(channels) or ()
+    value = maneuver_cutting.read_flight_history(
+        store, flight_id, selected, start_s, stop_s, points
+    )
+    return respond_with_figure(figures.time_history(value), form)
 
 
 @router.get("/spectrum", response_model=Figure)
@@ -72,21 +74,25 @@ def draw_spectrum(
     store: TheStore,
     maneuver_id: Id,
     channels: Names = None,
-    full: Annotated[bool, Query(description="The whole spectrum behind the lines.")] = False,
+    full: Annotated[bool, Query(description="With the full spectrum.")] = False,
     form: Form = "json",
 ) -> Response:
-    """Draw Fourier magnitudes at the excited lines, coloured by owner; inputs by default."""
-    chosen = split_names(channels) or ()
-    return sent(figures.spectrum(views.spectrum(store, maneuver_id, chosen, full=full)), form)
+    """Draw Fourier magnitudes at the harmonics, coloured by input; by default of the inputs."""
+    selected = split_names(channels) or ()
+    return respond_with_figure(
+        figures.spectrum(views.spectrum(store, maneuver_id, selected, full=full)), form
+    )
 
 
 @router.get("/signal-to-noise", response_model=Figure)
 def draw_signal_to_noise(
     store: TheStore, maneuver_id: Id, channels: Names = None, form: Form = "json"
 ) -> Response:
-    """Draw signal over noise per channel and line; all inputs and outputs by default."""
-    chosen = split_names(channels) or ()
-    return sent(figures.signal_to_noise(views.signal_to_noise(store, maneuver_id, chosen)), form)
+    """Draw the signal-to-noise ratio by channel and harmonic; by default of inputs and outputs."""
+    selected = split_names(channels) or ()
+    return respond_with_figure(
+        figures.signal_to_noise(views.signal_to_noise(store, maneuver_id, selected)), form
+    )
 
 
 @router.get("/plot-matrix", response_model=Figure)
@@ -96,14 +102,14 @@ def draw_plot_matrix(
     channels: Names = None,
     domain: views.Domain = "time",
     modes: Annotated[
-        str | None, Query(description="Regressors of equation error with these modes instead.")
+        str | None, Query(description="Mode numbers: draws the equation-error regressors instead.")
     ] = None,
     form: Form = "json",
 ) -> Response:
-    """Draw channels against each other with their correlation; inputs by default."""
-    chosen = split_names(channels) or ()
-    value = views.plot_matrix(store, maneuver_id, chosen, domain, split_ids(modes, "modes"))
-    return sent(figures.plot_matrix(value), form)
+    """Draw a scatter plot matrix of channels with their correlation; by default of the inputs."""
+    selected = split_names(channels) or ()
+    value = views.plot_matrix(store, maneuver_id, selected, domain, split_ids(modes, "modes"))
+    return respond_with_figure(figures.plot_matrix(value), form)
 
 
 @router.get("/bode", response_model=Figure)
@@ -113,30 +119,32 @@ def draw_bode(
     output: Annotated[str, Query(description="Outputs separated by commas.")],
     inputs: Names = None,
     run_id: Ids = None,
-    beside: Annotated[
-        str | None, Query(description="Ids of further maneuvers, laid over this one.")
-    ] = None,
-    average: Annotated[bool, Query(description="All maneuvers as one response.")] = False,
-    rigid: Annotated[bool, Query(description="Models also with sensors blind to modes.")] = False,
+    overlay: Annotated[str | None, Query(description="Ids of maneuvers to overlay.")] = None,
+    average: Annotated[
+        bool, Query(description="Average the frequency response over all maneuvers.")
+    ] = False,
+    rigid: Annotated[
+        bool, Query(description="Also models without modes in the sensor equations.")
+    ] = False,
     windowed: Annotated[
-        bool, Query(description="From averaged windows, as where no lines are known.")
+        bool, Query(description="From averaged windows, as if no harmonics were known.")
     ] = False,
     view: figures.View = "bode",
     form: Form = "json",
 ) -> Response:
-    """Draw frequency responses, with the models of runs over them."""
+    """Draw measured frequency responses and those of identified models."""
     value = views.bode(
         store,
         maneuver_id,
         split_names(output) or (),
         split_names(inputs) or (),
         split_ids(run_id, "run_id"),
-        split_ids(beside, "beside"),
+        split_ids(overlay, "overlay"),
         average=average,
         rigid=rigid,
         windowed=windowed,
     )
-    return sent(figures.bode(value, view), form)
+    return respond_with_figure(figures.bode(value, view), form)
 
 
 @router.get("/reconstruction", response_model=Figure)
@@ -144,32 +152,36 @@ def draw_reconstruction(
     store: TheStore,
     maneuver_id: Id,
     quantities: Annotated[
-        str | None, Query(description="alpha, q, CZ, Cm, CQ7, eta7, etaddot7 ... by commas.")
+        str | None,
+        Query(description="alpha, q, CZ, Cm, CQ7, eta7, etaddot7 ..., separated by commas."),
     ] = None,
     modes: Annotated[
-        str | None, Query(description="Mode numbers; by default as many as move.")
+        str | None, Query(description="Mode numbers; by default those that are excited.")
     ] = None,
     domain: views.Domain = "time",
     form: Form = "json",
 ) -> Response:
-    """Draw motion and coefficients that all sensors together tell, with ±2 standard errors.
+    """Draw reconstructed motion and coefficients with ±2 standard errors.
 
-    In time from the smoother (Fig. 16a), in frequency line by line with rank and condition.
+    In the time domain by the smoother (Fig. 16a), in the frequency domain by least squares at each
+    harmonic, with rank and condition number.
     """
     value = reconstruction.reconstruct(
         store, maneuver_id, split_names(quantities) or (), split_ids(modes, "modes")
     )
-    drawn = figures.reconstruction if domain == "time" else figures.reconstruction_lines
-    return sent(drawn(value), form)
+    draw = figures.reconstruction if domain == "time" else figures.reconstruction_lines
+    return respond_with_figure(draw(value), form)
 
 
 @router.get("/loops", response_model=Figure)
 def draw_loops(store: TheStore, maneuver_id: Id, form: Form = "json") -> Response:
-    """Draw each surface's loop as flown, with its margins."""
-    return sent(figures.loops(views.loops(store, maneuver_id)), form)
+    """Draw the measured loop gain of each surface, with its stability margins."""
+    return respond_with_figure(figures.loops(views.loops(store, maneuver_id)), form)
 
 
 @router.get("/ground-test", response_model=Figure)
 def draw_ground_test(store: TheStore, flight_id: Id, form: Form = "json") -> Response:
-    """Draw spectra on the runway before and after a flight."""
-    return sent(figures.ground_test(ground_records.ground_spectra(store, flight_id)), form)
+    """Draw mini-GVT spectra before and after a flight."""
+    return respond_with_figure(
+        figures.ground_test(ground_records.read_ground_spectra(store, flight_id)), form
+    )

@@ -1,0 +1,85 @@
+"""Response models of the review of model structures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from flexsid.api.errors import Problem
+from flexsid.records.decision import (
+    Decision,
+    DecisionEvent,
+    FrozenFigure,
+    ReviewRules,
+    StructureProposal,
+)
+from flexsid.records.model_structure import StructureVersion
+from flexsid.workflow.model_structures.baselines import Baseline
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DecisionItem(Decision):
+    """A decision with the name of the proposed model structure."""
+
+    structure_name: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DecisionList:
+    """Decisions, newest first."""
+
+    items: list[DecisionItem]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DecisionDetail(Decision):
+    """A decision with its events, rules, proposed model structure and figures.
+
+    ``newest_version`` is the newest version of the proposed structure.
+    """
+
+    rules: ReviewRules
+    events: list[DecisionEvent]
+    structure: StructureVersion
+    newest_version: int
+    changes: StructureVersion | None
+    figures: list[FrozenFigure]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StaleProposal(Problem):
+    """Why a vote or revision was refused: ``current`` has replaced ``base``."""
+
+    base: StructureProposal
+    current: StructureProposal
+    sent: StructureProposal | None
+    revision: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RulesHistory:
+    """Review rules in force, and all earlier ones, oldest first."""
+
+    current: ReviewRules
+    items: list[ReviewRules]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ManeuverBaseline:
+    """The baseline of a maneuver; none if no structure was approved for its condition."""
+
+    maneuver_id: int
+    baseline: Baseline | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BaselineList:
+    """Baselines of a campaign, most recently approved first."""
+
+    items: list[Baseline]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ManeuverBaselineList:
+    """Baselines of maneuvers, in the order of the request."""
+
+    items: list[ManeuverBaseline]

@@ -1,0 +1,120 @@
+"""Live events of runs for all connected pages.
+
+The database is read once for all listeners. Every event has the id of its entry in the run
+log, so that a page can resume after a lost connection.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+
+from anyio import to_thread
+
+from flexsid.errors import FlexsidError
+from flexsid.records.batch import RunEvent
+from flexsid.storage import job_list, run_log
+from flexsid.storage.job_list import Job
+from flexsid.storage.store import Store
+
+_log = logging.getLogger(__name__)
+
+_POLL_S = 1.0  # other servers write into the log too
+_MAX_EVENTS = 1000  # a page that missed more events reloads its lists
+
+
+@dataclass(frozen=True, slots=True)
+class RunUpdate:
+    """New entries of the run log, and the running jobs if they have changed."""
+
+    events: list[RunEvent]
+    running: list[Job] | None
+    missed: bool = False
+
+
+class LiveEvents:
+    """Reads the run log and distributes it; runs in the event loop of the server."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._listeners: set[asyncio.Queue[RunUpdate | None]] = set()
+        self._notified = asyncio.Event()
+        self._loop = asyncio.get_running_loop()
+        self._stopped = False
+        self._task = asyncio.create_task(self._run())
+
+    def notify(self) -> None:
+        """Read the log now; may be called from any thread."""
+        if not self._stopped:
+            self._loop.call_soon_threadsafe(self._notified.set)
+
+    def stop(self) -> None:
+        """End all streams before the server stops; may be called from any thread."""
+        if not self._stopped:
+            self._stopped = True
+            self._loop.call_soon_threadsafe(self._end)
+
+    async def listen(self, after: int | None) -> AsyncIterator[RunUpdate]:
+        """Yield the events after a known one, then all new ones, until the server stops.
+
+        Parameters
+        ----------
+        after
+            Id of the last known event; None for new events only.
+        """
+        updates: asyncio.Queue[RunUpdate | None] = asyncio.Queue()
+        self._listeners.add(updates)
+        self._notified.set()
+        try:
+            last = after
+            if after is not None:
+                known = await to_thread.run_sync(
+                    run_log.read_since, self._store, after, _MAX_EVENTS
+                )
+                last = known[-1].id if known else after
+                yield RunUpdate(known, None, missed=len(known) == _MAX_EVENTS)
+            while not self._stopped:
+                update = await updates.get()
+                if update is None:
+                    return
+                events = [event for event in update.events if last is None or event.id > last]
+                if events or update.running is not None:
+                    yield RunUpdate(events, update.running)
+        finally:
+            self._listeners.discard(updates)
+
+    async def _run(self) -> None:
+        last: int | None = None
+        before: list[Job] = []
+        while not self._stopped:
+            self._notified.clear()
+            if self._listeners:
+                try:
+                    events, running = await to_thread.run_sync(self._read, last)
+                except FlexsidError as error:
+                    _log.warning("live events are delayed: %s", error.message)
+                else:
+                    last = events[-1].id if events else last
+                    if last is None:
+                        last = await to_thread.run_sync(run_log.find_newest, self._store)
+                    changed = running if running != before else None
+                    before = running
+                    for updates in self._listeners:
+                        updates.put_nowait(RunUpdate(events, changed))
+            else:
+                last = None
+            try:
+                await asyncio.wait_for(self._notified.wait(), _POLL_S)
+            except TimeoutError:
+                continue
+
+    def _read(self, last: int | None) -> tuple[list[RunEvent], list[Job]]:
+        events = [] if last is None else run_log.read_since(self._store, last, _MAX_EVENTS)
+        return events, job_list.list_running(self._store)
+
+    def _end(self) -> None:
+        self._task.cancel()
+        for updates in self._listeners:
+            updates.put_nowait(None)

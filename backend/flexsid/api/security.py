@@ -1,0 +1,84 @@
+"""Security middleware: host check, cross-site request check and security headers.
+
+The workbench has no log-in and serves the local computer only. Pages of other sites in the
+same browser must neither read nor change data: the host check prevents DNS rebinding, the
+origin check prevents cross-site request forgery.
+"""
+
+from __future__ import annotations
+
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from flexsid.api.errors import make_problem
+
+LOOPBACK_HOSTS = frozenset({"localhost", "127.0.0.1", "[::1]"})
+_SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+_HEADERS = {
+    "Content-Security-Policy": "default-src 'self'; script-src 'self';"
+    " style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self';"
+    " object-src 'none'; base-uri 'none'; frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+
+
+class SecurityMiddleware:
+    """Refuses foreign hosts and cross-site changes; adds the security headers."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass the request on, or respond with 403."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+
+        async def send_with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(scope=message)
+                for name, value in _HEADERS.items():
+                    headers.setdefault(name, value)
+                headers.setdefault(
+                    "Cache-Control", _select_caching(scope["path"], message["status"])
+                )
+            await send(message)
+
+        refusal = _check_request(scope["method"], Headers(scope=scope))
+        if refusal is None:
+            await self._app(scope, receive, send_with_headers)
+        else:
+            code, detail = refusal
+            await make_problem(403, code, detail)(scope, receive, send_with_headers)
+
+
+def _check_request(method: str, headers: Headers) -> tuple[str, str] | None:
+    host = headers.get("host", "")
+    if _strip_port(host) not in LOOPBACK_HOSTS:
+        return "foreign-host", f"host {host!r} is not served; use localhost or 127.0.0.1"
+    if method in _SAFE_METHODS:
+        return None
+    site = headers.get("sec-fetch-site")
+    if site is not None:
+        allowed = site in ("same-origin", "none")
+    else:
+        # Not a current browser: scripts and the command line send no origin.
+        origin = headers.get("origin")
+        allowed = origin is None or urlsplit(origin).netloc == host
+    return None if allowed else ("cross-site", "requests of another site must not change data")
+
+
+def _strip_port(host: str) -> str:
+    name, colon, port = host.rpartition(":")
+    return name.lower() if colon and port.isdigit() else host.lower()
+
+
+def _select_caching(path: str, status: int) -> str:
+    if path.startswith("/assets/") and status == 200:
+        return "public, max-age=31536000, immutable"  # file names contain a hash of the content
+    return "no-cache"

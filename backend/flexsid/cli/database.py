@@ -1,0 +1,35 @@
+"""Access to the database of the settings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from flexsid.errors import BadInput
+from flexsid.settings import Settings
+from flexsid.storage.database import parse_url, sqlite_file
+from flexsid.storage.migrate import upgrade
+from flexsid.storage.store import Store
+
+
+@contextmanager
+def open_store(settings: Settings, *, new: bool = False) -> Iterator[Store]:
+    """Migrate and open the database, and close it at the end; ``new`` allows to create it.
+
+    Raises
+    ------
+    BadInput
+        If the database does not exist.
+    """
+    file = sqlite_file(parse_url(settings.database))
+    if not new and file is not None and not file.is_file():
+        raise BadInput(
+            f"there is no database {file}; flexsid import, demo or serve create one",
+            code="no-database",
+        )
+    upgrade(settings.database)
+    store = Store.open(settings.database)
+    try:
+        yield store
+    finally:
+        store.close()

@@ -1,0 +1,192 @@
+"""Usual names of recorded columns, and the quantities that they denote."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from flexsid import units
+from flexsid.records.maneuver import Role
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Meaning:
+    """Quantity of a recorded column; ``sure`` if its unit is given, not guessed.
+
+    An unknown unit of the recorder is retained as written.
+    """
+
+    name: str
+    unit: str
+    role: Role
+    sure: bool = True
+    known: bool = True
+    """Whether the name is a usual one; else the role is guessed as well."""
+
+
+_IN_NAME = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]$")
+
+_COMMANDED = re.compile(
+    r"^(?P<name>.+?)_?(?:command|cmd)(?P<rest>_\w+|\s*[\[(].*|)$", re.IGNORECASE
+)
+
+_SUFFIXES = {
+    "deg": "deg", "rad": "rad", "dps": "deg/s", "degs": "deg/s", "rps": "rad/s", "g": "g",
+    "kt": "kt", "kts": "kt", "fps": "ft/s", "mps": "m/s", "ft": "ft", "m": "m", "psf": "psf",
+    "pa": "Pa", "ms": "ms", "s": "s", "lb": "lb", "kg": "kg", "ustrain": "ustrain", "v": "V",
+}  # fmt: skip
+
+_ANGLE, _RATE, _ACCELERATION, _SPEED = "deg", "deg/s", "g", "kt"
+
+# Pattern of the whole name in lower case, name in flexsid, usual unit, role.
+_KNOWN: tuple[tuple[str, str, str, Role], ...] = (
+    ("alpha|aoa|alfa", "alpha", _ANGLE, Role.OUTPUT),
+    ("beta|aos|sideslip", "beta", _ANGLE, Role.OUTPUT),
+    ("p|roll_?rate|gyro_?x|wx", "p", _RATE, Role.OUTPUT),
+    ("q|pitch_?rate|gyro_?y|wy", "q", _RATE, Role.OUTPUT),
+    ("r|yaw_?rate|gyro_?z|wz", "r", _RATE, Role.OUTPUT),
+    ("phi|roll|bank", "phi", _ANGLE, Role.OUTPUT),
+    ("the|theta|pitch", "theta", _ANGLE, Role.OUTPUT),
+    ("psi|yaw|heading", "psi", _ANGLE, Role.OUTPUT),
+    (r"(?:acc|accel|a|n)_?(?P<tail>[xyz](?:_\w+)?)", "a{tail}", _ACCELERATION, Role.OUTPUT),
+    (r"accel_(?P<tail>\w+)", "az_{tail}", _ACCELERATION, Role.OUTPUT),
+    (r"(?:s|strain|sg)_(?P<tail>\w+)", "s_{tail}", "ustrain", Role.OUTPUT),
+    ("el|de|elev|elevator|stab|stabilator", "elevator", _ANGLE, Role.INPUT),
+    ("ail|da|aileron", "aileron", _ANGLE, Role.INPUT),
+    ("rdr|dr|rud|rudder", "rudder", _ANGLE, Role.INPUT),
+    (r"(?P<tail>(?:bf|wf\d)[slra]?)", "{tail}", _ANGLE, Role.INPUT),
+    (r"del_?(?P<tail>\w+)", "{tail}", _ANGLE, Role.INPUT),
+    ("v|vt|tas|vtas|ktas|airspeed|true_?airspeed", "airspeed", _SPEED, Role.CONDITION),
+    ("ias|cas|kias|kcas", "indicated_airspeed", _SPEED, Role.CONDITION),
+    ("h|alt|altitude|hp|pressure_?alt(?:itude)?", "altitude", "ft", Role.CONDITION),
+    ("mach|ma", "mach", "1", Role.CONDITION),
+    ("qbar|q_?bar|dynamic_?pressure", "dynamic_pressure", "psf", Role.CONDITION),
+    ("rho|density", "density", "slug/ft3", Role.CONDITION),
+    ("fuel|fuel_?fraction", "fuel_fraction", "1", Role.CONDITION),
+    ("fuel|fuel_?weight|fuel_?mass", "fuel_mass", "lb", Role.CONDITION),
+    ("throttle|thtl|power|pla", "throttle", "%", Role.CONDITION),
+)
+
+_TIME = re.compile(
+    r"t|time|zeit|clock|timestamps?|(?:time|t|epoch)_(?:s|ms|us|ns|sec|utc|gps)|sec(?:onds)?|ms|epoch"
+    r"|(?:utc|gps|irig)_?time"
+)
+_PERHAPS_TIME = re.compile(r"(?:time|t)_\w+")
+
+_TIME_UNITS = {"ms": "ms", "us": "us", "ns": "ns", "min": "min", "s": "s", "sec": "s"}
+
+_FDATA: dict[int, tuple[str, str, Role]] = {
+    2: ("airspeed", "ft/s", Role.CONDITION),
+    3: ("beta", "deg", Role.OUTPUT),
+    4: ("alpha", "deg", Role.OUTPUT),
+    5: ("p", "deg/s", Role.OUTPUT),
+    6: ("q", "deg/s", Role.OUTPUT),
+    7: ("r", "deg/s", Role.OUTPUT),
+    8: ("phi", "deg", Role.OUTPUT),
+    9: ("theta", "deg", Role.OUTPUT),
+    10: ("psi", "deg", Role.OUTPUT),
+    11: ("ax", "g", Role.OUTPUT),
+    12: ("ay", "g", Role.OUTPUT),
+    13: ("az", "g", Role.OUTPUT),
+    14: ("elevator", "deg", Role.INPUT),
+    15: ("aileron", "deg", Role.INPUT),
+    16: ("rudder", "deg", Role.INPUT),
+    27: ("dynamic_pressure", "psf", Role.CONDITION),
+    28: ("mach", "1", Role.CONDITION),
+    29: ("density", "slug/ft3", Role.CONDITION),
+    30: ("altitude", "ft", Role.CONDITION),
+    42: ("pdot", "deg/s2", Role.OUTPUT),
+    43: ("qdot", "deg/s2", Role.OUTPUT),
+    44: ("rdot", "deg/s2", Role.OUTPUT),
+    48: ("mass", "slug", Role.CONDITION),
+    49: ("Ixx", "slug*ft2", Role.CONDITION),
+    50: ("pitch_inertia", "slug*ft2", Role.CONDITION),
+    51: ("Izz", "slug*ft2", Role.CONDITION),
+    52: ("Ixz", "slug*ft2", Role.CONDITION),
+}
+"""Columns of the matrix ``fdata`` of SIDPAC users, whose column 1 is time.
+
+Source: SIDPAC, scripts compfc, compmc and f16_fltdatsel (E. A. Morelli).
+"""
+
+FDATA_COLUMNS = 90
+
+
+def is_time_name(path: str) -> bool:
+    """Return whether a name is a usual name of time."""
+    return _TIME.fullmatch(_bare(path)[0].lower()) is not None
+
+
+def may_be_time_name(path: str) -> bool:
+    """Return whether a name may denote time, among other quantities."""
+    return is_time_name(path) or _PERHAPS_TIME.fullmatch(_bare(path)[0].lower()) is not None
+
+
+def find_time_unit(path: str, file_unit: str) -> str | None:
+    """Return the unit of a time column from its file or its name; None if neither states it."""
+    name, unit = _bare(path)
+    for stated in (file_unit, unit, name.rpartition("_")[2] if "_" in name else "", name):
+        found = _TIME_UNITS.get(stated.strip("[]() ").lower())
+        if found is not None:
+            return found
+    return None
+
+
+def find_commanded_name(path: str) -> str | None:
+    """Return the name of the quantity that a field commands; None if it is not a command."""
+    found = _COMMANDED.match(path.strip())
+    return None if found is None else found["name"] + found["rest"]
+
+
+def recognise_column(path: str, file_unit: str) -> Meaning:
+    """Guess the quantity of a field from its name and the unit that its file gives.
+
+    A field with an unknown name becomes an output under its own name.
+    """
+    bare, named_unit = _bare(path)
+    unit = _unit(file_unit) or _unit(named_unit)
+    unknown = "" if unit else named_unit.strip()
+    for candidate in dict.fromkeys((bare, bare.rpartition("_")[0])):
+        suffix = "" if candidate == bare else bare.rpartition("_")[2].lower()
+        if not candidate or (suffix and suffix not in _SUFFIXES):
+            continue
+        for pattern, name, usual, role in _KNOWN:
+            found = re.fullmatch(pattern, candidate, re.IGNORECASE)
+            if found is None:
+                continue
+            stated = unit or _SUFFIXES.get(suffix, "")
+            if stated and units.dimension(stated) != units.dimension(usual):
+                continue
+            tail = found.groupdict().get("tail") or ""
+            return Meaning(
+                name=name.replace("{tail}", tail),
+                unit=stated or unknown or usual,
+                role=role,
+                sure=bool(stated),
+            )
+    return Meaning(name=bare, unit=unit or "1", role=Role.OUTPUT, sure=bool(unit), known=False)
+
+
+def find_fdata_column(column: int) -> Meaning | None:
+    """Return the quantity of a column of SIDPAC's ``fdata``; None for columns not in ``_FDATA``."""
+    known = _FDATA.get(column)
+    return (
+        None if known is None else Meaning(name=known[0], unit=known[1], role=known[2], sure=False)
+    )
+
+
+def _bare(path: str) -> tuple[str, str]:
+    """Return the last part of a path without its unit, and the unit."""
+    found = _IN_NAME.match(path.strip())
+    name, unit = (found["name"], found["unit"]) if found else (path.strip(), "")
+    return name.rpartition(".")[2], unit
+
+
+def _unit(text: str) -> str:
+    text = text.strip("[]() ")
+    if not text:
+        return ""
+    for written in (text, _SUFFIXES.get(text.lower(), "")):
+        if written and units.is_known(written):
+            return written
+    return ""

@@ -1,0 +1,205 @@
+"""Modes at one fuel weight, merged from the files that hold them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.importers.modal_data.nodes import check_finite, join_frames
+from flexsid.importers.modal_data.options import ModalDataOptions
+from flexsid.importers.source import SourceFile, Sources
+from flexsid.sysid.modes.assurance import compute_real_shapes
+
+RIGID_BODY_OMEGA = 2.0 * np.pi * 0.05  # rad/s: modes below it are rigid-body modes
+_COLLINEAR = 0.9
+_SAME_FREQUENCY = 1e-3  # relative: one mode in two files
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class FuelState:
+    """The modes at one fuel weight, in the units and axes of the files."""
+
+    numbers: tuple[int, ...]
+    omega: np.ndarray
+    zeta: np.ndarray | None
+    mass: np.ndarray | None
+    ids: np.ndarray
+    places: np.ndarray
+    shape: np.ndarray
+    notes: list[str]
+
+
+def join_modes(
+    sources: Sources,
+    results: Sequence[SourceFile],
+    by_fuel: Mapping[float, Sequence[SourceFile]],
+    options: ModalDataOptions,
+) -> FuelState:
+    """Merge result files with all files that are not results of another fuel weight."""
+    others = {s.name for part in by_fuel.values() for s in part} - {s.name for s in results}
+    fuel = options.fuel.get(results[0].name, 0.0)
+    usable = [
+        source
+        for source in sources.items
+        if source.name not in others and options.fuel.get(source.name, fuel) == fuel
+    ]
+    best = max(results, key=lambda source: (source.name.lower().endswith(".op2"), 0))
+    found = best.arrays
+    notes = _check_same_modes(best, results, fuel)
+    frames = join_frames([*results, *(s for s in usable if s not in results)])
+    numbers = np.asarray(found["shape/number"])
+    values = np.asarray(found["shape/values"])
+    for name in ("values", "imaginary", "radians", "damping", "mass"):
+        if f"shape/{name}" in found:
+            check_finite(np.asarray(found[f"shape/{name}"]), f"{best.name}: its mode shapes")
+    if "shape/imaginary" in found:
+        values, collinearity = compute_real_shapes(
+            values + 1j * np.asarray(found["shape/imaginary"])
+        )
+        complex_modes = numbers[collinearity < _COLLINEAR]
+        notes.append("Complex shapes were rotated to their principal direction.")
+        if complex_modes.size:
+            notes.append(
+                f"Modes {', '.join(map(str, complex_modes))} are far from real "
+                "(collinearity below 0.9)."
+            )
+    node = np.asarray(found["shape/node"])
+    ids, place = np.asarray(frames[1]), {int(n): row for row, n in enumerate(frames[1])}
+    missing = [int(n) for n in node if int(n) not in place]
+    if missing:
+        raise BadInput(
+            f"{best.name}: node {missing[0]} of the shapes is in none of the files; import the "
+            "deck with all files that it includes, or the file with the geometry",
+            code="missing-node",
+            node=missing[0],
+        )
+    if "shape/basic" not in found:
+        values = frames[0].turn(node, values)
+    if ids.size > node.size:
+        notes.append(f"Shapes are given at {node.size} of the {ids.size} nodes.")
+    rows = [place[int(n)] for n in node]
+    omega = _better_frequencies(np.asarray(found["shape/radians"], dtype=float), numbers, usable)
+    selected = (
+        np.ones(numbers.size, dtype=bool) if options.rigid_modes else omega > RIGID_BODY_OMEGA
+    )
+    if not selected.any():
+        raise BadInput("the files hold rigid-body modes only", code="no-modes")
+    if not selected.all():
+        notes.append(f"{int((~selected).sum())} rigid-body modes below 0.05 Hz are excluded.")
+    zeta = np.asarray(found["shape/damping"])[selected] if "shape/damping" in found else None
+    mass = None
+    if options.generalized_mass in (None, "file"):
+        mass = _masses(best, usable, numbers[selected], omega[selected], notes)
+    largest = next((s.arrays["shape/largest"] for s in usable if "shape/largest" in s.arrays), None)
+    if largest is not None and largest.shape[0] == numbers.size:
+        own = np.abs(np.asarray(found["shape/values"])).max(axis=1)
+        error = float(np.max(np.abs(own - largest)) / max(float(np.max(largest)), 1e-30))
+        notes.append(f"Shapes agree with the largest displacements printed, to {error:.0e}.")
+    return FuelState(
+        numbers=tuple(int(number) for number in numbers[selected]),
+        omega=omega[selected],
+        zeta=zeta,
+        mass=mass,
+        ids=ids[rows],
+        places=frames[2][rows],
+        shape=values[selected],
+        notes=notes,
+    )
+
+
+def _check_same_modes(best: SourceFile, results: Sequence[SourceFile], fuel: float) -> list[str]:
+    """Reject result files of one fuel weight that hold different modes."""
+    numbers = np.asarray(best.arrays["shape/number"])
+    omega = np.asarray(best.arrays["shape/radians"], dtype=float)
+    left = []
+    for other in results:
+        if other is best:
+            continue
+        others = np.asarray(other.arrays["shape/radians"], dtype=float)
+        same = np.array_equal(np.asarray(other.arrays["shape/number"]), numbers)
+        if not same or not np.allclose(others, omega, rtol=_SAME_FREQUENCY, atol=RIGID_BODY_OMEGA):
+            raise BadInput(
+                f"{best.name} and {other.name} hold different modes for fuel fraction {fuel:g}; "
+                "give each file of results its fuel fraction, or import them one by one",
+                code="two-results",
+            )
+        left.append(other.name)
+    return (
+        [f"Shapes are those of {best.name}; {', '.join(left)} holds the same shapes."]
+        if left
+        else []
+    )
+
+
+def _masses(
+    best: SourceFile,
+    usable: Sequence[SourceFile],
+    numbers: np.ndarray,
+    omega: np.ndarray,
+    notes: list[str],
+) -> np.ndarray | None:
+    """Return generalised masses of these modes, from a file with the same frequencies."""
+    for source in dict.fromkeys([best.name, *(s.name for s in usable)]):
+        file = next(s for s in (best, *usable) if s.name == source)
+        masses = read_masses(file)
+        if masses is None:
+            continue
+        of = "shape" if "shape/mass" in file.arrays else "mode"
+        radians = dict(
+            zip(
+                np.asarray(file.arrays[f"{of}/number"]).tolist(),
+                np.asarray(file.arrays[f"{of}/radians"], dtype=float).tolist(),
+                strict=True,
+            )
+        )
+        known = np.array([masses.get(int(number), 0.0) for number in numbers])
+        at = np.array([radians.get(int(number), np.nan) for number in numbers])
+        other = ~np.isclose(at, omega, rtol=_SAME_FREQUENCY, atol=RIGID_BODY_OMEGA)
+        if other.any():
+            row = int(np.argmax(other))
+            printed = "none" if np.isnan(at[row]) else f"{at[row] / (2.0 * np.pi):.4g} Hz"
+            notes.append(
+                f"Generalised masses of {file.name} are not used: its mode {numbers[row]} has "
+                f"{printed}, that of the shapes {omega[row] / (2.0 * np.pi):.4g} Hz."
+            )
+        elif (known > 0).all():
+            return known
+        else:
+            notes.append(
+                f"Generalised masses of {file.name} are not used: it has none for mode "
+                f"{numbers[int(np.argmax(known <= 0))]}."
+            )
+    return None
+
+
+def _better_frequencies(
+    omega: np.ndarray, numbers: np.ndarray, files: Sequence[SourceFile]
+) -> np.ndarray:
+    """Replace frequencies by those of an eigenvalue table that has them for all modes."""
+    for source in files:
+        if "mode/radians" in source.arrays:
+            known = dict(
+                zip(
+                    np.asarray(source.arrays["mode/number"]).tolist(),
+                    np.asarray(source.arrays["mode/radians"]).tolist(),
+                    strict=True,
+                )
+            )
+            table = np.array([known.get(int(number), np.nan) for number in numbers])
+            moving = omega > RIGID_BODY_OMEGA
+            if moving.any() and np.allclose(table[moving], omega[moving], rtol=_SAME_FREQUENCY):
+                return np.where(np.isfinite(table), table, omega)
+    return omega
+
+
+def read_masses(source: SourceFile) -> dict[int, float] | None:
+    """Return the generalised mass of each mode as printed; None if the file has none."""
+    for name in ("shape", "mode"):
+        if f"{name}/mass" in source.arrays:
+            numbers = np.asarray(source.arrays[f"{name}/number"]).tolist()
+            masses = np.asarray(source.arrays[f"{name}/mass"]).tolist()
+            return dict(zip(numbers, masses, strict=True))
+    return None

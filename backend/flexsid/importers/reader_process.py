@@ -1,0 +1,109 @@
+"""Reader process: opens files of untrusted content.
+
+Started by ``sandbox``. Each request is one JSON line; the process writes two lines: that it is
+ready, once the packages that it needs are loaded; and the result, after the samples have been
+written to a file. Its memory is limited to ``MEMORY``, its time by ``sandbox``.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import sys
+import warnings
+from io import SEEK_CUR
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from flexsid.errors import UnreadableFile
+from flexsid.importers import readers
+
+MEMORY = 1024**3
+SAMPLES = "samples.bin"
+MANIFEST = "manifest.json"
+
+_ALIGNMENT = 64
+
+
+def main() -> None:
+    """Process requests until the parent closes the pipe."""
+    warnings.simplefilter("ignore")
+    _limit_memory()
+    output = sys.stdout
+    sys.stdout = sys.stderr  # libraries that print must not corrupt the responses
+    for line in sys.stdin:
+        request = json.loads(line)
+        readers.load_packages(request["names"])
+        _write_line(output, {"ready": True})
+        _write_line(output, _process(request))
+
+
+def _limit_memory() -> None:
+    """Limit data memory, not mappings: numpy maps memory that it never uses."""
+    kind = resource.RLIMIT_DATA
+    _, hard = resource.getrlimit(kind)
+    limit = MEMORY if hard == resource.RLIM_INFINITY else min(MEMORY, hard)
+    resource.setrlimit(kind, (limit, hard))
+
+
+def _write_line(output: Any, response: dict[str, Any]) -> None:
+    output.write(json.dumps(response) + "\n")
+    output.flush()
+
+
+def _process(request: dict[str, Any]) -> dict[str, Any]:
+    folder = Path(request["folder"])
+    name = ""
+    try:
+        sources: list[dict[str, Any]] = []
+        with (folder / SAMPLES).open("wb") as samples:
+            for path, name in zip(request["paths"], request["names"], strict=True):
+                sources.append(_decode(Path(path), name, samples))
+    except UnreadableFile as error:
+        return {"error": {"message": error.message, "code": error.code, "context": error.context}}
+    except MemoryError:
+        message = (
+            f"{name}: reading needs more than {MEMORY // 1024**3} GB of memory; "
+            "split the recording, or export it as HDF5 with one data set per channel."
+        )
+        return {"error": {"message": message, "code": "too-large", "context": {}}}
+    except Exception as error:  # a damaged file may raise any exception in a library
+        message = f"{name}: the file is damaged ({type(error).__name__}: {error})."
+        return {"error": {"message": message, "code": UnreadableFile.code, "context": {}}}
+    (folder / MANIFEST).write_text(json.dumps(sources), encoding="utf-8")
+    return {"done": True}
+
+
+def _decode(path: Path, name: str, samples: BinaryIO) -> dict[str, Any]:
+    opened = readers.open_file(path, name)
+    fields = [_write_field(field, samples) for field in opened.fields]
+    return {
+        "name": opened.name,
+        "sha256": opened.sha256.result(),
+        "first_row": opened.first_row,
+        "fields": fields,
+    }
+
+
+def _write_field(field: readers.Field, samples: BinaryIO) -> dict[str, Any]:
+    values = np.asarray(field.samples)
+    entry: dict[str, Any] = {"path": field.path, "shape": list(values.shape)}
+    if field.unit:
+        entry["unit"] = field.unit
+    if field.clock:
+        entry["clock"] = field.clock
+    if values.dtype.kind in "US":
+        return {**entry, "texts": [str(text) for text in values.reshape(-1)]}
+    values = values.astype(values.dtype.newbyteorder("<"), copy=False)
+    position = samples.seek(0, SEEK_CUR)
+    samples.write(bytes(-position % _ALIGNMENT))
+    entry |= {"dtype": values.dtype.str, "at": samples.seek(0, SEEK_CUR)}
+    # Columns of a matrix are channels: their samples are contiguous.
+    samples.write(np.ascontiguousarray(values.T).data if values.size else b"")
+    return entry
+
+
+if __name__ == "__main__":
+    main()

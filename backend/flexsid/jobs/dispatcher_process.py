@@ -1,0 +1,202 @@
+"""Dispatcher in a separate process.
+
+Preparing tasks and storing results would block the interpreter of the server and delay
+every page.
+"""
+
+from __future__ import annotations
+
+import logging
+import queue
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from types import FrameType
+from typing import Any
+
+from flexsid.errors import FlexsidError
+from flexsid.jobs.child import Program
+from flexsid.jobs.dispatcher import Dispatcher
+from flexsid.jobs.executors import make_workers
+from flexsid.jobs.interpreter import configure_interpreter
+from flexsid.jobs.pipeline import JobPipeline
+from flexsid.storage.store import Store
+
+_log = logging.getLogger(__name__)
+
+_SETTLE_S = 2.0  # the first pages have priority after the start of a server
+_RESTART_S = 1.0
+_STOP_S = 10.0  # longer than killing the workers and queueing their runs again
+_MAX_PENDING = 16  # further requests are dropped; the database holds all that is needed
+
+_Request = tuple[int, Any] | None
+"""Id of a run with its task, or None: a run was queued or cancelled."""
+
+
+@dataclass(frozen=True, slots=True)
+class DispatcherSettings:
+    """Database, pipeline and workers of a dispatcher (see ``make_workers``)."""
+
+    database: str
+    load_pipeline: Callable[[], JobPipeline]
+    dask: str | None = None
+    workers: int | None = None
+
+
+class DispatcherProcess:
+    """A dispatcher in a separate process, which is restarted if it ends.
+
+    Parameters
+    ----------
+    settings
+        Database, pipeline and workers.
+    on_change
+        Called on a separate thread after runs have changed.
+    """
+
+    def __init__(
+        self, settings: DispatcherSettings, on_change: Callable[[], None] = lambda: None
+    ) -> None:
+        self._settings = settings
+        self._on_change = on_change
+        self._has_request = threading.Event()
+        self._stopping = threading.Event()
+        self._starting = threading.Lock()
+        self._line = threading.Lock()  # held while a request is sent or the pipe is closed
+        self._program: Program | None = None
+        self._is_ready = False
+        self._pending: queue.SimpleQueue[_Request] = queue.SimpleQueue()
+        self._threads = [
+            threading.Thread(target=target, name=f"dispatcher-{k}", daemon=True)
+            for k, target in enumerate((self._receive_changes, self._send_requests))
+        ]
+
+    def start(self) -> None:
+        """Start the process with the first request, at the latest after ``_SETTLE_S``.
+
+        Raises
+        ------
+        FlexsidError
+            If the scheduler of the cluster does not respond.
+        """
+        if self._settings.dask is not None:
+            make_workers(self._settings.load_pipeline().compute, self._settings.dask).close()
+        for thread in self._threads:
+            thread.start()
+
+    def wake(self) -> None:
+        """Check the queue now: a run was queued or cancelled."""
+        self._put(None)
+
+    def reuse_task(self, run_id: int, task: Any) -> None:
+        """Reuse the task that was prepared to validate a run."""
+        self._put((run_id, task))
+
+    def stop(self) -> None:
+        """Kill the workers and queue their runs again, for the next server."""
+        with self._starting:
+            self._stopping.set()
+            program = self._program
+        self._has_request.set()
+        self._pending.put(None)
+        if program is not None:
+            program.release_lifeline()
+            self._threads[0].join(_STOP_S if self._is_ready else 0.0)
+            program.kill()
+        for thread in self._threads:
+            thread.join()
+        if program is not None:
+            program.close()
+
+    def _put(self, request: _Request) -> None:
+        self._has_request.set()
+        if self._pending.qsize() < _MAX_PENDING:
+            self._pending.put(request)
+
+    def _send_requests(self) -> None:
+        """Send requests to the process; only this thread blocks if it does not respond."""
+        while not self._stopping.is_set():
+            request = self._pending.get()
+            # If the process has ended, the next one checks the queue at its start.
+            with self._line, suppress(OSError):
+                if self._program is not None:
+                    self._program.connection.send(request)
+
+    def _receive_changes(self) -> None:
+        """Start the process, receive its notifications until it ends, and restart it."""
+        self._has_request.wait(_SETTLE_S)
+        while (program := self._begin()) is not None:
+            with suppress(EOFError, OSError):
+                while True:
+                    program.connection.recv_bytes()
+                    self._is_ready = True
+                    self._on_change()
+            if not self._stopping.is_set():
+                _log.warning("the dispatcher ended (%s) and is restarted", program.describe_exit())
+                program.kill()
+                with self._line:
+                    self._program, self._is_ready = None, False
+                    program.close()
+                self._stopping.wait(_RESTART_S)
+
+    def _begin(self) -> Program | None:
+        with self._starting:
+            if self._stopping.is_set():
+                return None
+            program = Program(__name__)
+            with suppress(OSError):
+                program.connection.send(self._settings)
+            self._program = program
+            return program
+
+
+def main(arguments: list[str]) -> None:
+    """Dispatch until the lifeline closes; both pipes are given by file descriptor."""
+    # Ctrl-C reaches the whole process group; the server handles it.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, _exit)
+    number, lifeline = (int(argument) for argument in arguments)
+    connection = Connection(number)
+    try:
+        settings: DispatcherSettings = connection.recv()
+        store = Store.open(settings.database)
+        pipeline = settings.load_pipeline()
+        workers = make_workers(pipeline.compute, settings.dask, settings.workers)
+    except EOFError:
+        return
+    except FlexsidError as error:
+        _log.warning("the dispatcher cannot start: %s", error.message)
+        sys.exit(1)
+    dispatcher = Dispatcher(store, pipeline, workers, on_change=lambda: _notify(connection))
+    configure_interpreter()
+    _notify(connection)
+    dispatcher.start()
+    try:
+        while lifeline not in wait([connection, lifeline]):
+            request: _Request = connection.recv()
+            if request is None:
+                dispatcher.wake()
+            else:
+                dispatcher.reuse_task(*request)
+    except (EOFError, ConnectionResetError):
+        pass
+    finally:
+        dispatcher.stop()
+        store.close()
+
+
+def _exit(number: int, frame: FrameType | None) -> None:
+    sys.exit(0)
+
+
+def _notify(connection: Connection) -> None:
+    with suppress(OSError):  # the server has ended, and this process will end too
+        connection.send_bytes(b"")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,194 @@
+"""Warnings about the request and the result of an estimation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.records.maneuver import Maneuver
+from flexsid.records.run import EstimationRun, Method
+from flexsid.sysid.estimation.estimate import Estimate, Outcome, standard_errors
+from flexsid.sysid.estimation.limits import LONGEST_DELAY_S
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.derivatives import is_derivative
+from flexsid.sysid.stability.poles import NamedPole
+
+MAX_CORRELATION = 0.9
+_POOR_FIT = 0.8
+_MAX_ERROR_RATIO = 2.0
+_PRIOR_DOMINATES = 0.95  # posterior over prior deviation at a tenth of the prior's information
+
+
+def check_extras(method: Method, extras: Iterable[str]) -> None:
+    """Refuse extra parameters that equation error does not estimate.
+
+    Raises
+    ------
+    BadInput
+        If the method is equation error and a parameter is no derivative.
+    """
+    for name in extras:
+        if method is Method.EE:
+            raise BadInput(
+                f"equation error estimates derivatives only; '{name}' needs OE or FRE",
+                code="not-in-method",
+                name=name,
+            )
+
+
+def list_request_warnings(
+    run: EstimationRun,
+    maneuver: Maneuver,
+    model: AeroelasticModel,
+    max_omega: float,
+    names: Mapping[int, str],
+    symmetric: Mapping[int, bool],
+) -> list[str]:
+    """List warnings about modes out of the band, omitted inputs and held delays.
+
+    Parameters
+    ----------
+    run, maneuver, model
+        The request, its first maneuver and the model that is fitted to it.
+    max_omega
+        Highest frequency of the fit. [rad/s]
+    names, symmetric
+        Name of every mode, and whether it is symmetric, by number.
+    """
+    numbers = model.modes.numbers
+    held = run.method is Method.EE and run.structure.free_delays
+    return [
+        *_warn_of_out_of_band_modes(model, max_omega, names),
+        *(
+            f"{names[number]} is antisymmetric and not identifiable from symmetric motion."
+            for number in numbers
+            if not symmetric[number]
+        ),
+        *(() if run.method is Method.FRE else _warn_of_omitted_inputs(maneuver, model.inputs)),
+        *(["Equation error holds the delays; OE and FRE estimate them."] if held else []),
+    ]
+
+
+def list_result_warnings(estimate: Estimate) -> tuple[str, ...]:
+    """List warnings about convergence, identifiability, correlation, fit and residuals."""
+    found = []
+    if estimate.outcome is not Outcome.CONVERGED:
+        found.append(estimate.message)
+    names = np.array(estimate.names)
+    derivative = np.array([is_derivative(name) for name in estimate.names])
+    weak = np.flatnonzero(derivative & (np.abs(estimate.values) < 2.0 * estimate.std_errors))
+    if weak.size:
+        found.append(
+            f"{weak.size} of {derivative.sum()} derivatives {'is' if weak.size == 1 else 'are'} "
+            "within two standard errors "
+            f"of zero: {_list_names(names[weak])}."
+        )
+    correlation = np.abs(np.triu(estimate.correlation, 1))
+    pairs = np.argwhere(correlation > MAX_CORRELATION)
+    if pairs.size:
+        worst = pairs[np.argsort(-correlation[pairs[:, 0], pairs[:, 1]])]
+        found.append(
+            f"{len(pairs)} {'pair' if len(pairs) == 1 else 'pairs'} of parameters "
+            f"{'is' if len(pairs) == 1 else 'are'} correlated above {MAX_CORRELATION}: "
+            + _list_names(np.array([f"{names[i]} with {names[j]}" for i, j in worst]))
+            + "."
+        )
+    poor = {
+        output
+        for block in estimate.lines
+        for output, r2 in zip(block.outputs, block.r_squared(), strict=True)
+        if r2 < _POOR_FIT
+    }
+    if poor:
+        found.append(
+            f"The model explains less than {_POOR_FIT:.0%} of {_list_names(sorted(poor))}."
+        )
+    ratios = estimate.std_errors / standard_errors(estimate.covariance)
+    known = ratios[np.isfinite(ratios)]
+    ratio = float(np.median(known)) if known.size else 1.0
+    if ratio > _MAX_ERROR_RATIO:
+        found.append(
+            f"Residuals are coloured or correlated between outputs; standard errors are "
+            f"{ratio:.1f} times what white residuals would give. A mode may be missing."
+        )
+    return tuple(found)
+
+
+def warn_of_limits(estimate: Estimate, at_limit: np.ndarray) -> tuple[str, ...]:
+    """Warn of parameters that converged to a physical limit; empty where there are none."""
+    if not at_limit.any():
+        return ()
+    named = [
+        f"{name} = {value:.3g}"
+        for name, value, out in zip(estimate.names, estimate.values, at_limit, strict=True)
+        if out
+    ]
+    one = len(named) == 1
+    return (
+        f"{_list_names(named)} {'is' if one else 'are'} at or beyond a physical limit "
+        f"(delays within ±{LONGEST_DELAY_S:g} s, factors above zero): "
+        f"{'it is' if one else 'they are'} no estimate and {'has' if one else 'have'} no standard "
+        f"error, and the other values depend on {'it' if one else 'them'}. "
+        f"Hold {'it' if one else 'them'}, or correct the channel.",
+    )
+
+
+def warn_of_priors(
+    estimate: Estimate, priors: Mapping[str, tuple[float, float]]
+) -> tuple[str, ...]:
+    """Warn of estimates that the prior dominates; empty where there are none."""
+    held = [
+        name
+        for name, sigma in zip(estimate.names, estimate.std_errors, strict=True)
+        if name in priors and sigma > _PRIOR_DOMINATES * priors[name][1]
+    ]
+    if not held:
+        return ()
+    return (
+        f"The data contain little information on {_list_names(held)}: "
+        f"{'its value and standard error are' if len(held) == 1 else 'values and errors are'} "
+        "those of the prior.",
+    )
+
+
+def warn_of_moved_poles(poles: Sequence[NamedPole], max_omega: float) -> list[str]:
+    """Warn of out-of-band modes whose estimated pole moved into the band."""
+    lowest = {p.name: p.frequency for p in sorted(poles, key=lambda p: -p.frequency)}
+    return [
+        f"{name} lies above the highest fitted frequency ({max_omega / 2 / np.pi:.3g} Hz), but its "
+        f"pole was estimated at {frequency / 2 / np.pi:.3g} Hz, where it fits noise or unmodelled "
+        "dynamics. Its derivatives and standard errors are not valid: omit the mode, hold its "
+        "derivatives, or give them priors at a prediction."
+        for name, frequency in lowest.items()
+    ]
+
+
+def _warn_of_out_of_band_modes(
+    model: AeroelasticModel, max_omega: float, names: Mapping[int, str]
+) -> tuple[str, ...]:
+    return tuple(
+        f"{names[number]} ({omega / 2 / np.pi:.3g} Hz in vacuo) lies above the highest fitted "
+        f"frequency ({max_omega / 2 / np.pi:.3g} Hz): the data contain little of its dynamics, and "
+        "standard errors of its derivatives may be too small. Add a prior at the prediction."
+        for number, omega in zip(model.modes.numbers, model.modes.omega, strict=True)
+        if omega > max_omega
+    )
+
+
+def _warn_of_omitted_inputs(maneuver: Maneuver, inputs: tuple[str, ...]) -> tuple[str, ...]:
+    excited = () if maneuver.excitation is None else maneuver.excitation.harmonics
+    missing = [name for name in excited if name not in inputs]
+    if not missing:
+        return ()
+    what = "is excited too and is" if len(missing) == 1 else "are excited too and are"
+    return (
+        f"{', '.join(missing)} {what} no input of the model: that motion counts as noise, or "
+        "biases the derivatives of the other inputs.",
+    )
+
+
+def _list_names(names: np.ndarray | list[str], most: int = 6) -> str:
+    listed = ", ".join(map(str, names[:most]))
+    return listed if len(names) <= most else f"{listed} and {len(names) - most} more"
