@@ -13,16 +13,16 @@ import { theme } from "./theme";
 
 const queries: QueryClient = new QueryClient({
   defaultOptions: {
-    // What the browser thinks of the network says nothing of a server on this computer, and a
-    // question that only waits would never tell that nobody answers.
+    // The browser's network state does not apply to a server on this computer, and a
+    // paused query would never report a lost server.
     mutations: { networkMode: "always" },
     queries: {
       networkMode: "always",
       staleTime: 10_000,
-      // What the server refused once it refuses again; a lost connection comes back.
+      // A refused request is not repeated; a lost connection is retried.
       retry: (failures, error) => {
         const lost = !(error instanceof ApiProblem) || error.status === 0;
-        if (lost) void queries.invalidateQueries(healthQuery); // so that the frame says it soon
+        if (lost) void queries.invalidateQueries(healthQuery); // so that the frame reports it soon
         return lost && failures < 3;
       },
       retryDelay: (attempt) => Math.min(500 * 2 ** attempt, 4000),

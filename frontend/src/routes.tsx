@@ -4,10 +4,11 @@ import {
   createRoute,
   createRouter,
   lazyRouteComponent,
+  redirect,
 } from "@tanstack/react-router";
 import { PageError } from "./components/PageError";
 import { AppFrame } from "./components/AppFrame";
-import { patiently } from "./lib/patiently";
+import { retryImport } from "./lib/retryImport";
 import { parseSearch, stringifySearch } from "./lib/urlState";
 import { NotFoundPage } from "./pages/NotFoundPage";
 import {
@@ -33,11 +34,11 @@ import {
   qualityView,
   runsView,
   runView,
-  structuresView,
+  modalDataView,
 } from "./views";
 
 /** A page, loaded when first opened, also over a server that comes back. */
-const page: typeof lazyRouteComponent = (load, name) => lazyRouteComponent(patiently(load), name);
+const page: typeof lazyRouteComponent = (load, name) => lazyRouteComponent(retryImport(load), name);
 
 const root = createRootRoute({
   component: AppFrame,
@@ -144,11 +145,37 @@ const flutter = createRoute({
   component: page(() => import("./pages/FlutterPage"), "FlutterPage"),
 });
 
+const modalData = createRoute({
+  getParentRoute: () => root,
+  path: "/modal-data",
+  validateSearch: modalDataView,
+  component: page(() => import("./pages/ModalDataPage"), "ModalDataPage"),
+});
+
+/** Former address of the modal data. */
 const structures = createRoute({
   getParentRoute: () => root,
   path: "/structures",
-  validateSearch: structuresView,
-  component: page(() => import("./pages/StructuresPage"), "StructuresPage"),
+  beforeLoad: ({ location }) => {
+    throw redirect({
+      to: "/modal-data",
+      search: modalDataView(location.search),
+      hash: location.hash,
+      replace: true,
+    });
+  },
+});
+
+const preflight = createRoute({
+  getParentRoute: () => root,
+  path: "/preflight-simulation",
+  component: page(() => import("./pages/PreflightPage"), "PreflightPage"),
+});
+
+const groundTests = createRoute({
+  getParentRoute: () => root,
+  path: "/mini-gvt",
+  component: page(() => import("./pages/MiniGvtPage"), "GroundTestsPage"),
 });
 
 const closedLoop = createRoute({
@@ -261,7 +288,10 @@ export const router = createRouter({
     flutter,
     closedLoop,
     search,
+    modalData,
     structures,
+    preflight,
+    groundTests,
     jobs,
     job,
     batch,

@@ -1,6 +1,6 @@
 import { createTheme, rem, type MantineColorsTuple } from "@mantine/core";
 
-/** A quiet blue; figures carry the strong colors. */
+/** A muted blue; figures use the strong colors. */
 const steel: MantineColorsTuple = [
   "#eef5f9",
   "#dbe7ee",

@@ -1,4 +1,4 @@
-/** What each page keeps in its address. */
+/** State of each page in its address. */
 import {
   DECISION_STATES,
   METHODS,
@@ -9,28 +9,114 @@ import {
 } from "./api/types";
 import { flag, integer, integers, number, oneOf, text, words, type Search } from "./lib/urlState";
 
-/**
- * Views of the frame, in the order of the work: the header and the palette show these.
- * `key` after `g` opens one from the keyboard; `rare` ones stand behind "More".
- */
-export const VIEWS = [
+/** A page of the menu; `key` after `g` opens it, `at` matches the addresses that belong to it. */
+export interface MenuPage {
+  to:
+    | "/"
+    | "/excitation"
+    | "/preflight-simulation"
+    | "/campaign"
+    | "/quality"
+    | "/mini-gvt"
+    | "/import"
+    | "/aircraft"
+    | "/modal-data"
+    | "/runs"
+    | "/model-structures"
+    | "/search"
+    | "/compare"
+    | "/flutter"
+    | "/closed-loop"
+    | "/decisions"
+    | "/jobs"
+    | "/glossary";
+  hash?: string;
+  label: string;
+  key: string;
+  at?: RegExp;
+}
+
+/** Entries of the menu in the order of the work; an entry with several pages opens a dropdown. */
+export const MENU: readonly { label: string; pages: readonly [MenuPage, ...MenuPage[]] }[] = [
+  {
+    label: "Plan",
+    pages: [
+      { to: "/excitation", label: "Excitation", key: "e", at: /^\/excitation/ },
+      { to: "/preflight-simulation", label: "Pre-flight simulation", key: "p" },
+    ],
+  },
+  {
+    label: "Flights",
+    pages: [
+      { to: "/import", label: "Import", key: "i" },
+      {
+        to: "/campaign",
+        label: "Campaign",
+        key: "c",
+        at: /^\/(campaign|maneuvers\/\d+|flights\/\d+)\/?$/,
+      },
+      { to: "/quality", label: "Quality", key: "q" },
+      {
+        to: "/mini-gvt",
+        label: "Mini-GVT",
+        key: "v",
+        at: /^\/(mini-gvt|flights\/\d+\/mini-gvt)/,
+      },
+    ],
+  },
+  {
+    label: "Aircraft",
+    pages: [
+      { to: "/aircraft", label: "Aircraft", key: "a" },
+      { to: "/modal-data", label: "Modal data", key: "o" },
+      { to: "/aircraft", hash: "predictions", label: "Predictions", key: "n" },
+    ],
+  },
+  {
+    label: "Estimate",
+    pages: [
+      {
+        to: "/runs",
+        label: "Runs",
+        key: "r",
+        at: /^\/(runs|batches|maneuvers\/\d+\/new-run)/,
+      },
+      { to: "/model-structures", label: "Model structures", key: "t", at: /^\/model-structures/ },
+      { to: "/search", label: "Structure search", key: "h" },
+    ],
+  },
+  { label: "Compare", pages: [{ to: "/compare", label: "Compare", key: "m" }] },
+  {
+    label: "Predict",
+    pages: [
+      { to: "/flutter", label: "Flutter", key: "f" },
+      { to: "/closed-loop", label: "Closed loop", key: "l" },
+    ],
+  },
+  {
+    label: "Review",
+    pages: [{ to: "/decisions", label: "Decisions", key: "d", at: /^\/decisions/ }],
+  },
+];
+
+/** Pages at the right of the menu. */
+export const SIDE_MENU: readonly MenuPage[] = [
+  { to: "/jobs", label: "Jobs", key: "j", at: /^\/jobs/ },
+  { to: "/glossary", label: "Glossary", key: "g" },
+];
+
+/** Every page that the command palette and the keyboard open. */
+export const VIEWS: readonly MenuPage[] = [
   { to: "/", label: "Start", key: "s" },
-  { to: "/campaign", label: "Campaign", key: "c" },
-  { to: "/quality", label: "Quality", key: "q" },
-  { to: "/runs", label: "Runs", key: "r" },
-  { to: "/compare", label: "Compare", key: "m" },
-  { to: "/model-structures", label: "Structures", key: "t" },
-  { to: "/structures", label: "Modes", key: "o" },
-  { to: "/decisions", label: "Decisions", key: "d" },
-  { to: "/flutter", label: "Flutter", key: "f" },
-  { to: "/jobs", label: "Jobs", key: "j" },
-  { to: "/excitation", label: "Excitation", key: "e" },
-  { to: "/aircraft", label: "Aircraft", key: "a" },
-  { to: "/search", label: "Search for structure", key: "h", rare: true },
-  { to: "/closed-loop", label: "Closed loop", key: "l", rare: true },
-  { to: "/import", label: "Import", key: "i", rare: true },
-  { to: "/glossary", label: "Glossary", key: "g", rare: true },
-] as const satisfies readonly { to: string; label: string; key: string; rare?: boolean }[];
+  ...MENU.flatMap((entry) => entry.pages),
+  ...SIDE_MENU,
+];
+
+/** Whether an address belongs to a page of the menu. */
+export function isCurrent(page: MenuPage, pathname: string, hash: string): boolean {
+  const isInside = page.at?.test(pathname) ?? pathname === page.to;
+  return isInside && (pathname !== "/aircraft" || hash === (page.hash ?? ""));
+}
 
 /** In an address nothing is required. */
 function view<T extends object>(read: (search: Search) => T): (search: Search) => Partial<T> {
@@ -58,7 +144,7 @@ export type CampaignView = ReturnType<typeof campaignView>;
 
 export const flightView = view((search) => ({
   channels: words(search.channels),
-  /** Window of the recording [s], and what a maneuver cut there would be called. */
+  /** Window of the recording [s], and the label of a maneuver cut there. */
   from: number(search.from),
   to: number(search.to),
   label: text(search.label),
@@ -66,7 +152,7 @@ export const flightView = view((search) => ({
 }));
 export type FlightView = ReturnType<typeof flightView>;
 
-export const VERDICTS = ["bad", "doubtful", "unchecked", "good", "missing"] as const;
+export const VERDICTS = ["bad", "questionable", "unchecked", "good", "missing"] as const;
 
 export const qualityView = view((search) => ({
   verdict: oneOf(search.verdict, VERDICTS),
@@ -120,13 +206,13 @@ export const maneuverView = view((search) => ({
   average: flag(search.average),
   /** Models also with sensors blind to the structure. */
   rigid: flag(search.rigid),
-  /** Responses from averaged windows instead of lines. */
+  /** Responses from averaged windows instead of harmonics. */
   windowed: flag(search.windowed),
   plane: oneOf(search.plane, BODE_PLANES),
-  /** The whole spectrum behind the lines. */
+  /** The whole spectrum behind the harmonics. */
   full: flag(search.full),
   domain: oneOf(search.domain, ["time", "frequency"] as const),
-  /** Reconstructed quantities, and the modes they are told apart with. */
+  /** Reconstructed quantities, and the modes of the reconstruction. */
   quantities: words(search.quantities),
   modes: integers(search.modes),
   /** Modes whose equation-error regressors are compared instead of channels. */
@@ -146,7 +232,7 @@ export const newRunView = view((search) => ({
   /** Band to fit [Hz]. */
   low: number(search.low),
   high: number(search.high),
-  /** Kept model structure to begin with, and its version where not the newest. */
+  /** Stored model structure to start from, and its version where not the newest. */
   structure: integer(search.structure),
   version: integer(search.version),
 }));
@@ -210,7 +296,7 @@ export const compareView = view((search) => ({
 }));
 export type CompareView = ReturnType<typeof compareView>;
 
-/** What becomes of modes that runs left out, where they are not carried as predicted. */
+/** Treatment of unmodelled modes, where they are not included with their prediction. */
 export const OTHERS = ["residualized"] as const;
 
 export const ALONG = ["dynamic_pressure", "fuel"] as const;
@@ -229,19 +315,11 @@ export const flutterView = view((search) => ({
 }));
 export type FlutterView = ReturnType<typeof flutterView>;
 
-export const STRUCTURE_TABS = [
-  "fuel",
-  "shapes",
-  "mac",
-  "sensors",
-  "order",
-  "gvt",
-  "files",
-] as const;
+export const MODAL_TABS = ["fuel", "shapes", "mac", "sensors", "order", "gvt", "files"] as const;
 export const SYMMETRIES = ["symmetric", "antisymmetric", "all"] as const;
 
-export const structuresView = view((search) => ({
-  tab: oneOf(search.tab, STRUCTURE_TABS),
+export const modalDataView = view((search) => ({
+  tab: oneOf(search.tab, MODAL_TABS),
   aircraft: integer(search.aircraft),
   table: integer(search.table),
   mode: integer(search.mode),
@@ -269,7 +347,7 @@ export const structuresView = view((search) => ({
   to_hz: number(search.to_hz),
   order: integer(search.order),
 }));
-export type StructuresView = ReturnType<typeof structuresView>;
+export type ModalDataView = ReturnType<typeof modalDataView>;
 
 export const closedLoopView = view((search) => ({
   runs: integers(search.runs),
@@ -286,7 +364,13 @@ export const DESIGN_SOURCES = ["table", "own", "flown"] as const;
 export const excitationView = view((search) => ({ from: oneOf(search.from, DESIGN_SOURCES) }));
 export type ExcitationView = ReturnType<typeof excitationView>;
 
-export const DESIGN_TABS = ["excitation", "told", "amplitudes", "classic", "rehearsal"] as const;
+export const DESIGN_TABS = [
+  "excitation",
+  "accuracy",
+  "amplitudes",
+  "classic",
+  "preflight-simulation",
+] as const;
 
 export const designView = view((search) => ({
   tab: oneOf(search.tab, DESIGN_TABS),
@@ -298,7 +382,7 @@ export const designView = view((search) => ({
   rate: number(search.rate),
   /** Output-error run whose derivatives the design would be flown for. */
   run: integer(search.run),
-  /** Limits of the allocation: largest deflection [deg] and load factor [g]. */
+  /** Limits of the amplitude optimisation: deflection [deg] and load factor [g]. */
   allowed: number(search.allowed),
   load: number(search.load),
   /** Window of everything over frequency [Hz]. */

@@ -1,4 +1,4 @@
-/** The name of the local analyst: set here, sent with every request, verified by nobody. */
+/** Name of the local analyst, sent with every request, unverified. */
 import { useSyncExternalStore } from "react";
 
 const KEY = "flexsid.analyst";
@@ -28,7 +28,7 @@ export function useAnalyst(): string {
   }, analystName);
 }
 
-/** Header of what is kept under the name; headers hold no letters beyond ASCII. */
+/** Header with the name of the analyst; headers are limited to ASCII. */
 export const named = () => ({ [HEADER]: encodeURIComponent(analystName()) });
 
 export const sameName = (one: string, other: string): boolean =>

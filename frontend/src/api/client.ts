@@ -1,4 +1,4 @@
-/** The one place that talks to the server. */
+/** HTTP client of the API. */
 import createClient from "openapi-fetch";
 import { analystName, named } from "./analyst";
 import { problemFrom, unreachable } from "./problem";
@@ -19,28 +19,28 @@ async function send(request: Request): Promise<Response> {
 
 export const api = createClient<paths>({ baseUrl: window.location.origin, fetch: send });
 
-interface Answer<T> {
+interface FetchResult<T> {
   data?: T;
   error?: unknown;
   response: Response;
 }
 
-/** The body of a good answer; a bad one is thrown as an ApiProblem. */
-export async function body<T>(answer: Promise<Answer<T>>): Promise<Full<T>> {
-  const { data, error, response } = await answer;
+/** Body of a successful response; any other is thrown as an ApiProblem. */
+export async function body<T>(result: Promise<FetchResult<T>>): Promise<Full<T>> {
+  const { data, error, response } = await result;
   if (!response.ok) throw problemFrom(error, response.status);
   return data as Full<T>;
 }
 
-/** The items of an answer that is a list. */
-export async function items<T>(answer: Promise<Answer<{ items: T[] }>>): Promise<Full<T>[]> {
-  return (await body(answer)).items;
+/** Items of a response that is a list. */
+export async function items<T>(result: Promise<FetchResult<{ items: T[] }>>): Promise<Full<T>[]> {
+  return (await body(result)).items;
 }
 
 export type QueryValue =
   string | number | boolean | null | undefined | readonly (string | number)[];
 
-/** Address under /api/v1; lists are joined by commas, what is absent is left out. */
+/** Address under /api/v1; lists are joined by commas, undefined values are omitted. */
 export function address(path: string, query: Record<string, QueryValue> = {}): string {
   const pairs = Object.entries(query).flatMap(([key, value]) => {
     if (value === null || value === undefined || value === "") return [];
@@ -50,7 +50,7 @@ export function address(path: string, query: Record<string, QueryValue> = {}): s
   return `/api/v1/${path}${pairs.length > 0 ? `?${pairs.join("&")}` : ""}`;
 }
 
-/** For answers whose content OpenAPI does not describe: figure specs and uploads. */
+/** Responses whose content OpenAPI does not describe: figure specs and uploads. */
 export async function json(path: string, init: RequestInit = {}): Promise<unknown> {
   const response = await send(new Request(new URL(path, window.location.origin), init));
   const content: unknown = await response.json().catch(() => null);

@@ -11,7 +11,7 @@ it("reads problem details with their context", () => {
   expect(problem.context).toEqual({ row: 12 });
 });
 
-it("explains an answer that is not a problem", () => {
+it("explains a response that is not a problem", () => {
   expect(problemFrom("<html>", 502).detail).toContain("502");
   expect(asProblem(new Error("x is undefined"))).toBeInstanceOf(ApiProblem);
 });

@@ -1,4 +1,4 @@
-/** What the API says when it cannot do what was asked (RFC 9457 problem details). */
+/** Error responses of the API (RFC 9457 problem details). */
 export class ApiProblem extends Error {
   override readonly name = "ApiProblem";
 
@@ -9,7 +9,7 @@ export class ApiProblem extends Error {
     readonly status: number,
     /** Further members of the problem, such as the row and column of a bad file. */
     readonly context: Record<string, string | number> = {},
-    /** The whole problem, for pages that offer a way out of it. */
+    /** The whole problem, for pages that offer a resolution. */
     readonly body: unknown = null,
   ) {
     super(detail || title);
@@ -21,8 +21,8 @@ const STANDARD = new Set(["type", "title", "status", "detail", "code", "instance
 export function problemFrom(body: unknown, status: number): ApiProblem {
   if (typeof body !== "object" || body === null || !("title" in body)) {
     return new ApiProblem(
-      "The server answered with an error",
-      `Status ${status} without an explanation. Its log says more.`,
+      "Server error",
+      `Status ${status} without details. See the server log.`,
       "unexplained",
       status,
     );
@@ -39,8 +39,8 @@ export function problemFrom(body: unknown, status: number): ApiProblem {
 
 export function unreachable(): ApiProblem {
   return new ApiProblem(
-    "The server cannot be reached",
-    "No answer came from flexsid. It may be starting or stopped; the page tries again by itself.",
+    "Server not reachable",
+    "No response from flexsid. It may be starting or stopped; the page retries automatically.",
     "unreachable",
     0,
   );
@@ -50,5 +50,5 @@ export function unreachable(): ApiProblem {
 export function asProblem(error: unknown): ApiProblem {
   if (error instanceof ApiProblem) return error;
   const detail = error instanceof Error ? error.message : String(error);
-  return new ApiProblem("Something went wrong on this page", detail, "page", 0);
+  return new ApiProblem("Page error", detail, "page", 0);
 }

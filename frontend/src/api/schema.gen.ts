@@ -10,11 +10,10 @@ export interface paths {
         };
         /**
          * Get Health
-         * @description Ask server, database, dispatcher and workers whether they work.
+         * @description Return the state of server, database, dispatcher and workers.
          *
-         *     The status is `degraded` where runs would wait for ever, or the clock is wrong: this server
-         *     answers all the same (200), and another one would be no better. Where the database does
-         *     not answer, nothing can be served (503).
+         *     The status is `degraded` (200) if runs cannot be processed or the clock is wrong: a restart of
+         *     the server would not help. If the database does not respond, the status code is 503.
          */
         get: operations["get_health"];
         put?: never;
@@ -75,13 +74,13 @@ export interface paths {
         get?: never;
         /**
          * Set Thrust
-         * @description Give an aircraft the thrust table that new maneuvers take their thrust from.
+         * @description Set the thrust table of an aircraft, from which the thrust of new maneuvers is computed.
          */
         put: operations["set_thrust"];
         post?: never;
         /**
          * Remove Thrust
-         * @description Take the thrust table of an aircraft away; maneuvers keep the thrust that they have.
+         * @description Delete the thrust table of an aircraft; the thrust of existing maneuvers is unchanged.
          */
         delete: operations["remove_thrust"];
         options?: never;
@@ -138,7 +137,7 @@ export interface paths {
         };
         /**
          * List Flight Channels
-         * @description List the channels of a whole flight, from which maneuvers are cut.
+         * @description List the channels of the recording of a flight.
          */
         get: operations["list_flight_channels"];
         put?: never;
@@ -158,7 +157,7 @@ export interface paths {
         };
         /**
          * Find Maneuvers
-         * @description Look for maneuvers in the recording of a flight; nothing is cut yet.
+         * @description Detect maneuvers in the recording of a flight; nothing is stored.
          */
         get: operations["find_maneuvers"];
         put?: never;
@@ -180,7 +179,7 @@ export interface paths {
         put?: never;
         /**
          * Cut Maneuver
-         * @description Cut a maneuver out of a window of the recording, which stays as it is.
+         * @description Cut a maneuver from a window of the recording, which is not changed.
          */
         post: operations["cut_maneuver"];
         delete?: never;
@@ -198,7 +197,7 @@ export interface paths {
         };
         /**
          * List Ground Tests
-         * @description Compare the records before and after every flight that has both.
+         * @description Compare the mini-GVT records before and after every flight that has both.
          */
         get: operations["list_ground_tests"];
         put?: never;
@@ -218,7 +217,7 @@ export interface paths {
         };
         /**
          * Get Ground Test
-         * @description Compare the records before and after one flight.
+         * @description Compare the mini-GVT records before and after one flight.
          */
         get: operations["get_ground_test"];
         put?: never;
@@ -244,7 +243,7 @@ export interface paths {
         put?: never;
         /**
          * Upload Maneuver
-         * @description Import a maneuver from files; all of it is kept, or nothing.
+         * @description Import a maneuver from files, completely or not at all.
          */
         post: operations["upload_maneuver"];
         delete?: never;
@@ -262,7 +261,7 @@ export interface paths {
         };
         /**
          * List Maneuver Facets
-         * @description Count the list, and what each choice of a filter would leave of it.
+         * @description Return the number of maneuvers, in total and for each value of each filter.
          */
         get: operations["list_maneuver_facets"];
         put?: never;
@@ -286,7 +285,7 @@ export interface paths {
          * Change Maneuvers
          * @description Delete, restore, tag or untag many maneuvers; all of them, or none.
          *
-         *     The answer names those that were changed: the opposite action on these is the way back.
+         *     The response lists the changed ids: the opposite action on them undoes the change.
          */
         post: operations["change_maneuvers"];
         delete?: never;
@@ -311,7 +310,7 @@ export interface paths {
         post?: never;
         /**
          * Delete Maneuver
-         * @description Delete a maneuver with its runs; it leaves the lists and can be restored.
+         * @description Delete a maneuver with its runs; it can be restored.
          */
         delete: operations["delete_maneuver"];
         options?: never;
@@ -328,9 +327,9 @@ export interface paths {
         };
         /**
          * Get Run Proposal
-         * @description Propose modes, inputs, outputs and band of a run, with what they ask of the data.
+         * @description Propose modes, inputs, outputs and band of a run, with their requirements on the data.
          *
-         *     A run that is requested without a structure takes this proposal.
+         *     A run requested without a structure uses this proposal.
          */
         get: operations["get_run_proposal"];
         put?: never;
@@ -350,7 +349,7 @@ export interface paths {
         };
         /**
          * Get Quality
-         * @description Return what was found about a maneuver; looked at now if it never was.
+         * @description Return the data quality of a maneuver; it is assessed now if it was not before.
          */
         get: operations["get_quality"];
         put?: never;
@@ -370,15 +369,15 @@ export interface paths {
         };
         /**
          * List Conditioning
-         * @description List the corrections of a maneuver, those that were undone too.
+         * @description List the corrections of a maneuver, including undone ones.
          */
         get: operations["list_conditioning"];
         put?: never;
         /**
-         * Take Conditioning
-         * @description Take corrections, all or none; what was recorded is not changed.
+         * Add Conditioning
+         * @description Apply corrections, all or none; the recorded data are not changed.
          */
-        post: operations["take_conditioning"];
+        post: operations["add_conditioning"];
         delete?: never;
         options?: never;
         head?: never;
@@ -397,7 +396,7 @@ export interface paths {
         post?: never;
         /**
          * Undo Conditioning
-         * @description Undo a correction; that it was there stays in the record.
+         * @description Undo a correction; it remains in the list.
          */
         delete: operations["undo_conditioning"];
         options?: never;
@@ -414,7 +413,7 @@ export interface paths {
         };
         /**
          * List Qualities
-         * @description List maneuvers with their verdict, the worst first; nothing is computed here.
+         * @description List maneuvers with their stored verdict, by default the worst first.
          */
         get: operations["list_qualities"];
         put?: never;
@@ -436,14 +435,14 @@ export interface paths {
         put?: never;
         /**
          * Assess Maneuvers
-         * @description Begin to look at maneuvers: at these, or at all that nobody has looked at.
+         * @description Start assessing the data quality of the given maneuvers, or of all unassessed ones.
          */
         post: operations["assess_maneuvers"];
         /**
-         * Stop Assessing
-         * @description Leave the maneuvers that were not looked at yet for another time.
+         * Stop Assessment
+         * @description Stop the assessment; remaining maneuvers stay unassessed.
          */
-        delete: operations["stop_assessing"];
+        delete: operations["stop_assessment"];
         options?: never;
         head?: never;
         patch?: never;
@@ -458,13 +457,13 @@ export interface paths {
         };
         /**
          * List Mappings
-         * @description List the kept mappings.
+         * @description List stored mappings.
          */
         get: operations["list_mappings"];
         put?: never;
         /**
          * Add Mapping
-         * @description Keep a mapping under a name; one of the same name is replaced.
+         * @description Store a mapping under a name; a mapping of the same name is replaced.
          */
         post: operations["add_mapping"];
         delete?: never;
@@ -489,7 +488,7 @@ export interface paths {
         post?: never;
         /**
          * Delete Mapping
-         * @description Forget a mapping; what was imported through it stays.
+         * @description Delete a mapping; data imported with it are unchanged.
          */
         delete: operations["delete_mapping"];
         options?: never;
@@ -506,13 +505,13 @@ export interface paths {
         };
         /**
          * List Imports
-         * @description List the uploads that are being imported, or wait for it.
+         * @description List the uploads that are being imported or queued.
          */
         get: operations["list_imports"];
         put?: never;
         /**
          * Upload Files
-         * @description Read files and propose a mapping for them; nothing is stored yet.
+         * @description Read files and propose a mapping; nothing is stored in the database.
          */
         post: operations["upload_files"];
         delete?: never;
@@ -530,14 +529,14 @@ export interface paths {
         };
         /**
          * Get Upload
-         * @description Return what the files of an upload hold and the mapping proposed for them.
+         * @description Return the contents of the files of an upload, and the proposed mapping.
          */
         get: operations["get_upload"];
         put?: never;
         post?: never;
         /**
          * Delete Upload
-         * @description Cancel an import, or forget the files; what was imported stays.
+         * @description Cancel an import, or delete the files; imported data remain.
          */
         delete: operations["delete_upload"];
         options?: never;
@@ -554,7 +553,7 @@ export interface paths {
         };
         /**
          * Get Upload State
-         * @description Return how far an import has come.
+         * @description Return the progress of an import.
          */
         get: operations["get_upload_state"];
         put?: never;
@@ -576,7 +575,7 @@ export interface paths {
         put?: never;
         /**
          * Check Upload
-         * @description Say what a mapping makes of the files; nothing is stored.
+         * @description Check a mapping against the files; nothing is stored.
          */
         post: operations["check_upload"];
         delete?: never;
@@ -596,7 +595,7 @@ export interface paths {
         put?: never;
         /**
          * Preview Upload
-         * @description Draw channels as a mapping makes them.
+         * @description Draw channels as read by a mapping.
          */
         post: operations["preview_upload"];
         delete?: never;
@@ -616,7 +615,7 @@ export interface paths {
         put?: never;
         /**
          * Import Upload
-         * @description Begin to import the files through a mapping, all of them or nothing.
+         * @description Start importing the files with a mapping, completely or not at all.
          */
         post: operations["import_upload"];
         delete?: never;
@@ -634,7 +633,7 @@ export interface paths {
         };
         /**
          * List Modal Tables
-         * @description List modal tables; versions of one name stand side by side.
+         * @description List modal tables, in all versions.
          */
         get: operations["list_modal_tables"];
         put?: never;
@@ -654,7 +653,7 @@ export interface paths {
         };
         /**
          * Get Model Order
-         * @description Reduce the predicted model to every order at a condition, and say how many modes it needs.
+         * @description Reduce the predicted model at a condition, and return the number of modes needed.
          */
         get: operations["get_model_order"];
         put?: never;
@@ -674,14 +673,14 @@ export interface paths {
         };
         /**
          * Get Modal Table
-         * @description Return one modal table with its numbers, in the order of its source.
+         * @description Return one modal table with frequencies and damping, in the order of its source.
          */
         get: operations["get_modal_table"];
         put?: never;
         post?: never;
         /**
          * Delete Modal Table
-         * @description Forget a modal table; refused while runs refer to it.
+         * @description Delete a modal table; refused if runs refer to it.
          */
         delete: operations["delete_modal_table"];
         options?: never;
@@ -698,7 +697,7 @@ export interface paths {
         };
         /**
          * List Modes
-         * @description List the modes at a fuel fraction, followed over fuel by their shapes.
+         * @description List the modes at a fuel fraction, tracked over fuel by their shapes.
          */
         get: operations["list_modes"];
         put?: never;
@@ -718,7 +717,7 @@ export interface paths {
         };
         /**
          * Get Shape
-         * @description Return one mode at a fuel fraction, thinned to what can be seen, with the sensors in it.
+         * @description Return one mode shape at a fuel fraction, on a thinned set of nodes, with the sensors.
          */
         get: operations["get_shape"];
         put?: never;
@@ -738,7 +737,7 @@ export interface paths {
         };
         /**
          * Get Correlation
-         * @description Compare two sources: modes paired by MAC, frequency, damping, and COMAC by point.
+         * @description Correlate two modal tables: MAC pairs, frequency and damping differences, COMAC by point.
          */
         get: operations["get_correlation"];
         put?: never;
@@ -758,7 +757,7 @@ export interface paths {
         };
         /**
          * Get Observability
-         * @description Say which sensor sees which mode, and where a further accelerometer would help most.
+         * @description Return the observability of the modes by sensor, and the best further accelerometers.
          */
         get: operations["get_observability"];
         put?: never;
@@ -778,7 +777,7 @@ export interface paths {
         };
         /**
          * Download Modes
-         * @description Write the modes at one fuel weight as a universal file or as CSV, in SI.
+         * @description Return the modes at one fuel fraction as a universal file or CSV, in SI units.
          */
         get: operations["download_modes"];
         put?: never;
@@ -800,7 +799,7 @@ export interface paths {
         put?: never;
         /**
          * Correct Mode
-         * @description Name a mode otherwise than the rule does; the reason is kept.
+         * @description Correct the name and symmetry of a mode, with a reason.
          */
         post: operations["correct_mode"];
         delete?: never;
@@ -817,16 +816,16 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Look At Upload
-         * @description Say what modes the files of an upload hold, and what they leave open.
+         * Inspect Modal Files
+         * @description Return the modes in the files of an upload, and the information missing for an import.
          */
-        get: operations["look_at_upload"];
+        get: operations["inspect_modal_files"];
         put?: never;
         /**
-         * Import Structure
-         * @description Keep the modes of uploaded files as a modal table, a version beside others of its name.
+         * Import Modal Data
+         * @description Import the modes of uploaded files as a modal table, as a new version of its name.
          */
-        post: operations["import_structure"];
+        post: operations["import_modal_data"];
         delete?: never;
         options?: never;
         head?: never;
@@ -844,7 +843,7 @@ export interface paths {
         put?: never;
         /**
          * Import Flutter Summary
-         * @description Keep the flutter summary of an uploaded printout, with the speeds found from it.
+         * @description Import the flutter summary of an uploaded printout, with its flutter speeds.
          */
         post: operations["import_flutter_summary"];
         delete?: never;
@@ -862,7 +861,7 @@ export interface paths {
         };
         /**
          * List Flutter Summaries
-         * @description List the flutter summaries of an aircraft or of all.
+         * @description List the flutter summaries of one aircraft, or of all.
          */
         get: operations["list_flutter_summaries"];
         put?: never;
@@ -904,7 +903,7 @@ export interface paths {
         put?: never;
         /**
          * Import Responses
-         * @description Keep the frequency responses of uploaded files.
+         * @description Import the frequency responses of uploaded files.
          */
         post: operations["import_responses"];
         delete?: never;
@@ -922,7 +921,7 @@ export interface paths {
         };
         /**
          * List Measured Responses
-         * @description List the measured responses of an aircraft or of all.
+         * @description List the measured frequency responses of one aircraft, or of all.
          */
         get: operations["list_measured_responses"];
         put?: never;
@@ -942,7 +941,7 @@ export interface paths {
         };
         /**
          * Get Measured Responses
-         * @description Return one set of measured responses.
+         * @description Return one set of measured frequency responses.
          */
         get: operations["get_measured_responses"];
         put?: never;
@@ -961,16 +960,16 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Find Modes
-         * @description Find the modes in measured responses that are stable over the orders of models.
+         * Identify Modes
+         * @description Identify modes from measured frequency responses; stable over the model order.
          */
-        get: operations["find_modes"];
+        get: operations["identify_modes"];
         put?: never;
         /**
-         * Keep Found Modes
-         * @description Keep the modes found as a table of a GVT, named like those of another table.
+         * Save Identified Modes
+         * @description Store identified modes as a GVT modal table, with the mode names of another table (MAC).
          */
-        post: operations["keep_found_modes"];
+        post: operations["save_identified_modes"];
         delete?: never;
         options?: never;
         head?: never;
@@ -988,7 +987,7 @@ export interface paths {
         put?: never;
         /**
          * Check Orthogonality
-         * @description Check the shapes of a table over a mass matrix in an uploaded file.
+         * @description Check the orthogonality of mode shapes with a mass matrix of an uploaded file.
          */
         post: operations["check_orthogonality"];
         delete?: never;
@@ -1046,13 +1045,13 @@ export interface paths {
         };
         /**
          * List Model Structures
-         * @description List model structures in their newest version, of one aircraft or of all.
+         * @description List the newest versions of the model structures of one aircraft, or of all.
          */
         get: operations["list_model_structures"];
         put?: never;
         /**
          * Add Model Structure
-         * @description Keep a model structure under a name.
+         * @description Store a model structure under a name.
          */
         post: operations["add_model_structure"];
         delete?: never;
@@ -1070,12 +1069,12 @@ export interface paths {
         };
         /**
          * Get Model Structure
-         * @description Return the newest version of one model structure; ``ETag`` names it.
+         * @description Return the newest version of one model structure; its number is the ``ETag``.
          */
         get: operations["get_model_structure"];
         /**
          * Edit Model Structure
-         * @description Keep a new version; refused with both versions where another came first.
+         * @description Store a new version; refused (409, with both versions) if the edited one is outdated.
          */
         put: operations["edit_model_structure"];
         post?: never;
@@ -1140,7 +1139,7 @@ export interface paths {
         put?: never;
         /**
          * Propose Decision
-         * @description Propose a model structure, or a change to one, for a range of conditions.
+         * @description Propose a model structure, or a change of one, for a range of conditions.
          */
         post: operations["propose_decision"];
         delete?: never;
@@ -1158,7 +1157,7 @@ export interface paths {
         };
         /**
          * Get Campaign Audit
-         * @description Return the whole story of the decisions of a campaign.
+         * @description Return the audit trail of all decisions of a campaign.
          */
         get: operations["get_campaign_audit"];
         put?: never;
@@ -1178,7 +1177,7 @@ export interface paths {
         };
         /**
          * Get Decision
-         * @description Return one decision with all that was said of it.
+         * @description Return one decision with its comments, votes and history.
          */
         get: operations["get_decision"];
         put?: never;
@@ -1200,7 +1199,7 @@ export interface paths {
         put?: never;
         /**
          * Revise Decision
-         * @description Put another proposal in the place of one that is open; votes begin anew.
+         * @description Replace an open proposal; the votes are reset.
          */
         post: operations["revise_decision"];
         delete?: never;
@@ -1220,7 +1219,7 @@ export interface paths {
         put?: never;
         /**
          * Comment Decision
-         * @description Say something of a decision as a whole, or of one derivative.
+         * @description Comment on a decision, or on one derivative.
          */
         post: operations["comment_decision"];
         delete?: never;
@@ -1240,7 +1239,7 @@ export interface paths {
         put?: never;
         /**
          * Vote On Decision
-         * @description Approve, reject or ask for changes; the quorum decides.
+         * @description Vote on a proposal: approve, reject or request changes; decided by the quorum.
          */
         post: operations["vote_on_decision"];
         delete?: never;
@@ -1260,7 +1259,7 @@ export interface paths {
         put?: never;
         /**
          * Withdraw Decision
-         * @description Take a proposal of one's own back.
+         * @description Withdraw a proposal; its author only.
          */
         post: operations["withdraw_decision"];
         delete?: never;
@@ -1278,7 +1277,7 @@ export interface paths {
         };
         /**
          * Get Decision Audit
-         * @description Return the whole story of one decision.
+         * @description Return the audit trail of one decision.
          */
         get: operations["get_decision_audit"];
         put?: never;
@@ -1298,12 +1297,12 @@ export interface paths {
         };
         /**
          * Get Review Rules
-         * @description Return the rules of review of a campaign, and what they were.
+         * @description Return the review rules of a campaign, current and earlier ones.
          */
         get: operations["get_review_rules"];
         /**
          * Change Review Rules
-         * @description Change the rules of review of a campaign; the ones before stay readable.
+         * @description Change the review rules of a campaign; earlier ones remain readable.
          */
         put: operations["change_review_rules"];
         post?: never;
@@ -1322,7 +1321,7 @@ export interface paths {
         };
         /**
          * List Campaign Baselines
-         * @description List the approved structures of a campaign, the one approved last first.
+         * @description List the approved model structures of a campaign, most recently approved first.
          */
         get: operations["list_campaign_baselines"];
         put?: never;
@@ -1342,7 +1341,7 @@ export interface paths {
         };
         /**
          * List Maneuver Baselines
-         * @description Tell for each maneuver which approved structure its runs take by default.
+         * @description Return the approved model structure that runs of each maneuver use by default.
          */
         get: operations["list_maneuver_baselines"];
         put?: never;
@@ -1364,7 +1363,7 @@ export interface paths {
         put?: never;
         /**
          * Freeze Figure
-         * @description Keep a figure as it is now, whatever becomes of the data behind it.
+         * @description Store a figure in its current state, independent of later changes of the data.
          */
         post: operations["freeze_figure"];
         delete?: never;
@@ -1382,7 +1381,7 @@ export interface paths {
         };
         /**
          * Get Frozen Figure
-         * @description Return what is known of a frozen figure; ``figures/frozen`` shows it.
+         * @description Return kind, query, title and author of a frozen figure; `GET /figures/frozen` draws it.
          */
         get: operations["get_frozen_figure"];
         put?: never;
@@ -1402,7 +1401,7 @@ export interface paths {
         };
         /**
          * Get Notifications
-         * @description Tell an analyst what waits for them, and what changed since they looked.
+         * @description Return the decisions awaiting an analyst, and the changes since their last visit.
          */
         get: operations["get_notifications"];
         put?: never;
@@ -1424,7 +1423,7 @@ export interface paths {
         put?: never;
         /**
          * Mark Notifications Seen
-         * @description Note that an analyst has seen everything there is now.
+         * @description Mark all notifications of an analyst as seen.
          */
         post: operations["mark_notifications_seen"];
         delete?: never;
@@ -1444,7 +1443,7 @@ export interface paths {
         put?: never;
         /**
          * Mark Decision Seen
-         * @description Note that an analyst has seen a decision as it stands.
+         * @description Mark a decision as seen by an analyst.
          */
         post: operations["mark_decision_seen"];
         delete?: never;
@@ -1464,7 +1463,7 @@ export interface paths {
         put?: never;
         /**
          * Mark Structure Seen
-         * @description Note that an analyst has seen the newest version of a model structure.
+         * @description Mark the newest version of a model structure as seen by an analyst.
          */
         post: operations["mark_structure_seen"];
         delete?: never;
@@ -1482,19 +1481,19 @@ export interface paths {
         };
         /**
          * List Runs
-         * @description List runs with their key figures; `GET /runs/{run_id}` has the rest of each.
+         * @description List runs with their key figures; `GET /runs/{run_id}` returns the details.
          */
         get: operations["list_runs"];
         put?: never;
         /**
          * Request Run
-         * @description Queue an estimation run; follow it at the answer's ``Location``.
+         * @description Queue an estimation run; ``Location`` is the address of its job.
          *
-         *     Without a structure it takes what `GET /maneuvers/{maneuver_id}/run-proposal` proposes: the
-         *     structure that was approved for the condition, else the saved one of this FTA, else the modes
-         *     in the excited band; `proposal` of the run records which. What cannot be estimated (an unknown
-         *     mode, input or output) is refused at once. A run with the same inputs as one that waits, runs
-         *     or succeeded is that run (200, ``repeated``).
+         *     Without a structure, the run uses the proposal of `GET /maneuvers/{maneuver_id}/run-proposal`:
+         *     the structure approved for the condition, else the stored one of this FTA, else the modes in
+         *     the excited band; the field `proposal` records which. Unknown modes, inputs and outputs are
+         *     refused immediately. A request equal to a queued, running or succeeded run returns that run
+         *     (200, ``repeated``).
          */
         post: operations["request_run"];
         delete?: never;
@@ -1512,7 +1511,7 @@ export interface paths {
         };
         /**
          * List Run Facets
-         * @description Count the list, and what each choice of a filter would leave of it.
+         * @description Return the number of runs, in total and for each value of each filter.
          */
         get: operations["list_run_facets"];
         put?: never;
@@ -1536,7 +1535,7 @@ export interface paths {
          * Change Runs
          * @description Delete, restore, tag or untag many runs; all of them, or none.
          *
-         *     The answer names those that were changed: the opposite action on these is the way back.
+         *     The response lists the changed ids: the opposite action on them undoes the change.
          */
         post: operations["change_runs"];
         delete?: never;
@@ -1554,14 +1553,14 @@ export interface paths {
         };
         /**
          * Get Run
-         * @description Return one run; its parameters once it succeeded.
+         * @description Return one run, with its parameters once it succeeded.
          */
         get: operations["get_run"];
         put?: never;
         post?: never;
         /**
          * Delete Run
-         * @description Delete a run that has ended; it leaves the lists and can be restored.
+         * @description Delete a run that has ended; it can be restored.
          */
         delete: operations["delete_run"];
         options?: never;
@@ -1578,7 +1577,7 @@ export interface paths {
         };
         /**
          * Get Run Export
-         * @description Return everything a run rests on and gave, with covariance and fitted lines.
+         * @description Return the inputs and results of a run, with covariance matrix and fitted data points.
          */
         get: operations["get_run_export"];
         put?: never;
@@ -1598,7 +1597,7 @@ export interface paths {
         };
         /**
          * Get Run Model
-         * @description Return the identified model as matrices with names and units.
+         * @description Return the identified model as state-space matrices with names and units.
          */
         get: operations["get_run_model"];
         put?: never;
@@ -1624,7 +1623,7 @@ export interface paths {
         put?: never;
         /**
          * Add Saved View
-         * @description Keep what a page shows under a name; one of the same name is not replaced.
+         * @description Store the filters of a page under a name; refused if the name is in use.
          */
         post: operations["add_saved_view"];
         delete?: never;
@@ -1645,7 +1644,7 @@ export interface paths {
         post?: never;
         /**
          * Delete Saved View
-         * @description Forget a saved view.
+         * @description Delete a saved view.
          */
         delete: operations["delete_saved_view"];
         options?: never;
@@ -1668,7 +1667,7 @@ export interface paths {
         put?: never;
         /**
          * Request Search
-         * @description Queue a search for the terms of a model; follow it at the answer's ``Location``.
+         * @description Queue a model structure determination; ``Location`` is the address of the search.
          */
         post: operations["request_search"];
         delete?: never;
@@ -1686,7 +1685,7 @@ export interface paths {
         };
         /**
          * Get Search
-         * @description Return one search: how far it is, or all that it found.
+         * @description Return one search with its progress or result.
          */
         get: operations["get_search"];
         put?: never;
@@ -1708,7 +1707,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel Search
-         * @description Stop a search that has not ended.
+         * @description Cancel a search that has not ended.
          */
         post: operations["cancel_search"];
         delete?: never;
@@ -1727,10 +1726,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Open Candidate
-         * @description Open a candidate as a run; it is queued when first opened, and the same ever after.
+         * Create Candidate Run
+         * @description Return the run of a candidate; it is queued by the first request.
          */
-        post: operations["open_candidate"];
+        post: operations["create_candidate_run"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1766,7 +1765,7 @@ export interface paths {
         };
         /**
          * Get Queue Status
-         * @description Tell how the queue goes and who works.
+         * @description Return the state of the queue and its workers.
          */
         get: operations["get_queue_status"];
         put?: never;
@@ -1786,7 +1785,7 @@ export interface paths {
         };
         /**
          * Get Job
-         * @description Tell how far a job is.
+         * @description Return the progress of a job.
          */
         get: operations["get_job"];
         put?: never;
@@ -1806,7 +1805,7 @@ export interface paths {
         };
         /**
          * Get Job Log
-         * @description Tell what happened to a job so far.
+         * @description Return the log of a job.
          */
         get: operations["get_job_log"];
         put?: never;
@@ -1828,7 +1827,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel Job
-         * @description Stop a job that has not ended.
+         * @description Cancel a job that has not ended.
          */
         post: operations["cancel_job"];
         delete?: never;
@@ -1848,7 +1847,7 @@ export interface paths {
         put?: never;
         /**
          * Retry Job
-         * @description Queue a job again that failed or was cancelled.
+         * @description Queue a failed or cancelled job again.
          */
         post: operations["retry_job"];
         delete?: never;
@@ -1866,11 +1865,11 @@ export interface paths {
         };
         /**
          * Stream Events
-         * @description Stream what happens to runs, as server-sent events.
+         * @description Stream the state changes of runs, as server-sent events.
          *
-         *     `run` is a line of a log, with its id; `running` lists the jobs under way; `missed`
-         *     says that more happened meanwhile than is told: read the lists again. A browser that
-         *     connects again goes on by itself; others give the id of the last event they know.
+         *     `run` is an entry of the run log, with its id; `running` lists the running jobs; `missed` means
+         *     that events were dropped: reload the lists. Browsers resume after a reconnection (header
+         *     `Last-Event-ID`); other clients give the id of the last known event.
          */
         get: operations["stream_events"];
         put?: never;
@@ -1898,7 +1897,7 @@ export interface paths {
          * Request Batch
          * @description Queue many runs; all of them, or none.
          *
-         *     Without structures each maneuver takes what is proposed for it, as single runs do.
+         *     Without structures, each run uses the proposed structure of its maneuver, as a single run does.
          */
         post: operations["request_batch"];
         delete?: never;
@@ -1916,7 +1915,7 @@ export interface paths {
         };
         /**
          * Get Batch
-         * @description Tell how far a batch is.
+         * @description Return the progress of a batch.
          */
         get: operations["get_batch"];
         put?: never;
@@ -1938,7 +1937,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel Batch
-         * @description Cancel what has not ended of a batch; runs that another batch also wants go on.
+         * @description Cancel the unfinished runs of a batch; runs shared with another batch continue.
          */
         post: operations["cancel_batch"];
         delete?: never;
@@ -1958,7 +1957,7 @@ export interface paths {
         put?: never;
         /**
          * Retry Batch
-         * @description Queue again what failed or was cancelled of a batch.
+         * @description Queue the failed and cancelled runs of a batch again.
          */
         post: operations["retry_batch"];
         delete?: never;
@@ -1976,7 +1975,7 @@ export interface paths {
         };
         /**
          * Get Comparison
-         * @description Compare derivatives of runs and predictions, pair by pair too, and what differs in them.
+         * @description Compare derivatives of runs and predictions, with the difference of every pair.
          */
         get: operations["get_comparison"];
         put?: never;
@@ -1996,7 +1995,7 @@ export interface paths {
         };
         /**
          * Get Trend
-         * @description Lay one derivative out over the conditions that were flown, with a fit per method.
+         * @description Return one derivative over the flight conditions, with a weighted fit per method.
          */
         get: operations["get_trend"];
         put?: never;
@@ -2016,7 +2015,7 @@ export interface paths {
         };
         /**
          * Report Run
-         * @description Report a run: structure, derivatives, fit, uncertainty, poles and provenance.
+         * @description Return the report of a run: structure, derivatives, fit, uncertainty, poles, provenance.
          */
         get: operations["report_run"];
         put?: never;
@@ -2036,7 +2035,7 @@ export interface paths {
         };
         /**
          * Report Comparison
-         * @description Report how runs and predictions agree, derivative by derivative.
+         * @description Return the report of a comparison of runs and predictions, by derivative.
          */
         get: operations["report_comparison"];
         put?: never;
@@ -2056,7 +2055,7 @@ export interface paths {
         };
         /**
          * Report Decision
-         * @description Report a decision: range, structure, evidence, votes and history.
+         * @description Return the report of a decision: range, structure, evidence, votes and history.
          */
         get: operations["report_decision"];
         put?: never;
@@ -2076,7 +2075,7 @@ export interface paths {
         };
         /**
          * Report Campaign
-         * @description Report the maneuvers that a list is narrowed to, and the ground tests around them.
+         * @description Return the report of the filtered maneuvers and their ground tests.
          */
         get: operations["report_campaign"];
         put?: never;
@@ -2102,7 +2101,7 @@ export interface paths {
         put?: never;
         /**
          * Create Design
-         * @description Search the phases of a design and keep it; a few seconds.
+         * @description Create a design and optimise its phases; takes a few seconds.
          */
         post: operations["create_design"];
         delete?: never;
@@ -2121,10 +2120,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Search Design
-         * @description Begin to search the phases of a design, as a task that can be followed and cancelled.
+         * Start Design
+         * @description Create a design and optimise its phases, as a task.
          */
-        post: operations["search_design"];
+        post: operations["start_design"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2141,10 +2140,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Import Flown
-         * @description Recognise multisines that were flown and keep them as they were.
+         * Import Multisines
+         * @description Import flown multisines: harmonics, amplitudes and phases are identified from the samples.
          */
-        post: operations["import_flown"];
+        post: operations["import_multisines"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2187,7 +2186,7 @@ export interface paths {
         post?: never;
         /**
          * Delete Design
-         * @description Forget a design.
+         * @description Delete a design.
          */
         delete: operations["delete_design"];
         options?: never;
@@ -2204,7 +2203,7 @@ export interface paths {
         };
         /**
          * Check Design
-         * @description Check orthogonality, peaks, and what moves behind an actuator.
+         * @description Check the orthogonality of the inputs, their peaks, and the response of an actuator.
          *
          *     Limits: position [rad], rate [rad/s], acceleration [rad/s2].
          */
@@ -2226,7 +2225,7 @@ export interface paths {
         };
         /**
          * Get Target Modes
-         * @description Compare the band of a design with the structural modes that it targets on an aircraft.
+         * @description Compare the band of a design with its target modes on an aircraft.
          */
         get: operations["get_target_modes"];
         put?: never;
@@ -2245,10 +2244,10 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Expect Errors
-         * @description Predict the standard errors of a run's derivatives, had this design been flown.
+         * Predict Errors
+         * @description Predict the standard errors of the derivatives of a run for this excitation (Cramér-Rao).
          */
-        get: operations["expect_errors"];
+        get: operations["predict_errors"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2265,10 +2264,10 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Expect Response
-         * @description Tell how far modes stand out of the noise, and how surfaces would be correlated.
+         * Predict Response
+         * @description Predict the signal-to-noise ratio of the modes and the correlation of the surfaces.
          */
-        get: operations["expect_response"];
+        get: operations["predict_response"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2286,7 +2285,7 @@ export interface paths {
         };
         /**
          * Compare Classic Inputs
-         * @description Compare a design with doublets, 3-2-1-1s and sweeps that keep its limits; seconds.
+         * @description Compare a design with doublets, 3-2-1-1s and sweeps of equal limits; takes seconds.
          */
         get: operations["compare_classic_inputs"];
         put?: never;
@@ -2297,7 +2296,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/designs/{design_id}/allocation": {
+    "/api/v1/designs/{design_id}/amplitudes": {
         parameters: {
             query?: never;
             header?: never;
@@ -2305,13 +2304,13 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Allocate Amplitudes
-         * @description Find amplitudes with the least worst relative standard error, and D-optimal ones.
+         * Optimise Amplitudes
+         * @description Optimise amplitudes: minimax relative standard error, and D-optimal.
          *
-         *     Limits: largest deflection of any surface [rad] and load factor [g], feedback
-         *     included; the design's own where left out.
+         *     Limits: largest deflection of any surface [rad] and load factor [g], feedback included;
+         *     if omitted, those of the design.
          */
-        get: operations["allocate_amplitudes"];
+        get: operations["optimise_amplitudes"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2331,7 +2330,7 @@ export interface paths {
         put?: never;
         /**
          * Rescale Design
-         * @description Keep a design with the same lines and phases and other amplitudes.
+         * @description Store a design with the same harmonics and phases, and scaled amplitudes.
          */
         post: operations["rescale_design"];
         delete?: never;
@@ -2350,17 +2349,17 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Redesign
-         * @description Begin to search phases anew for the lines of a design, as one that was flown.
+         * Redesign Phases
+         * @description Optimise new phases for the harmonics of a design, such as an imported one, as a task.
          */
-        post: operations["redesign"];
+        post: operations["redesign_phases"];
         delete?: never;
         options?: never;
         head?: never;
         patch?: never;
         trace?: never;
     };
-    "/api/v1/designs/{design_id}/rehearsals": {
+    "/api/v1/designs/{design_id}/preflight-simulations": {
         parameters: {
             query?: never;
             header?: never;
@@ -2368,16 +2367,16 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * List Rehearsals
-         * @description List the rehearsals of a design, newest first, with what their runs estimated.
+         * List Preflight Simulations
+         * @description List the pre-flight simulations of a design, newest first, with their estimates.
          */
-        get: operations["list_rehearsals"];
+        get: operations["list_preflight_simulations"];
         put?: never;
         /**
-         * Rehearse
-         * @description Begin to fly a design in simulation; the maneuver is kept and its estimation queued.
+         * Simulate Design
+         * @description Simulate the flight of a design, as a task; stores the maneuver and queues its estimation.
          */
-        post: operations["rehearse"];
+        post: operations["simulate_design"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2393,7 +2392,7 @@ export interface paths {
         };
         /**
          * Export Design
-         * @description Return one period at the flight computer's rate, or the recipe.
+         * @description Return one period at the rate of the flight computer, or the definition as JSON.
          */
         get: operations["export_design"];
         put?: never;
@@ -2419,7 +2418,7 @@ export interface paths {
         put?: never;
         /**
          * Create Controller
-         * @description Keep a controller given as text.
+         * @description Store a controller given as text.
          */
         post: operations["create_controller"];
         delete?: never;
@@ -2439,7 +2438,7 @@ export interface paths {
         put?: never;
         /**
          * Upload Controller
-         * @description Keep a controller of a file.
+         * @description Store a controller from a file.
          */
         post: operations["upload_controller"];
         delete?: never;
@@ -2464,7 +2463,7 @@ export interface paths {
         post?: never;
         /**
          * Delete Controller
-         * @description Forget a controller that no rehearsal was flown with.
+         * @description Delete a controller that no pre-flight simulation used.
          */
         delete: operations["delete_controller"];
         options?: never;
@@ -2472,7 +2471,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/flutter/answers": {
+    "/api/v1/flutter/results": {
         parameters: {
             query?: never;
             header?: never;
@@ -2482,10 +2481,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Find Flutter
-         * @description Begin to find the answer and its figures for many runs; then they are there at once.
+         * Start Flutter Prediction
+         * @description Start the flutter prediction and its figures as a task; the results are cached.
          */
-        post: operations["find_flutter"];
+        post: operations["start_flutter_prediction"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2501,7 +2500,7 @@ export interface paths {
         };
         /**
          * Get Flutter
-         * @description Say where the aircraft of these runs loses stability, and how sure that is.
+         * @description Return the predicted flutter speed of these runs, with its confidence interval.
          */
         get: operations["get_flutter"];
         put?: never;
@@ -2512,7 +2511,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/closed-loop/answers": {
+    "/api/v1/closed-loop/results": {
         parameters: {
             query?: never;
             header?: never;
@@ -2522,10 +2521,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Find Closed Loop
-         * @description Begin to find the answer for many runs; then it is there at once.
+         * Start Closed Loop Analysis
+         * @description Start the closed-loop analysis as a task; its result is cached.
          */
-        post: operations["find_closed_loop"];
+        post: operations["start_closed_loop_analysis"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2541,7 +2540,7 @@ export interface paths {
         };
         /**
          * Get Closed Loop
-         * @description Say how far a controller's loop around the identified aircraft is from instability.
+         * @description Return the stability limit and margins of the identified aircraft with a controller.
          */
         get: operations["get_closed_loop"];
         put?: never;
@@ -2561,7 +2560,7 @@ export interface paths {
         };
         /**
          * List Tasks
-         * @description List what is under way beside the runs and what has ended lately, newest first.
+         * @description List current and recently ended tasks other than runs, newest first.
          */
         get: operations["list_tasks"];
         put?: never;
@@ -2581,7 +2580,7 @@ export interface paths {
         };
         /**
          * Get Task
-         * @description Return how far a task is.
+         * @description Return the progress of a task.
          */
         get: operations["get_task"];
         put?: never;
@@ -2603,7 +2602,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel Task
-         * @description Ask a task to stop; nothing of it is kept.
+         * @description Cancel a task; its results are discarded.
          */
         post: operations["cancel_task"];
         delete?: never;
@@ -2621,7 +2620,7 @@ export interface paths {
         };
         /**
          * Draw Envelope
-         * @description Draw where the maneuvers of a list were flown.
+         * @description Draw the flight conditions of the filtered maneuvers.
          */
         get: operations["draw_envelope"];
         put?: never;
@@ -2641,9 +2640,9 @@ export interface paths {
         };
         /**
          * Draw Time History
-         * @description Draw channels against time, thinned to what a screen shows; inputs by default.
+         * @description Draw channels over time, decimated for the screen; by default the inputs.
          *
-         *     Files hold every sample of the window.
+         *     CSV and MAT files contain every sample of the window.
          */
         get: operations["draw_time_history"];
         put?: never;
@@ -2663,7 +2662,7 @@ export interface paths {
         };
         /**
          * Draw Flight History
-         * @description Draw channels of a whole flight against time; the commands by default.
+         * @description Draw channels of a whole flight over time; by default the commands.
          */
         get: operations["draw_flight_history"];
         put?: never;
@@ -2683,7 +2682,7 @@ export interface paths {
         };
         /**
          * Draw Spectrum
-         * @description Draw Fourier magnitudes at the excited lines, coloured by owner; inputs by default.
+         * @description Draw Fourier magnitudes at the harmonics, coloured by input; by default of the inputs.
          */
         get: operations["draw_spectrum"];
         put?: never;
@@ -2703,7 +2702,7 @@ export interface paths {
         };
         /**
          * Draw Signal To Noise
-         * @description Draw signal over noise per channel and line; all inputs and outputs by default.
+         * @description Draw the signal-to-noise ratio by channel and harmonic; by default of inputs and outputs.
          */
         get: operations["draw_signal_to_noise"];
         put?: never;
@@ -2723,7 +2722,7 @@ export interface paths {
         };
         /**
          * Draw Plot Matrix
-         * @description Draw channels against each other with their correlation; inputs by default.
+         * @description Draw a scatter plot matrix of channels with their correlation; by default of the inputs.
          */
         get: operations["draw_plot_matrix"];
         put?: never;
@@ -2743,7 +2742,7 @@ export interface paths {
         };
         /**
          * Draw Bode
-         * @description Draw frequency responses, with the models of runs over them.
+         * @description Draw measured frequency responses and those of identified models.
          */
         get: operations["draw_bode"];
         put?: never;
@@ -2763,9 +2762,10 @@ export interface paths {
         };
         /**
          * Draw Reconstruction
-         * @description Draw motion and coefficients that all sensors together tell, with ±2 standard errors.
+         * @description Draw reconstructed motion and coefficients with ±2 standard errors.
          *
-         *     In time from the smoother (Fig. 16a), in frequency line by line with rank and condition.
+         *     In the time domain by the smoother (Fig. 16a), in the frequency domain by least squares at each
+         *     harmonic, with rank and condition number.
          */
         get: operations["draw_reconstruction"];
         put?: never;
@@ -2785,7 +2785,7 @@ export interface paths {
         };
         /**
          * Draw Loops
-         * @description Draw each surface's loop as flown, with its margins.
+         * @description Draw the measured loop gain of each surface, with its stability margins.
          */
         get: operations["draw_loops"];
         put?: never;
@@ -2805,7 +2805,7 @@ export interface paths {
         };
         /**
          * Draw Ground Test
-         * @description Draw spectra on the runway before and after a flight.
+         * @description Draw mini-GVT spectra before and after a flight.
          */
         get: operations["draw_ground_test"];
         put?: never;
@@ -2825,7 +2825,7 @@ export interface paths {
         };
         /**
          * Draw Fit
-         * @description Draw fitted over measured lines.
+         * @description Draw the fitted model and the measured data points.
          */
         get: operations["draw_fit"];
         put?: never;
@@ -2845,7 +2845,7 @@ export interface paths {
         };
         /**
          * Draw Residual
-         * @description Draw what the model left over, per output and frequency.
+         * @description Draw the residuals by output and frequency.
          */
         get: operations["draw_residual"];
         put?: never;
@@ -2865,7 +2865,7 @@ export interface paths {
         };
         /**
          * Draw Parameter Correlation
-         * @description Draw how the estimates depend on each other.
+         * @description Draw the correlation matrix of the estimates.
          */
         get: operations["draw_parameter_correlation"];
         put?: never;
@@ -2885,7 +2885,7 @@ export interface paths {
         };
         /**
          * Draw Poles
-         * @description Draw the poles of identified models beside those of the first one's modes in vacuo.
+         * @description Draw the poles of identified models, and the in-vacuo modes of the first.
          */
         get: operations["draw_poles"];
         put?: never;
@@ -2905,7 +2905,7 @@ export interface paths {
         };
         /**
          * Draw Iterations
-         * @description Draw how the cost fell.
+         * @description Draw the cost over the iterations.
          */
         get: operations["draw_iterations"];
         put?: never;
@@ -2925,7 +2925,7 @@ export interface paths {
         };
         /**
          * Draw Time Check
-         * @description Draw recorded outputs and what the identified model makes of the recorded inputs.
+         * @description Draw recorded outputs and the response of the identified model to the recorded inputs.
          */
         get: operations["draw_time_check"];
         put?: never;
@@ -2965,7 +2965,7 @@ export interface paths {
         };
         /**
          * Draw Forest
-         * @description Draw what each run and prediction says about one derivative, over their mean.
+         * @description Draw the estimates and predictions of one derivative, with their mean (forest plot).
          */
         get: operations["draw_forest"];
         put?: never;
@@ -2985,7 +2985,7 @@ export interface paths {
         };
         /**
          * Draw Trend
-         * @description Draw one derivative over the conditions that were flown, with weighted fits.
+         * @description Draw one derivative over the flight conditions, with weighted fits.
          */
         get: operations["draw_trend"];
         put?: never;
@@ -3065,7 +3065,7 @@ export interface paths {
         };
         /**
          * Draw Flutter Forecast
-         * @description Draw the flutter speed each run predicts, classical trackers beside it.
+         * @description Draw the predicted flutter speed by run, and by classical flutter prediction methods.
          */
         get: operations["draw_flutter_forecast"];
         put?: never;
@@ -3105,7 +3105,7 @@ export interface paths {
         };
         /**
          * Draw Closed Loop Margins
-         * @description Draw margins of every surface's loop over airspeed.
+         * @description Draw the stability margins of the loop of every surface over airspeed.
          */
         get: operations["draw_closed_loop_margins"];
         put?: never;
@@ -3125,7 +3125,7 @@ export interface paths {
         };
         /**
          * Draw Closed Loop Roots
-         * @description Draw roots with and without a controller.
+         * @description Draw the roots with and without the controller.
          */
         get: operations["draw_closed_loop_roots"];
         put?: never;
@@ -3145,7 +3145,7 @@ export interface paths {
         };
         /**
          * Draw Search Path
-         * @description Draw the criteria after every step of a search for structure.
+         * @description Draw the criteria after every step of a search.
          */
         get: operations["draw_search_path"];
         put?: never;
@@ -3165,7 +3165,7 @@ export interface paths {
         };
         /**
          * Draw Search Stability
-         * @description Draw how often each term is chosen when the lines are drawn anew.
+         * @description Draw the frequency of selection of each term in bootstrap samples.
          */
         get: operations["draw_search_stability"];
         put?: never;
@@ -3185,7 +3185,7 @@ export interface paths {
         };
         /**
          * Draw Design History
-         * @description Draw one period of a designed excitation.
+         * @description Draw one period of an excitation design.
          */
         get: operations["draw_design_history"];
         put?: never;
@@ -3205,7 +3205,7 @@ export interface paths {
         };
         /**
          * Draw Design Spectrum
-         * @description Draw the lines of a designed excitation by the input that owns them.
+         * @description Draw the amplitudes of the harmonics of an excitation design, by input.
          */
         get: operations["draw_design_spectrum"];
         put?: never;
@@ -3224,10 +3224,10 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Draw Design Worth
-         * @description Draw what each line of a design is worth for the parameters of a run.
+         * Draw Design Information
+         * @description Draw the information of each harmonic of a design on the parameters of a run.
          */
-        get: operations["draw_design_worth"];
+        get: operations["draw_design_information"];
         put?: never;
         post?: never;
         delete?: never;
@@ -3245,7 +3245,7 @@ export interface paths {
         };
         /**
          * Draw Design Signal
-         * @description Draw each output's expected signal over noise at each line of a design.
+         * @description Draw the expected signal-to-noise ratio by output and harmonic of a design.
          */
         get: operations["draw_design_signal"];
         put?: never;
@@ -3265,7 +3265,7 @@ export interface paths {
         };
         /**
          * Draw Frozen
-         * @description Draw a figure as it was when it was frozen for a decision.
+         * @description Draw a frozen figure in its stored state.
          */
         get: operations["draw_frozen"];
         put?: never;
@@ -3285,7 +3285,7 @@ export interface paths {
         };
         /**
          * Draw Modes Against Fuel
-         * @description Draw frequency and damping of the modes of a table over fuel, crossings marked.
+         * @description Draw frequency and damping of the modes of a table over fuel, with crossings.
          */
         get: operations["draw_modes_against_fuel"];
         put?: never;
@@ -3304,10 +3304,10 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Draw Assurance
-         * @description Draw the MAC of a table's modes with themselves, another fuel weight, or another table.
+         * Draw Mac
+         * @description Draw the MAC of the modes of a table with itself, another fuel fraction or another table.
          */
-        get: operations["draw_assurance"];
+        get: operations["draw_mac"];
         put?: never;
         post?: never;
         delete?: never;
@@ -3325,7 +3325,7 @@ export interface paths {
         };
         /**
          * Draw Model Order
-         * @description Draw derivatives against the number of modes kept, with the band of ±10 %.
+         * @description Draw derivatives over the number of retained modes, with a band of ±10 %.
          */
         get: operations["draw_model_order"];
         put?: never;
@@ -3345,7 +3345,7 @@ export interface paths {
         };
         /**
          * Draw Reduced Responses
-         * @description Draw one response of the full and the reduced models, and to sensors of a rigid body.
+         * @description Draw one frequency response of full and reduced models, and with rigid-body sensors.
          */
         get: operations["draw_reduced_responses"];
         put?: never;
@@ -3365,7 +3365,7 @@ export interface paths {
         };
         /**
          * Draw Stabilisation
-         * @description Draw the poles of models of every order over the mean measured response.
+         * @description Draw the stabilisation diagram: poles by model order, and the mean measured response.
          */
         get: operations["draw_stabilisation"];
         put?: never;
@@ -3385,7 +3385,7 @@ export interface paths {
         };
         /**
          * List Nomenclature
-         * @description List every quantity with its unit and meaning, or describe names by what they follow.
+         * @description List all quantities with unit and meaning, or those of the given names.
          */
         get: operations["list_nomenclature"];
         put?: never;
@@ -3402,16 +3402,37 @@ export interface components {
     schemas: {
         /**
          * Action
-         * @description What can be done to many; each is undone by its neighbour, on what it changed.
+         * @description Bulk actions; each has an inverse.
          * @enum {string}
          */
         Action: "delete" | "restore" | "tag" | "untag";
         /**
          * Against
-         * @description What a derivative is drawn over.
+         * @description Independent variable of a trend.
          * @enum {string}
          */
         Against: "dynamic_pressure" | "airspeed_ratio" | "fuel" | "fta";
+        /**
+         * AgreementCount
+         * @description How many of the derivatives that can be judged agree within 2 combined standard errors.
+         *
+         *     ``source`` is the key of the prediction that is judged against the runs; None of the runs
+         *     judged among each other.
+         */
+        AgreementCount: {
+            /** Source */
+            source?: string | null;
+            /**
+             * N Judged
+             * @default 0
+             */
+            n_judged: number;
+            /**
+             * N Consistent
+             * @default 0
+             */
+            n_consistent: number;
+        };
         /**
          * Aircraft
          * @description Everything about one airframe that does not change from maneuver to maneuver.
@@ -3462,70 +3483,14 @@ export interface components {
          */
         Algorithm: "stepwise" | "orthogonal functions";
         /**
-         * AllocatedError
-         * @description Relative standard error of a derivative under the three; ``counts`` for the worst. [1]
-         */
-        AllocatedError: {
-            /** Name */
-            name: string;
-            /** Value */
-            value: number;
-            /** Counts */
-            counts: boolean;
-            /** Flat */
-            flat: number;
-            /** Minimax */
-            minimax: number;
-            /** D Optimal */
-            d_optimal: number;
-        };
-        /**
-         * AllocatedPeak
-         * @description Largest of a command or of what is limited: as designed, minimax and D-optimal.
-         *
-         *     [unit of the command] or [g]
-         */
-        AllocatedPeak: {
-            /** Name */
-            name: string;
-            /** Limit */
-            limit: number | null;
-            /** Flat */
-            flat: number;
-            /** Minimax */
-            minimax: number;
-            /** D Optimal */
-            d_optimal: number;
-        };
-        /**
-         * Allocation
-         * @description ``gains`` of the inputs by criterion, peaks of commands and of what is limited.
-         */
-        Allocation: {
-            /** Gains */
-            gains: {
-                [key: string]: {
-                    [key: string]: number;
-                };
-            };
-            /** Commands */
-            commands: components["schemas"]["AllocatedPeak"][];
-            /** Limited */
-            limited: components["schemas"]["AllocatedPeak"][];
-            /** Errors */
-            errors: components["schemas"]["AllocatedError"][];
-            /** Next */
-            next?: string | null;
-        };
-        /**
          * Along
-         * @description What roots are followed along.
+         * @description Parameter of a root locus.
          * @enum {string}
          */
         Along: "airspeed" | "dynamic_pressure" | "fuel";
         /**
          * AssessRequest
-         * @description Maneuvers to look at; all that nobody has looked at where none is named.
+         * @description Maneuvers whose data quality is assessed; all unassessed ones if omitted.
          */
         AssessRequest: {
             /** Maneuver Ids */
@@ -3533,7 +3498,7 @@ export interface components {
         };
         /**
          * Assessing
-         * @description How far the assessment of a campaign is.
+         * @description Progress of the assessment of a campaign.
          */
         Assessing: {
             /** Running */
@@ -3571,11 +3536,10 @@ export interface components {
         };
         /**
          * AuditedDecision
-         * @description A decision with its events and all that they point to.
+         * @description A decision with its events and linked records.
          *
-         *     ``whole`` tells that no event was changed or taken out and that the events lead to
-         *     where the decision stands; ``changed_since`` names what it rests on that is not any
-         *     more what it was at the last event (or is gone).
+         *     ``whole`` is true if no event was changed or removed and the events reproduce the state of
+         *     the decision; ``changed_since`` lists evidence changed or deleted since the last event.
          */
         AuditedDecision: {
             decision: components["schemas"]["Decision"];
@@ -3594,7 +3558,7 @@ export interface components {
         };
         /**
          * AuditedFigure
-         * @description A frozen figure with what it shows.
+         * @description A frozen figure with its content.
          */
         AuditedFigure: {
             figure: components["schemas"]["FrozenFigure"];
@@ -3605,7 +3569,7 @@ export interface components {
         };
         /**
          * AuditedRun
-         * @description What a linked run was and gave, in short.
+         * @description Summary of a linked run.
          */
         AuditedRun: {
             /** Id */
@@ -3659,9 +3623,9 @@ export interface components {
         };
         /**
          * BandRequest
-         * @description One input by its band: ``count`` lines, half of them about ``targets_hz`` if any.
+         * @description One input by its band: ``count`` harmonics, half of them near ``targets_hz`` if given.
          *
-         *     ``spectrum`` gives relative power at frequencies [Hz], log-log between; flat if left out.
+         *     ``spectrum`` gives relative power at frequencies [Hz], interpolated log-log; flat if omitted.
          */
         BandRequest: {
             /** Name */
@@ -3693,7 +3657,7 @@ export interface components {
         };
         /**
          * Baseline
-         * @description An approved structure, the decision behind it, and where it holds.
+         * @description An approved model structure, its decision and its range of conditions.
          */
         Baseline: {
             /** Decision Id */
@@ -3713,7 +3677,7 @@ export interface components {
         };
         /**
          * BaselineList
-         * @description Baselines of a campaign, the one approved last first.
+         * @description Baselines of a campaign, most recently approved first.
          */
         BaselineList: {
             /** Items */
@@ -3721,7 +3685,7 @@ export interface components {
         };
         /**
          * Batch
-         * @description What many runs have in common: that somebody wanted them at once.
+         * @description Runs requested together.
          */
         Batch: {
             /** Name */
@@ -3748,7 +3712,7 @@ export interface components {
         };
         /**
          * BatchProgress
-         * @description How far a batch is.
+         * @description Progress of a batch.
          */
         BatchProgress: {
             batch: components["schemas"]["Batch"];
@@ -3763,10 +3727,10 @@ export interface components {
         };
         /**
          * BatchRequest
-         * @description Estimate many maneuvers, by each of the methods, with each of the structures.
+         * @description Estimate many maneuvers by each of the methods, with each of the structures.
          *
-         *     With ``from_equation_error`` OE and FRE wait for the EE run of the same maneuver and
-         *     structure, and start from it.
+         *     With ``from_equation_error``, OE and FRE runs wait for the EE run of the same maneuver and
+         *     structure, and use its estimates as starting values.
          */
         BatchRequest: {
             /** Name */
@@ -3801,7 +3765,7 @@ export interface components {
         };
         /**
          * BatchStructure
-         * @description A structure of a batch: in full, or a kept one, in its newest version if none is named.
+         * @description A model structure of a batch: in full, or by id, in its newest version if none is given.
          */
         BatchStructure: {
             structure?: components["schemas"]["StructureRequest"] | null;
@@ -3810,8 +3774,8 @@ export interface components {
             /** Structure Version */
             structure_version?: number | null;
         };
-        /** Body_import_flown */
-        Body_import_flown: {
+        /** Body_import_multisines */
+        Body_import_multisines: {
             /**
              * Files
              * @description Samples of exactly one period.
@@ -3828,11 +3792,11 @@ export interface components {
              */
             unit: "deg" | "rad";
             /**
-             * Apart
-             * @description Each file is a design of its own.
+             * Separate
+             * @description Each file is a separate design.
              * @default false
              */
-            apart: boolean;
+            separate: boolean;
         };
         /** Body_upload_controller */
         Body_upload_controller: {
@@ -3847,13 +3811,13 @@ export interface components {
             name: string;
             /**
              * Reads
-             * @description For MATLAB: signals read, by commas.
+             * @description For MATLAB: measured signals, separated by commas.
              * @default
              */
             reads: string;
             /**
              * Drives
-             * @description For MATLAB: surfaces driven, by commas.
+             * @description For MATLAB: driven surfaces, separated by commas.
              * @default
              */
             drives: string;
@@ -3875,17 +3839,17 @@ export interface components {
             files: string[];
             /**
              * Mapping
-             * @description TOML that names channels, units and roles; not for known forms.
+             * @description TOML with channels, units and roles; not needed for known formats.
              */
             mapping?: string | null;
             /**
              * Aircraft Id
-             * @description Where the mapping names none.
+             * @description If the mapping names no aircraft.
              */
             aircraft_id?: number | null;
             /**
              * Confirmed
-             * @description What the mapping, or that of a known form, guesses is right.
+             * @description The guesses of the mapping are confirmed.
              * @default false
              */
             confirmed: boolean;
@@ -3901,28 +3865,6 @@ export interface components {
             corner: number;
         };
         /**
-         * Candidate
-         * @description A place for a further accelerometer: what it would add, and whom it would help most.
-         */
-        Candidate: {
-            /** Node */
-            node: number;
-            /** Axis */
-            axis: string;
-            /** Place M */
-            place_m: [
-                number,
-                number,
-                number
-            ];
-            /** Gain */
-            gain: number;
-            /** Helps */
-            helps: string;
-            /** Shrinks To */
-            shrinks_to: number;
-        };
-        /**
          * CatalogueList
          * @description Table 1.
          */
@@ -3934,7 +3876,7 @@ export interface components {
         };
         /**
          * CatalogueRow
-         * @description One row of Table 1; counts are per input, ``periods`` the duration in units of T.
+         * @description One row of Table 1; numbers of harmonics by input, ``periods``: duration in units of T.
          */
         CatalogueRow: {
             /** Number */
@@ -3964,7 +3906,7 @@ export interface components {
         };
         /**
          * Change
-         * @description Something that somebody else did; ``subject`` is a decision or a model structure.
+         * @description A change by another analyst; ``subject`` is a decision or a model structure.
          */
         Change: {
             /** Subject */
@@ -3986,7 +3928,7 @@ export interface components {
         };
         /**
          * ChangeRequest
-         * @description Do the same to many maneuvers or runs; ``tag`` goes with ``tag`` and ``untag``.
+         * @description One action on many maneuvers or runs; ``tag`` is used by ``tag`` and ``untag``.
          */
         ChangeRequest: {
             /** Ids */
@@ -3996,10 +3938,10 @@ export interface components {
             tag?: string | null;
         };
         /**
-         * Changed
-         * @description Which of many records an action changed.
+         * ChangedRecords
+         * @description Ids of the records that an action changed.
          */
-        Changed: {
+        ChangedRecords: {
             /** Ids */
             ids: number[];
         };
@@ -4036,11 +3978,11 @@ export interface components {
         };
         /**
          * ChannelQuality
-         * @description One channel; what cannot be told is None.
+         * @description Quality of one channel; None where undetermined.
          *
-         *     ``signal_to_noise_db`` is the median over the lines, ``coherence`` that with what all
-         *     other sensors say, ``noise_excess`` what it disagrees with them by, over its noise and one
-         *     per cent of its level. ``not_checked`` is the reason why an output could not be checked
+         *     ``signal_to_noise_db`` is the median over the harmonics, ``coherence`` that with the motion
+         *     reconstructed from all other sensors, ``noise_excess`` the rms difference to it over its noise
+         *     and one per cent of its level. ``not_checked`` is the reason why an output could not be checked
          *     against the others: nothing is concluded of its delay, scale factor and sign.
          *     ``delay_s`` counts from the reference, ``scale`` is recorded over true, ``bias`` in SI.
          *     At most fifty ``stretches`` are listed; ``n_stretches`` counts all.
@@ -4095,10 +4037,10 @@ export interface components {
         };
         /**
          * Checked
-         * @description What a mapping makes of an upload, with questions where a unit is doubtful.
+         * @description Channels of an upload by a mapping, with warnings on implausible units.
          *
-         *     ``guesses`` are values that nobody has confirmed; nothing is imported before.
-         *     ``rules`` are its ``[[channels]]`` as they are written, for the table of the page.
+         *     ``guesses`` are unconfirmed values; they prevent the import.
+         *     ``rules`` are the ``[[channels]]`` of the mapping as written, for the table in the page.
          */
         Checked: {
             /** Rules */
@@ -4107,15 +4049,15 @@ export interface components {
             }[];
             /** Channels */
             channels: components["schemas"]["MappedChannel"][];
-            /** Questions */
-            questions: components["schemas"]["Doubt"][];
+            /** Queries */
+            queries: components["schemas"]["UnitWarning"][];
             /** Guesses */
             guesses: components["schemas"]["Guess"][];
-            problem: components["schemas"]["flexsid__workflow__describing__Problem"] | null;
+            problem: components["schemas"]["MappingProblem"] | null;
         };
         /**
          * Choice
-         * @description One choice of a filter, and the lines that it would leave beside the other filters.
+         * @description One choice of a filter, and the number of items that it selects with the other filters.
          */
         Choice: {
             /** Value */
@@ -4126,10 +4068,10 @@ export interface components {
             count: number;
         };
         /**
-         * ClosedLoopAnswer
-         * @description Where the closed loop loses stability, and its margins over airspeed.
+         * ClosedLoopStability
+         * @description Airspeed at which the closed loop becomes unstable, and stability margins over airspeed.
          */
-        ClosedLoopAnswer: {
+        ClosedLoopStability: {
             /** Sentence */
             sentence: string;
             /** Controller */
@@ -4166,7 +4108,7 @@ export interface components {
         };
         /**
          * CommentRequest
-         * @description What is said of a decision as a whole, or of one derivative.
+         * @description A comment on a decision, or on one derivative.
          */
         CommentRequest: {
             /** Text */
@@ -4176,10 +4118,10 @@ export interface components {
         };
         /**
          * ComparedInput
-         * @description One way to excite: largest deflection [rad], load factor [g], energy [rad2 s].
+         * @description One kind of excitation: largest deflection [rad], load factor [g], energy [rad2 s].
          *
-         *     ``pulse_s`` is the pulse length that told most; ``std_errors`` are empty, and ``lacking``
-         *     says why, where derivatives are not told apart.
+         *     ``pulse_s`` is the pulse length with the largest information; ``std_errors`` are empty where
+         *     derivatives are not identifiable, and ``lacking`` is the reason.
          */
         ComparedInput: {
             /** Kind */
@@ -4201,6 +4143,29 @@ export interface components {
             lacking: string;
         };
         /**
+         * ComparedSource
+         * @description One column of a comparison; ``kind`` is OE, FRE, EE or prediction.
+         *
+         *     ``changed_since`` names data of a run that were corrected after it was computed.
+         */
+        ComparedSource: {
+            /** Key */
+            key: string;
+            /** Label */
+            label: string;
+            /** Kind */
+            kind: string;
+            /** Run Id */
+            run_id?: number | null;
+            /** Prediction Id */
+            prediction_id?: number | null;
+            /**
+             * Changed Since
+             * @default []
+             */
+            changed_since: string[];
+        };
+        /**
          * Comparison
          * @description Rows per derivative, columns per source; the runs' verdict, and one per prediction.
          */
@@ -4208,7 +4173,7 @@ export interface components {
             /** Maneuver Ids */
             maneuver_ids: number[];
             /** Sources */
-            sources: components["schemas"]["Source"][];
+            sources: components["schemas"]["ComparedSource"][];
             /** Rows */
             rows: components["schemas"]["Row"][];
             /**
@@ -4227,16 +4192,16 @@ export interface components {
              *       "n_consistent": 0
              *     }
              */
-            runs_verdict: components["schemas"]["flexsid__records__comparison__Verdict"];
+            runs_verdict: components["schemas"]["AgreementCount"];
             /**
              * Prediction Verdicts
              * @default []
              */
-            prediction_verdicts: components["schemas"]["flexsid__records__comparison__Verdict"][];
+            prediction_verdicts: components["schemas"]["AgreementCount"][];
         };
         /**
          * ComparisonRequest
-         * @description Runs and predictions to be compared, of one coefficient or all.
+         * @description Runs and predictions to compare, for one coefficient or all.
          */
         ComparisonRequest: {
             /** Run Ids */
@@ -4296,7 +4261,7 @@ export interface components {
         };
         /**
          * ConditioningRequest
-         * @description Corrections to take together.
+         * @description Corrections to apply together.
          */
         ConditioningRequest: {
             /** Items */
@@ -4384,7 +4349,7 @@ export interface components {
         };
         /**
          * ControllerRequest
-         * @description A controller as JSON text: ``reads``, ``drives``, and matrices or transfer functions.
+         * @description A controller as JSON: ``reads``, ``drives``, and matrices or transfer functions.
          */
         ControllerRequest: {
             /** Aircraft Id */
@@ -4396,7 +4361,7 @@ export interface components {
         };
         /**
          * Correction
-         * @description One correction of one channel; what does not belong to its kind stays as it is.
+         * @description One correction of one channel; fields of other kinds have defaults.
          *
          *     ``stretches`` are the first sample and the sample after the last of each repair.
          *     ``std`` is the standard error of the delay [s] or of the scale factor [1].
@@ -4438,7 +4403,7 @@ export interface components {
         };
         /**
          * CorrectionRequest
-         * @description What a mode is to be called, whether it is symmetric, and why the rule was wrong.
+         * @description A corrected name and symmetry of a mode, with the reason.
          */
         CorrectionRequest: {
             /** Number */
@@ -4473,29 +4438,8 @@ export interface components {
             notes: string[];
         };
         /**
-         * Crew
-         * @description The server that hands out work: who computes, and which runs they are at.
-         *
-         *     ``without_workers_s`` is how long no worker has been connected. [s]
-         */
-        Crew: {
-            /** Server */
-            server: string;
-            /** Place */
-            place: string;
-            /** Workers */
-            workers: number;
-            /** Running */
-            running: number[];
-            /**
-             * Without Workers S
-             * @default 0
-             */
-            without_workers_s: number;
-        };
-        /**
          * CutRequest
-         * @description A window of a flight that becomes a maneuver. [s]
+         * @description A window of a flight to cut out as a maneuver. [s]
          */
         CutRequest: {
             /** Label */
@@ -4551,9 +4495,9 @@ export interface components {
         };
         /**
          * DecisionDetail
-         * @description A decision with its events, rules and what it proposes.
+         * @description A decision with its events, rules, proposed model structure and figures.
          *
-         *     ``newest_version`` is that of the proposed structure by now.
+         *     ``newest_version`` is the newest version of the proposed structure.
          */
         DecisionDetail: {
             /** Aircraft Id */
@@ -4654,7 +4598,7 @@ export interface components {
         };
         /**
          * DecisionItem
-         * @description A decision with the name of the structure that it proposes.
+         * @description A decision with the name of the proposed model structure.
          */
         DecisionItem: {
             /** Aircraft Id */
@@ -4700,6 +4644,33 @@ export interface components {
          * @enum {string}
          */
         DecisionState: "open" | "changes-requested" | "approved" | "rejected" | "withdrawn" | "superseded";
+        /**
+         * DerivativePrediction
+         * @description Derivatives by name against fuel; ``values`` is the hash of a (F, len(names)) array.
+         */
+        DerivativePrediction: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Source */
+            source: string;
+            /** Kind */
+            kind: string;
+            /** Fuel */
+            fuel: number[];
+            /** Names */
+            names: string[];
+            /** Values */
+            values: string;
+            /** Std Errors */
+            std_errors?: string | null;
+            /**
+             * Note
+             * @default
+             */
+            note: string;
+            /** Id */
+            id?: number | null;
+        };
         /**
          * DerivativeTrend
          * @description One derivative over the conditions that were flown; ``unit`` is that of its values.
@@ -4753,8 +4724,8 @@ export interface components {
          * DesignRequest
          * @description A row of Table 1 by ``fta``, or ``inputs`` by their harmonics, or ``bands``.
          *
-         *     ``peaks`` are the largest commands of an input with relative peak 1 in radians, at most 60 deg.
-         *     With ``aircraft_id`` the harmonics of a row reach its target modes on that aircraft.
+         *     ``peaks`` are the low, medium and high amplitudes of an input with relative peak 1 [rad], at
+         *     most 60 deg. With ``aircraft_id`` the band of a row includes its target modes on that aircraft.
          */
         DesignRequest: {
             /** Name */
@@ -4806,27 +4777,39 @@ export interface components {
             note: string;
         };
         /**
-         * Doubt
-         * @description A question to the analyst: is this unit right?
+         * DesignSpecification
+         * @description Specification of a design; with the phases it is the complete recipe.
          *
-         *     ``confirmed = ["..."]`` in the mapping of the channel says yes; ``instead`` are
-         *     units in which the samples would have a usual size.
+         *     ``peaks`` are the largest deflections of an input with relative peak 1 at the
+         *     three amplitudes, low to high, in the unit of the command.
          */
-        Doubt: {
-            /** Code */
-            code: string;
-            /** Channel */
-            channel: string;
-            /** Unit */
-            unit: string;
-            /** Largest */
-            largest: number;
-            /** Instead */
-            instead: string[];
+        DesignSpecification: {
+            /** Duration S */
+            duration_s: number;
+            /** Rate Hz */
+            rate_hz: number;
+            /** Inputs */
+            inputs: components["schemas"]["InputSpecification"][];
+            /** Peaks */
+            peaks: [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Effort
+             * @default thorough
+             */
+            effort: string;
+            /**
+             * Seed
+             * @default 0
+             */
+            seed: number;
         };
         /**
          * DragPolar
-         * @description Parabolic polar; gives trim angle of attack, and thrust that nobody recorded or tabled.
+         * @description Parabolic polar, for trim angle of attack and thrust without record or table.
          */
         DragPolar: {
             /** Cd Min */
@@ -4840,9 +4823,9 @@ export interface components {
         };
         /**
          * EquivalentLine
-         * @description A mode without air, from straight lines over dynamic pressure (Eq. 25).
+         * @description An in-vacuo mode from linear fits over dynamic pressure (Eq. 25).
          *
-         *     ``table_hz`` is what the modal table says; the derivatives are C_Qi_eta_i and C_Qi_etadot_i.
+         *     ``table_hz`` is the frequency of the modal table; derivatives are C_Qi_eta_i and C_Qi_etadot_i.
          */
         EquivalentLine: {
             /** Mode */
@@ -4902,11 +4885,11 @@ export interface components {
          *
          *     Of those that wait, the one with the highest ``priority`` starts first, and none
          *     before ``after_run_id`` has succeeded. ``data_hash`` names what was recorded and
-         *     assumed, ``input_hash`` that and all that was asked for: equal inputs are one run.
+         *     assumed, ``input_hash`` that and the request: equal inputs are one run.
          *     ``rests_on`` are the hashes of the records it was computed from (None: not recorded, by an
-         *     earlier release). ``result_hash`` was kept with the result; ``altered`` tells that the
-         *     result, or what was asked for, is not any more what it was then.
-         *     ``proposal`` is there where the model structure is the one that was proposed.
+         *     earlier release). ``result_hash`` was stored with the result; ``altered`` is whether the
+         *     result or the request was changed since. ``proposal`` is set if the model structure was
+         *     proposed.
          */
         EstimationRun: {
             /** Maneuver Id */
@@ -4985,7 +4968,7 @@ export interface components {
         };
         /**
          * EventKind
-         * @description What happened to a decision.
+         * @description Kind of event of a decision.
          * @enum {string}
          */
         EventKind: "proposed" | "revised" | "commented" | "voted" | "withdrawn" | "adopted" | "declined" | "superseded" | "narrowed";
@@ -5013,14 +4996,14 @@ export interface components {
         };
         /**
          * ExcitationDesign
-         * @description A design that is kept; ``wish`` and ``phases`` [rad] together reproduce it.
+         * @description A stored design; ``specification`` and ``phases`` [rad] together reproduce it.
          *
          *     ``fta`` is the lowest number of the design in Table 1, where it is one.
          */
         ExcitationDesign: {
             /** Name */
             name: string;
-            wish: components["schemas"]["Wish"];
+            specification: components["schemas"]["DesignSpecification"];
             /** Phases */
             phases: {
                 [key: string]: number[];
@@ -5055,10 +5038,10 @@ export interface components {
         };
         /**
          * ExpectedErrors
-         * @description What a design would tell, and what the prediction rests on.
+         * @description Predicted standard errors under a design, with the assumptions of the prediction.
          *
-         *     ``surfaces`` says how the surfaces were taken to follow their commands, and
-         *     ``lines_outside`` how many lines lie outside the run's, where all is held constant.
+         *     ``surfaces`` is the assumed response of surfaces to commands, and ``lines_outside`` the number
+         *     of harmonics outside the run's band, where noise and responses are held constant.
          */
         ExpectedErrors: {
             /** Items */
@@ -5094,7 +5077,9 @@ export interface components {
         };
         /**
          * ExpectedSummary
-         * @description Modes, correlation of the true deflections, parameters told by each input's lines.
+         * @description Expected signal of the modes, correlation of the surface deflections, information by input.
+         *
+         *     ``worth`` is the information of the harmonics of each input, as a number of parameters.
          */
         ExpectedSummary: {
             /** Modes */
@@ -5110,7 +5095,7 @@ export interface components {
         };
         /**
          * ExportedLines
-         * @description One set of lines that was fitted; rows by frequency, columns by output.
+         * @description Fitted spectra of one block; rows by frequency, columns by output.
          */
         ExportedLines: {
             /** Name */
@@ -5130,7 +5115,7 @@ export interface components {
         };
         /**
          * Facets
-         * @description Lines that all filters together leave, and the choices of each filter by its name.
+         * @description Number of items that all filters select, and the choices of each filter by its name.
          */
         Facets: {
             /** Total */
@@ -5142,7 +5127,7 @@ export interface components {
         };
         /**
          * FieldError
-         * @description What is wrong with one field of a request.
+         * @description An error in one field of a request.
          */
         FieldError: {
             /** Field */
@@ -5152,7 +5137,7 @@ export interface components {
         };
         /**
          * Figure
-         * @description What plotly draws; colours of the page, fonts and height are left to the page.
+         * @description A Plotly figure; theme, fonts and height are set by the frontend.
          */
         Figure: {
             /** Data */
@@ -5193,19 +5178,6 @@ export interface components {
             fuel_change?: number | null;
             /** Airspeed Drift */
             airspeed_drift?: number | null;
-        };
-        /**
-         * Finding
-         * @description One thing that an analyst should know; ``good`` is only information.
-         */
-        Finding: {
-            severity: components["schemas"]["flexsid__records__quality__Verdict"];
-            /** About */
-            about: string;
-            /** Channel */
-            channel: string | null;
-            /** Text */
-            text: string;
         };
         /**
          * FirstOrder
@@ -5253,7 +5225,7 @@ export interface components {
         };
         /**
          * FitBlock
-         * @description One set of lines that was fitted: OE one, FRE one per input, EE one per coefficient.
+         * @description One set of fitted data: OE one, FRE one per input, EE one per coefficient.
          *
          *     ``arrays`` names hashes: ``omega`` (M,), ``measured`` and ``fitted`` (M, len(outputs)).
          */
@@ -5278,7 +5250,7 @@ export interface components {
         };
         /**
          * FixedToRequest
-         * @description A source that a derivative is held at.
+         * @description Run or prediction whose value a derivative is fixed to.
          */
         FixedToRequest: {
             source: components["schemas"]["HeldBy"];
@@ -5380,15 +5352,15 @@ export interface components {
         };
         /**
          * Flutter
-         * @description The answer to "next point at V: margin, and how sure"; ``safe`` if nothing is against it.
+         * @description Flutter prediction with the margin of the next test point; ``safe`` if it is stable.
          *
          *     ``airspeed_std_m_s`` is statistical, ``spread_m_s`` the standard deviation between model
          *     structures, ``modal_std_m_s`` that from the frequencies of the modal table; ``low_m_s`` to
          *     ``high_m_s`` holds the flutter speed with 95 % probability. ``margin`` is that of the fastest
-         *     point flown, ``known_m_s`` what the aircraft's table predicted before flight. ``refusal`` says
-         *     why no flutter speed is taken from a model that flight contradicts, or whose unstable root the
-         *     data do not determine; empty otherwise. Instabilities were searched from ``searched_from_m_s``
-         *     to ``searched_to_m_s``.
+         *     point flown, ``predicted_flutter_m_s`` the prediction of the aircraft's table before flight.
+         *     ``refusal`` is the reason without a flutter speed: a model that flight contradicts, or an
+         *     unstable root that the data do not determine; empty otherwise. The
+         *     search was from ``searched_from_m_s`` to ``searched_to_m_s``.
          */
         Flutter: {
             /** Sentence */
@@ -5399,8 +5371,8 @@ export interface components {
             searched_from_m_s: number;
             /** Searched To M S */
             searched_to_m_s: number;
-            /** Next Point */
-            next_point: string;
+            /** Test Point Margin */
+            test_point_margin: string;
             /** Safe */
             safe: boolean;
             /** Fuel Fraction */
@@ -5431,8 +5403,8 @@ export interface components {
             mechanism: string | null;
             /** Participation */
             participation: components["schemas"]["Participation"][];
-            /** Known M S */
-            known_m_s: number | null;
+            /** Predicted Flutter M S */
+            predicted_flutter_m_s: number | null;
             /** Structures */
             structures: components["schemas"]["StructureForecast"][];
             /** Runs */
@@ -5523,7 +5495,7 @@ export interface components {
         };
         /**
          * FlutterSummaryRequest
-         * @description What a flutter summary is called and in which unit its velocities are.
+         * @description Name of a flutter summary, and unit of its velocities.
          */
         FlutterSummaryRequest: {
             /** Aircraft Id */
@@ -5572,7 +5544,7 @@ export interface components {
          * FoundManeuver
          * @description A stretch of a flight that looks like a maneuver, with trim before and after.
          *
-         *     ``basis`` says what it was found by; ``maneuver_id`` names one that was cut there.
+         *     ``basis`` is the source of the interval; ``maneuver_id`` an existing maneuver there.
          */
         FoundManeuver: {
             /** Label */
@@ -5593,7 +5565,7 @@ export interface components {
         };
         /**
          * FoundManeuverList
-         * @description Stretches of a flight that look like maneuvers.
+         * @description Maneuvers detected in the recording of a flight.
          */
         FoundManeuverList: {
             /** Items */
@@ -5632,27 +5604,6 @@ export interface components {
             items: components["schemas"]["FoundMode"][];
         };
         /**
-         * FoundModesRequest
-         * @description Which modes found in responses are to be kept, and under which name.
-         */
-        FoundModesRequest: {
-            /** Name */
-            name: string;
-            /** Low Hz */
-            low_hz?: number | null;
-            /** High Hz */
-            high_hz?: number | null;
-            /**
-             * Order
-             * @default 30
-             */
-            order: number;
-            /** Keep */
-            keep?: number[] | null;
-            /** Like Id */
-            like_id?: number | null;
-        };
-        /**
          * FoundStretch
          * @description Samples that are a spike, a dropout or saturated, and when they begin. [s]
          */
@@ -5668,7 +5619,7 @@ export interface components {
         };
         /**
          * FreezeRequest
-         * @description A figure of ``GET /figures/{kind}?{query}``, to be kept as it is now.
+         * @description A figure of ``GET /figures/{kind}?{query}``, to be stored in its current state.
          */
         FreezeRequest: {
             /** Kind */
@@ -5680,7 +5631,7 @@ export interface components {
         };
         /**
          * FrozenFigure
-         * @description A figure as it was when somebody pointed to it; ``array`` holds its JSON.
+         * @description A figure frozen as evidence; ``array`` is its JSON.
          */
         FrozenFigure: {
             /** Kind */
@@ -5722,7 +5673,7 @@ export interface components {
         };
         /**
          * GlossaryEntry
-         * @description One quantity of the glossary, with the unit that is stored and the one that people read.
+         * @description One quantity of the glossary, with the stored unit and the displayed unit.
          */
         GlossaryEntry: {
             /** Symbol */
@@ -5755,7 +5706,7 @@ export interface components {
             fuel_after: number;
             /** Peaks */
             peaks: components["schemas"]["PeakChange"][];
-            verdict: components["schemas"]["flexsid__records__ground_test__Verdict"];
+            verdict: components["schemas"]["GroundTestVerdict"];
             /** Message */
             message: string;
         };
@@ -5768,8 +5719,14 @@ export interface components {
             items: components["schemas"]["GroundTest"][];
         };
         /**
+         * GroundTestVerdict
+         * @description Result of a pair of ground records.
+         * @enum {string}
+         */
+        GroundTestVerdict: "healthy" | "watch" | "alarm";
+        /**
          * Guess
-         * @description A value that nobody has confirmed, at its key, and the consequence of taking it.
+         * @description An unconfirmed value with its key and consequence.
          */
         Guess: {
             kind: components["schemas"]["GuessKind"];
@@ -5782,15 +5739,15 @@ export interface components {
         };
         /**
          * GuessKind
-         * @description What a guess is about.
+         * @description Kind of an unconfirmed value.
          * @enum {string}
          */
         GuessKind: "aircraft" | "flight" | "clock" | "unit" | "role" | "condition";
         /**
          * Health
-         * @description How the workbench is, and its parts: database, dispatcher, workers, clock.
+         * @description State of the service and its parts: database, dispatcher, workers, clock.
          *
-         *     ``status`` is ok, or degraded where a part is.
+         *     ``status`` is ok, or degraded if any part is.
          */
         Health: {
             status: components["schemas"]["PartState"];
@@ -5809,6 +5766,27 @@ export interface components {
          * @enum {string}
          */
         HeldBy: "prediction" | "run";
+        /**
+         * IdentifiedModesRequest
+         * @description Identified modes to store, and the name of their modal table.
+         */
+        IdentifiedModesRequest: {
+            /** Name */
+            name: string;
+            /** Low Hz */
+            low_hz?: number | null;
+            /** High Hz */
+            high_hz?: number | null;
+            /**
+             * Order
+             * @default 30
+             */
+            order: number;
+            /** Selected */
+            selected?: number[] | null;
+            /** Template Id */
+            template_id?: number | null;
+        };
         /**
          * InputCheck
          * @description One input: command and true deflection at their largest. [unit], [unit/s], [unit/s2]
@@ -5859,7 +5837,7 @@ export interface components {
         };
         /**
          * InputRequest
-         * @description One input; ``power`` of its lines is flat when left out.
+         * @description One input with its harmonics; relative ``power`` by harmonic, flat if omitted.
          */
         InputRequest: {
             /** Name */
@@ -5875,12 +5853,12 @@ export interface components {
             power?: number[] | null;
         };
         /**
-         * InputWish
-         * @description One input: its harmonics, its peak relative to the design's, and the power of each line.
+         * InputSpecification
+         * @description One input: its harmonics, its peak relative to the design's, and the power of each harmonic.
          *
-         *     ``power`` is relative and flat when left out.
+         *     ``power`` is relative; the spectrum is flat by default.
          */
-        InputWish: {
+        InputSpecification: {
             /** Name */
             name: string;
             /** Harmonics */
@@ -5937,7 +5915,7 @@ export interface components {
         };
         /**
          * Job
-         * @description How far a run is; a job has the id of its run.
+         * @description Progress of a run; a job has the id of its run.
          */
         Job: {
             /** Id */
@@ -5994,7 +5972,7 @@ export interface components {
         };
         /**
          * JobLog
-         * @description The log of a job, oldest line first.
+         * @description The log of a job, oldest entry first.
          */
         JobLog: {
             /** Items */
@@ -6010,8 +5988,14 @@ export interface components {
             state: components["schemas"]["RunState"];
         };
         /**
+         * LimitedQuantity
+         * @description Quantity of a range of conditions.
+         * @enum {string}
+         */
+        LimitedQuantity: "dynamic_pressure_pa" | "fuel_fraction" | "airspeed_m_s" | "airspeed_ratio" | "alpha_rad";
+        /**
          * Limits
-         * @description What a run may take before it is stopped; None leaves it to the server.
+         * @description Limits of a run; None for those of the server.
          */
         Limits: {
             /** Time S */
@@ -6021,7 +6005,7 @@ export interface components {
         };
         /**
          * LimitsRequest
-         * @description What a run may take before it is stopped.
+         * @description Time and memory limits of a run; it is stopped beyond them.
          */
         LimitsRequest: {
             /** Time S */
@@ -6090,7 +6074,7 @@ export interface components {
         };
         /**
          * ManeuverBaseline
-         * @description The baseline of a maneuver; none where nothing was approved for its condition.
+         * @description The baseline of a maneuver; none if no structure was approved for its condition.
          */
         ManeuverBaseline: {
             /** Maneuver Id */
@@ -6099,7 +6083,7 @@ export interface components {
         };
         /**
          * ManeuverBaselineList
-         * @description Baselines of maneuvers, in the order asked for.
+         * @description Baselines of maneuvers, in the order of the request.
          */
         ManeuverBaselineList: {
             /** Items */
@@ -6107,7 +6091,7 @@ export interface components {
         };
         /**
          * ManeuverDetail
-         * @description A maneuver with what an analyst asks next.
+         * @description A maneuver with its flight number, aircraft, channels and tags.
          */
         ManeuverDetail: {
             /** Aircraft Id */
@@ -6159,7 +6143,7 @@ export interface components {
         };
         /**
          * ManeuverItem
-         * @description One line of the list.
+         * @description One item of the list.
          */
         ManeuverItem: {
             /** Id */
@@ -6218,14 +6202,14 @@ export interface components {
         };
         /**
          * ManeuverQuality
-         * @description What was found about a maneuver; ``content_hash`` tells what it rests on.
+         * @description Quality of a maneuver; ``content_hash`` is the hash of its inputs.
          */
         ManeuverQuality: {
             /** Maneuver Id */
             maneuver_id: number;
             /** Content Hash */
             content_hash: string;
-            verdict: components["schemas"]["flexsid__records__quality__Verdict"];
+            verdict: components["schemas"]["QualityVerdict"];
             /** Summary */
             summary: string;
             figures: components["schemas"]["Figures"];
@@ -6237,7 +6221,7 @@ export interface components {
         };
         /**
          * MappedChannel
-         * @description A channel as a mapping makes it.
+         * @description A channel of a mapping.
          */
         MappedChannel: {
             /** Name */
@@ -6262,15 +6246,27 @@ export interface components {
         };
         /**
          * MappingList
-         * @description Kept mappings.
+         * @description Stored mappings.
          */
         MappingList: {
             /** Items */
             items: components["schemas"]["StoredMapping"][];
         };
         /**
+         * MappingProblem
+         * @description An error in a mapping; ``key`` is its key or the channel.
+         */
+        MappingProblem: {
+            /** Code */
+            code: string;
+            /** Message */
+            message: string;
+            /** Key */
+            key: string | null;
+        };
+        /**
          * MappingRequest
-         * @description Keep a mapping under a name.
+         * @description A mapping to store under a name.
          */
         MappingRequest: {
             /** Name */
@@ -6285,9 +6281,10 @@ export interface components {
         };
         /**
          * MarginRow
-         * @description Margins of one surface's loop at one airspeed; None where unstable or not crossed.
+         * @description Stability margins of the loop of one surface at one airspeed.
          *
-         *     A gain margin scatters as a factor: ``gain_std`` is the standard deviation of its logarithm.
+         *     A margin is null if the loop is unstable or has no crossover. ``gain_std`` is the standard
+         *     deviation of the natural logarithm of the gain margin.
          */
         MarginRow: {
             /** Surface */
@@ -6364,7 +6361,7 @@ export interface components {
         };
         /**
          * MeasuredResponsesList
-         * @description Sets of measured responses.
+         * @description Sets of measured frequency responses.
          */
         MeasuredResponsesList: {
             /** Items */
@@ -6379,11 +6376,100 @@ export interface components {
          */
         Method: "OE" | "FRE" | "EE";
         /**
+         * ModalDataRequest
+         * @description Units, axes and fuel fractions of uploaded modal data; see ``ModalDataOptions``.
+         */
+        ModalDataRequest: {
+            /** Aircraft Id */
+            aircraft_id: number;
+            /** Name */
+            name: string;
+            /** @default FEM */
+            kind: components["schemas"]["ModalKind"];
+            /** Length Unit */
+            length_unit?: ("m" | "mm" | "in" | "ft") | null;
+            /** Mass Unit */
+            mass_unit?: ("kg" | "t" | "lb" | "slug" | "slinch") | null;
+            /** Generalized Mass */
+            generalized_mass?: ("file" | "unit" | "unknown") | null;
+            /**
+             * Axes
+             * @default aft right up
+             */
+            axes: string;
+            /**
+             * Origin
+             * @default [
+             *       0,
+             *       0,
+             *       0
+             *     ]
+             */
+            origin: [
+                number,
+                number,
+                number
+            ];
+            /** Fuel */
+            fuel?: {
+                [key: string]: number;
+            };
+            /**
+             * Rigid Modes
+             * @default false
+             */
+            rigid_modes: boolean;
+            /** Points */
+            points?: {
+                [key: string]: number;
+            };
+        };
+        /**
+         * ModalFile
+         * @description Content of one file, as text, and its data sets that are not used.
+         */
+        ModalFile: {
+            /** Name */
+            name: string;
+            /** Holds */
+            holds: string[];
+            /** Refused */
+            refused: string[];
+            /** Has Modes */
+            has_modes: boolean;
+        };
+        /**
+         * ModalFiles
+         * @description Content of modal data files, and the options that they leave open.
+         */
+        ModalFiles: {
+            /** Files */
+            files: components["schemas"]["ModalFile"][];
+            /** Frequencies Hz */
+            frequencies_hz: number[];
+            /** N Nodes */
+            n_nodes: number;
+            /** Queries */
+            queries: components["schemas"]["ModalQuery"][];
+        };
+        /**
          * ModalKind
          * @description Where a modal table comes from.
          * @enum {string}
          */
         ModalKind: "FEM" | "GVT";
+        /**
+         * ModalQuery
+         * @description An option that no file states.
+         */
+        ModalQuery: {
+            /** Field */
+            field: string;
+            /** Text */
+            text: string;
+            /** Choices */
+            choices: string[];
+        };
         /**
          * ModalTable
          * @description In-vacuo modes against fuel fraction; the numbers themselves are stored arrays.
@@ -6396,11 +6482,11 @@ export interface components {
          *
          *     Of large structures the shapes at the nodes lie in the table ``modal_shapes``, one array
          *     per fuel weight and mode; ``node_ids`` (K,), ``lines`` (L, 2) between rows of ``nodes``,
-         *     and ``shown`` (rows) and ``shown_lines`` what is drawn. ``order`` and ``sign`` (F, n) say
-         *     how each row follows from the first one, ``assurance`` (F, n) how surely.
+         *     and ``shown`` (rows) and ``shown_lines`` what is drawn. ``order`` and ``sign`` (F, n)
+         *     track the modes of each row from the first one, ``assurance`` (F, n) is the MAC.
          *
-         *     Tables of one name are versions of each other. ``reasons`` tell why each mode is called
-         *     and judged as it is, ``notes`` what was said of the source when it was imported.
+         *     Tables of one name are versions of each other. ``reasons`` are those of name and symmetry
+         *     of each mode, ``notes`` the remarks of the import.
          */
         ModalTable: {
             /** Aircraft Id */
@@ -6546,7 +6632,7 @@ export interface components {
         };
         /**
          * ModeCorrection
-         * @description What an analyst calls a mode, and whether it is symmetric, against the rule; and why.
+         * @description Correction of name and symmetry of a mode by an analyst, with the reason.
          */
         ModeCorrection: {
             /** Modal Table Id */
@@ -6605,11 +6691,52 @@ export interface components {
             items: components["schemas"]["ModeAtFuel"][];
         };
         /**
+         * ModeShape
+         * @description The shape of one mode at a fuel fraction; see ``DrawnShape``.
+         */
+        ModeShape: {
+            /** Modal Table Id */
+            modal_table_id: number;
+            /** Number */
+            number: number;
+            /** Name */
+            name: string;
+            /** Fuel */
+            fuel: number;
+            /** Frequency Hz */
+            frequency_hz: number;
+            /** N Nodes */
+            n_nodes: number;
+            /** Nodes M */
+            nodes_m: [
+                number,
+                number,
+                number
+            ][];
+            /** Displacement M */
+            displacement_m: [
+                number,
+                number,
+                number
+            ][];
+            /** Lines */
+            lines: [
+                number,
+                number
+            ][];
+            /** Largest M */
+            largest_m: number;
+            /** Span M */
+            span_m: number;
+            /** Sensors */
+            sensors: components["schemas"]["SensorSight"][];
+        };
+        /**
          * ModelExport
          * @description The model of a run at the condition of its maneuver, in SI units and radians.
          *
-         *     x' = A x + B u, y = C x + D u; a sensor reads ``scales`` times y, ``delays_s``
-         *     later. ``units`` names the unit of every state, input and output. Instruments
+         *     x' = A x + B u, y = C x + D u; a sensor measures ``scales`` times y with a
+         *     delay of ``delays_s``. ``units`` names the unit of every state, input and output. Instruments
          *     are not part of the model.
          */
         ModelExport: {
@@ -6727,7 +6854,7 @@ export interface components {
         };
         /**
          * ModelStructureRequest
-         * @description Keep a model structure under a name.
+         * @description A model structure to store under a name.
          */
         ModelStructureRequest: {
             /** Aircraft Id */
@@ -6743,7 +6870,7 @@ export interface components {
         };
         /**
          * Notifications
-         * @description What waits, and the newest changes (at most 100), newest first.
+         * @description Decisions awaiting an analyst, and the latest changes (at most 100), newest first.
          */
         Notifications: {
             /** Waiting */
@@ -6753,10 +6880,10 @@ export interface components {
         };
         /**
          * Observability
-         * @description Which sensor sees which mode, and where a further one would help most.
+         * @description Observability of modes by sensors, and ranked locations of a further accelerometer.
          *
-         *     ``seen`` says for each mode the best share any sensor has; ``std_error`` is relative to
-         *     the best known mode's, None for a mode that cannot be told apart.
+         *     ``std_error`` is relative to that of the most accurate mode, None for a mode that is not
+         *     identifiable.
          */
         Observability: {
             /** Modal Table Id */
@@ -6772,11 +6899,67 @@ export interface components {
             /** Std Error */
             std_error: (number | null)[];
             /** Candidates */
-            candidates: components["schemas"]["Candidate"][];
+            candidates: components["schemas"]["SensorCandidate"][];
+        };
+        /**
+         * OptimisedAmplitudes
+         * @description ``gains`` of the inputs by criterion, peaks of commands and of limited quantities.
+         */
+        OptimisedAmplitudes: {
+            /** Gains */
+            gains: {
+                [key: string]: {
+                    [key: string]: number;
+                };
+            };
+            /** Commands */
+            commands: components["schemas"]["OptimisedPeak"][];
+            /** Limited */
+            limited: components["schemas"]["OptimisedPeak"][];
+            /** Errors */
+            errors: components["schemas"]["OptimisedError"][];
+            /** Next */
+            next?: string | null;
+        };
+        /**
+         * OptimisedError
+         * @description Relative standard error of a derivative by criterion; ``counts`` in the minimax. [1]
+         */
+        OptimisedError: {
+            /** Name */
+            name: string;
+            /** Value */
+            value: number;
+            /** Counts */
+            counts: boolean;
+            /** Flat */
+            flat: number;
+            /** Minimax */
+            minimax: number;
+            /** D Optimal */
+            d_optimal: number;
+        };
+        /**
+         * OptimisedPeak
+         * @description Peak of a command or of a limited quantity: as designed, minimax and D-optimal.
+         *
+         *     [unit of the command] or [g]
+         */
+        OptimisedPeak: {
+            /** Name */
+            name: string;
+            /** Limit */
+            limit: number | null;
+            /** Flat */
+            flat: number;
+            /** Minimax */
+            minimax: number;
+            /** D Optimal */
+            d_optimal: number;
         };
         /**
          * OrderStep
-         * @description A model that keeps so many modes; None where a number does not exist.
+         * @description A reduced model with some modes; None for undefined values.
          */
         OrderStep: {
             /** Modes */
@@ -6830,7 +7013,7 @@ export interface components {
         };
         /**
          * OrthogonalityRequest
-         * @description Which field of the files is the mass matrix, and whose shapes are taken.
+         * @description Field of the mass matrix in the files, and modal table of the shapes.
          */
         OrthogonalityRequest: {
             /** Modal Table Id */
@@ -6843,12 +7026,6 @@ export interface components {
              */
             fuel: number;
         };
-        /**
-         * Others
-         * @description What becomes of the modes that a run left out.
-         * @enum {string}
-         */
-        Others: "predicted" | "residualized";
         /**
          * OutputQuality
          * @description Fit of one output of one block: R2, Theil's inequality, probability of white residuals.
@@ -6870,7 +7047,7 @@ export interface components {
          * @description How two sources agree over all derivatives that both estimated.
          *
          *     ``rms_sigma`` is the root mean square of their normalised differences, one where
-         *     they scatter as their errors say; ``worst`` names the derivative that differs most.
+         *     the scatter matches the standard errors; ``worst`` names the derivative that differs most.
          */
         Pair: {
             /** First */
@@ -6918,7 +7095,7 @@ export interface components {
         };
         /**
          * ParameterEstimate
-         * @description One estimated derivative or delay; ``no_error`` says why ``std_error`` is None.
+         * @description One estimated derivative or delay; ``no_error`` is the reason without ``std_error``.
          */
         ParameterEstimate: {
             /** Name */
@@ -6938,7 +7115,7 @@ export interface components {
         };
         /**
          * PartHealth
-         * @description One part of the workbench, how it is, and where it is not well what to do.
+         * @description State of one part of the workbench, with advice if it is degraded.
          */
         PartHealth: {
             /** Name */
@@ -6949,7 +7126,7 @@ export interface components {
         };
         /**
          * PartState
-         * @description How a part of the workbench is.
+         * @description State of a part of the workbench.
          * @enum {string}
          */
         PartState: "ok" | "starting" | "degraded";
@@ -6967,8 +7144,8 @@ export interface components {
          * PeakChange
          * @description One peak before and after a flight.
          *
-         *     Changes are relative. ``explained`` is what the modal table says of the fuel burnt,
-         *     ``unexplained`` what is left, with its standard error.
+         *     Changes are relative. ``explained`` is the change by fuel burnt in the modal table,
+         *     ``unexplained`` the remainder with its standard error.
          */
         PeakChange: {
             /** Mode */
@@ -6997,7 +7174,7 @@ export interface components {
             amplitude_explained: number;
             /** Amplitude Std */
             amplitude_std: number | null;
-            verdict: components["schemas"]["flexsid__records__ground_test__Verdict"];
+            verdict: components["schemas"]["GroundTestVerdict"];
         };
         /**
          * PointAgreement
@@ -7051,33 +7228,6 @@ export interface components {
             r_squared: number | null;
         };
         /**
-         * Prediction
-         * @description Derivatives by name against fuel; ``values`` is the hash of a (F, len(names)) array.
-         */
-        Prediction: {
-            /** Aircraft Id */
-            aircraft_id: number;
-            /** Source */
-            source: string;
-            /** Kind */
-            kind: string;
-            /** Fuel */
-            fuel: number[];
-            /** Names */
-            names: string[];
-            /** Values */
-            values: string;
-            /** Std Errors */
-            std_errors?: string | null;
-            /**
-             * Note
-             * @default
-             */
-            note: string;
-            /** Id */
-            id?: number | null;
-        };
-        /**
          * PredictionDetail
          * @description A prediction with its derivatives at one fuel fraction.
          */
@@ -7114,13 +7264,60 @@ export interface components {
          */
         PredictionList: {
             /** Items */
-            items: components["schemas"]["Prediction"][];
+            items: components["schemas"]["DerivativePrediction"][];
             /** Next */
             next?: string | null;
         };
         /**
+         * PreflightSimulation
+         * @description Design, amplitude, model and controller of a pre-flight simulation, with its run.
+         */
+        PreflightSimulation: {
+            /** Design Id */
+            design_id: number;
+            /** Level */
+            level: number;
+            /** Model Run Id */
+            model_run_id: number;
+            /** Controller Id */
+            controller_id: number | null;
+            /** Maneuver Id */
+            maneuver_id: number;
+            /** Run Id */
+            run_id: number;
+            /** Created At */
+            created_at?: string | null;
+            /** Id */
+            id?: number | null;
+        };
+        /**
+         * PreflightSimulationList
+         * @description Pre-flight simulations of one design.
+         */
+        PreflightSimulationList: {
+            /** Items */
+            items: components["schemas"]["SimulationResult"][];
+            /** Next */
+            next?: string | null;
+        };
+        /**
+         * PreflightSimulationRequest
+         * @description Run whose model is simulated, amplitude level, and controller (none: open loop).
+         */
+        PreflightSimulationRequest: {
+            /** Run Id */
+            run_id: number;
+            /**
+             * Level
+             * @default 1
+             */
+            level: number;
+            /** Controller Id */
+            controller_id?: number | null;
+        };
+        /**
          * PreviewRequest
-         * @description A mapping and the channels of it that are drawn; the first ones where none is named.
+         * @description A mapping and the channels to plot; the first ones if none are given.
          */
         PreviewRequest: {
             /** Mapping */
@@ -7132,8 +7329,26 @@ export interface components {
             channels: string[];
         };
         /**
+         * Problem
+         * @description Why a request failed (RFC 9457); ``code`` is stable, ``detail`` is for the reader.
+         */
+        Problem: {
+            /** Type */
+            type: string;
+            /** Title */
+            title: string;
+            /** Status */
+            status: number;
+            /** Detail */
+            detail: string;
+            /** Code */
+            code: string;
+            /** Errors */
+            errors?: components["schemas"]["FieldError"][] | null;
+        };
+        /**
          * Progress
-         * @description Last thing that a running job said.
+         * @description Last progress report of a running job.
          */
         Progress: {
             /**
@@ -7172,7 +7387,7 @@ export interface components {
         };
         /**
          * Proposal
-         * @description A mapping to begin with; ``origin`` says where it comes from.
+         * @description A proposed mapping; ``origin`` is its source.
          */
         Proposal: {
             /** Text */
@@ -7184,7 +7399,7 @@ export interface components {
         };
         /**
          * ProposalBasis
-         * @description Why a run has its model structure, where it follows the proposal; kept with the run.
+         * @description Reasons for a proposed model structure; stored with the run.
          *
          *     ``decision_id`` names the approval of a baseline, ``run_id`` the run of the same FTA that
          *     used a saved structure.
@@ -7209,9 +7424,9 @@ export interface components {
         };
         /**
          * ProposalRequest
-         * @description A model structure for a range of conditions, and what speaks for it.
+         * @description A proposed model structure for a range of conditions, with its reasoning and evidence.
          *
-         *     ``limits`` are closed intervals; without any it is proposed for all conditions.
+         *     ``limits`` are closed intervals; without limits it is proposed for all conditions.
          */
         ProposalRequest: {
             /** Title */
@@ -7245,13 +7460,13 @@ export interface components {
         };
         /**
          * ProposalSource
-         * @description What a proposal rests on, the strongest first.
+         * @description Basis of a proposal, the strongest first.
          * @enum {string}
          */
         ProposalSource: "approved-baseline" | "saved-structure" | "band";
         /**
          * QualityItem
-         * @description One line of the list; verdict, summary and figures are None until it was looked at.
+         * @description One item of the list; verdict, summary and figures are None until it is checked.
          */
         QualityItem: {
             /** Maneuver Id */
@@ -7272,14 +7487,14 @@ export interface components {
             airspeed_ratio: number | null;
             /** Fuel Fraction */
             fuel_fraction: number;
-            verdict: components["schemas"]["flexsid__records__quality__Verdict"] | null;
+            verdict: components["schemas"]["QualityVerdict"] | null;
             /** Summary */
             summary: string | null;
             figures: components["schemas"]["Figures"] | null;
         };
         /**
          * QualityList
-         * @description A page of the quality of a campaign; ``counts`` are maneuvers by verdict.
+         * @description A page of the data quality of a campaign; ``counts`` are numbers of maneuvers by verdict.
          */
         QualityList: {
             /** Items */
@@ -7294,7 +7509,7 @@ export interface components {
         };
         /**
          * QualityReport
-         * @description All that was found; ``not_checked`` says what could not be looked at, and why.
+         * @description Quality report of a maneuver; ``not_checked`` lists omitted checks with reasons.
          */
         QualityReport: {
             /** Channels */
@@ -7302,8 +7517,8 @@ export interface components {
             condition: components["schemas"]["FlightConditionQuality"];
             /** Inputs */
             inputs: components["schemas"]["InputPair"][];
-            /** Findings */
-            findings: components["schemas"]["Finding"][];
+            /** Warnings */
+            warnings: components["schemas"]["QualityWarning"][];
             /** Skew Reference */
             skew_reference: string | null;
             /** Skew Band Hz */
@@ -7315,26 +7530,27 @@ export interface components {
             not_checked: string[];
         };
         /**
-         * Quantity
-         * @description What a range of conditions can limit.
+         * QualityVerdict
+         * @description Whether a maneuver may be estimated from; ``unchecked`` where this cannot be concluded.
          * @enum {string}
          */
-        Quantity: "dynamic_pressure_pa" | "fuel_fraction" | "airspeed_m_s" | "airspeed_ratio" | "alpha_rad";
+        QualityVerdict: "good" | "questionable" | "bad" | "unchecked";
         /**
-         * Question
-         * @description Something that the files do not say.
+         * QualityWarning
+         * @description One thing that an analyst should know; ``good`` is only information.
          */
-        Question: {
-            /** Field */
-            field: string;
+        QualityWarning: {
+            severity: components["schemas"]["QualityVerdict"];
+            /** About */
+            about: string;
+            /** Channel */
+            channel: string | null;
             /** Text */
             text: string;
-            /** Choices */
-            choices: string[];
         };
         /**
          * QueueStatus
-         * @description How the queue goes: runs by state, ended lately, and when it will be empty at this rate.
+         * @description The queue: runs by state, recently ended ones, and estimated time until it is empty.
          */
         QueueStatus: {
             /** States */
@@ -7347,11 +7563,11 @@ export interface components {
             window_s: number;
             /** Remaining S */
             remaining_s: number | null;
-            crew: components["schemas"]["Crew"] | null;
+            worker_pool: components["schemas"]["WorkerPool"] | null;
         };
         /**
          * QueuedBatch
-         * @description A batch that was queued; ``repeated`` of its runs had been asked for before.
+         * @description A queued batch; ``repeated`` of its runs had been requested before.
          */
         QueuedBatch: {
             /** Id */
@@ -7363,7 +7579,7 @@ export interface components {
         };
         /**
          * RedesignRequest
-         * @description The same lines with other phases.
+         * @description New phases for the harmonics of a design.
          */
         RedesignRequest: {
             /** Name */
@@ -7386,85 +7602,8 @@ export interface components {
             version: number;
         };
         /**
-         * Rehearsal
-         * @description Which design, at which amplitude, with whose model and controller; what came of it.
-         */
-        Rehearsal: {
-            /** Design Id */
-            design_id: number;
-            /** Level */
-            level: number;
-            /** Model Run Id */
-            model_run_id: number;
-            /** Controller Id */
-            controller_id: number | null;
-            /** Maneuver Id */
-            maneuver_id: number;
-            /** Run Id */
-            run_id: number;
-            /** Created At */
-            created_at?: string | null;
-            /** Id */
-            id?: number | null;
-        };
-        /**
-         * RehearsalList
-         * @description Rehearsals of one design.
-         */
-        RehearsalList: {
-            /** Items */
-            items: components["schemas"]["RehearsalResult"][];
-            /** Next */
-            next?: string | null;
-        };
-        /**
-         * RehearsalRequest
-         * @description Whose model flies, at which amplitude, and which controller holds it; none for open loop.
-         */
-        RehearsalRequest: {
-            /** Run Id */
-            run_id: number;
-            /**
-             * Level
-             * @default 1
-             */
-            level: number;
-            /** Controller Id */
-            controller_id?: number | null;
-        };
-        /**
-         * RehearsalResult
-         * @description A rehearsal, how far its run is, and the derivatives once it has succeeded.
-         */
-        RehearsalResult: {
-            rehearsal: components["schemas"]["Rehearsal"];
-            /** Label */
-            label: string;
-            state: components["schemas"]["RunState"];
-            /** Correlation */
-            correlation: number | null;
-            /** Derivatives */
-            derivatives: components["schemas"]["RehearsedDerivative"][];
-        };
-        /**
-         * RehearsedDerivative
-         * @description A derivative of the model that flew, what was estimated, and what had been expected.
-         */
-        RehearsedDerivative: {
-            /** Name */
-            name: string;
-            /** Flown */
-            flown: number;
-            /** Estimate */
-            estimate: number;
-            /** Std Error */
-            std_error: number | null;
-            /** Expected */
-            expected: number;
-        };
-        /**
          * RescaleRequest
-         * @description Factors on the amplitudes of inputs; those left out stay.
+         * @description Factors on the amplitudes of inputs; omitted inputs are unchanged.
          */
         RescaleRequest: {
             /** Name */
@@ -7481,7 +7620,7 @@ export interface components {
         };
         /**
          * ResponsesRequest
-         * @description What an analyst says of measured responses; see ``ResponseAnswers``.
+         * @description Units, axes and fuel fraction of measured frequency responses; see ``ResponseOptions``.
          */
         ResponsesRequest: {
             /** Aircraft Id */
@@ -7563,7 +7702,7 @@ export interface components {
         };
         /**
          * RevisionRequest
-         * @description Another proposal in the place of ``revision``.
+         * @description A proposal that replaces ``revision``.
          */
         RevisionRequest: {
             /** Revision */
@@ -7572,16 +7711,16 @@ export interface components {
         };
         /**
          * Role
-         * @description What a channel is to the identification.
+         * @description Role of a channel in the identification.
          * @enum {string}
          */
         Role: "input" | "output" | "command" | "condition";
         /**
          * Row
-         * @description One derivative; ``values`` follow the order of the sources, None where one has no say.
+         * @description One derivative; ``values`` follow the order of the sources, None without a value.
          *
          *     ``max_difference_sigma`` is the largest |a - b| / sqrt(sigma_a^2 + sigma_b^2) over
-         *     pairs of runs with a standard error; ``consistent`` says that it is at most 2.
+         *     pairs of runs with a standard error; ``consistent`` is whether it is at most 2.
          *     ``mean`` is that of those runs, weighted by their errors, ``chi_square`` their
          *     scatter about it and ``probability`` that of a scatter at least as large. Predictions
          *     take no part: each is judged against the runs in its own value.
@@ -7608,7 +7747,7 @@ export interface components {
         };
         /**
          * RulesHistory
-         * @description Rules of review in force, and all of them, oldest first.
+         * @description Review rules in force, and all earlier ones, oldest first.
          */
         RulesHistory: {
             current: components["schemas"]["ReviewRules"];
@@ -7617,7 +7756,7 @@ export interface components {
         };
         /**
          * RulesRequest
-         * @description Rules of review on top of ``version``, and why they change.
+         * @description Review rules that replace ``version``, with the reason for the change.
          */
         RulesRequest: {
             /** Quorum */
@@ -7631,12 +7770,12 @@ export interface components {
         };
         /**
          * Run
-         * @description An estimation run; ``parameters``, ``fit`` and ``poles`` are there once it succeeded.
+         * @description An estimation run; ``parameters``, ``fit`` and ``poles`` are present once it succeeded.
          *
-         *     ``altered`` means that the result, or what was asked for, does not match the hash that
-         *     was kept with it; ``changed_since`` names data that were corrected since the run was
-         *     computed, null where an earlier release did not record what it was computed from.
-         *     ``repeated`` tells who asked for it that the same run had been asked for before.
+         *     ``altered`` means that the result or the request does not match the hash stored with it;
+         *     ``changed_since`` names data that were corrected since the run was computed, null if an
+         *     earlier release did not record its input data. ``repeated`` means that the same run had been
+         *     requested before.
          */
         Run: {
             /** Id */
@@ -7710,7 +7849,7 @@ export interface components {
         };
         /**
          * RunBlock
-         * @description One set of lines that was fitted.
+         * @description One set of data points that was fitted, with its outputs.
          */
         RunBlock: {
             /** Name */
@@ -7730,7 +7869,7 @@ export interface components {
         };
         /**
          * RunEvent
-         * @description A line of the log of a run; ids grow, so that a reader can go on where it stopped.
+         * @description An entry of the log of a run; ids increase, so that reading can be resumed.
          *
          *     ``kind`` is ``queued``, ``started``, ``said`` or the state that a run ended in.
          */
@@ -7756,7 +7895,7 @@ export interface components {
         };
         /**
          * RunExport
-         * @description A run, what it rests on, and the arrays of its result as plain numbers.
+         * @description A run with its aircraft, flight and maneuver, and the arrays of its result as numbers.
          *
          *     ``covariance`` is ordered as the parameters; both are None and empty until
          *     the run has succeeded.
@@ -7775,7 +7914,7 @@ export interface components {
          * RunForecast
          * @description Flutter speed of one run, against the speed at which it was flown.
          *
-         *     ``sentence`` says why there is none where it is None. ``separation`` is the lowest elastic over
+         *     ``sentence`` is the reason without a flutter speed. ``separation`` is the lowest elastic over
          *     the short-period frequency there; None where the short period does not oscillate.
          */
         RunForecast: {
@@ -7796,10 +7935,10 @@ export interface components {
         };
         /**
          * RunItem
-         * @description One line of the list of runs.
+         * @description One item of the list of runs.
          *
-         *     ``worst_r_squared`` is that of the output fitted worst; ``has_model`` tells that the
-         *     estimates make a whole model, which has poles.
+         *     ``worst_r_squared`` is the lowest R2 of all outputs; ``has_model`` is true if the
+         *     estimates form a complete model, which has poles.
          */
         RunItem: {
             /** Id */
@@ -7878,12 +8017,11 @@ export interface components {
         };
         /**
          * RunParameter
-         * @description An estimate with its label.
+         * @description A parameter estimate.
          *
-         *     ``cramer_rao`` is the bound for white residuals, ``insensitivity`` the standard
-         *     error that was left if all other parameters were known. ``no_error`` says why there is
-         *     no standard error: the fit did not converge, or the parameter ended at its limit, or it is
-         *     not identifiable.
+         *     ``cramer_rao`` is the bound for white residuals, ``insensitivity`` the standard error if all
+         *     other parameters were known. ``no_error`` is the reason for a missing standard error: the fit
+         *     did not converge, the parameter ended at its limit, or it is not identifiable.
          */
         RunParameter: {
             /** Name */
@@ -7905,7 +8043,7 @@ export interface components {
         };
         /**
          * RunProposal
-         * @description Modes, inputs, outputs, band and options of a run, and what it asks of the data.
+         * @description Modes, inputs, outputs, band and options of a run, and its requirements on the data.
          *
          *     ``inputs`` and ``outputs`` are what the empty ones of the structure stand for;
          *     ``lines_per_parameter`` counts excited frequencies for each parameter of one equation.
@@ -7941,9 +8079,9 @@ export interface components {
          * RunRequest
          * @description Estimate a model of one maneuver by one method.
          *
-         *     What is left out is chosen: the aircraft's latest tables and the prediction
-         *     that covers most of the derivatives. The structure is given in full, or by
-         *     ``structure_id`` (in its newest version, else in ``structure_version``).
+         *     Omitted ids default to the aircraft's latest tables and the prediction that covers most of the
+         *     derivatives. The structure is given in full, or by ``structure_id`` (in
+         *     ``structure_version``, the newest if omitted).
          */
         RunRequest: {
             /** Maneuver Id */
@@ -7975,9 +8113,9 @@ export interface components {
         };
         /**
          * RunResult
-         * @description What a finished run keeps; ``covariance`` is a hash, ordered as ``parameters``.
+         * @description Result of a run; ``covariance`` is a hash, ordered as ``parameters``.
          *
-         *     ``prediction_id`` is the prediction that was used, chosen or found; ``held`` are
+         *     ``prediction_id`` is the prediction that was used, selected or found; ``held`` are
          *     the derivatives that were not free, at the values they were held at.
          */
         RunResult: {
@@ -8008,7 +8146,7 @@ export interface components {
          *     ``noise`` is ``diagonal`` or ``full``; ``priors`` gives value and standard
          *     deviation by parameter, ``prior_spread`` gives every free derivative a prior at
          *     the prediction with this share of its size; ``start_run_id`` goes with the start ``run``;
-         *     ``together_with`` names further maneuvers fitted with the same derivatives.
+         *     ``additional_maneuver_ids`` names further maneuvers fitted with the same derivatives.
          */
         RunSettings: {
             /** @default best */
@@ -8040,10 +8178,10 @@ export interface components {
             /** Start Run Id */
             start_run_id?: number | null;
             /**
-             * Together With
+             * Additional Maneuver Ids
              * @default []
              */
-            together_with: number[];
+            additional_maneuver_ids: number[];
         };
         /**
          * RunState
@@ -8053,7 +8191,7 @@ export interface components {
         RunState: "queued" | "running" | "succeeded" | "failed" | "cancelled";
         /**
          * SavedView
-         * @description ``search`` is the part of the page's address that says what is shown.
+         * @description ``search`` is the query string of the page.
          */
         SavedView: {
             /** Page */
@@ -8082,7 +8220,7 @@ export interface components {
         };
         /**
          * SavedViewRequest
-         * @description Keep what a page shows under a name.
+         * @description The filters of a page to store under a name.
          */
         SavedViewRequest: {
             /**
@@ -8125,8 +8263,8 @@ export interface components {
             bic: number | null;
             /** Likelihood Ratio */
             likelihood_ratio: number | null;
-            /** Foretold */
-            foretold: number | null;
+            /** Predicted Ratio */
+            predicted_ratio: number | null;
             /** Predicted */
             predicted: components["schemas"]["PredictedLines"][];
             /** Predictive Cost */
@@ -8142,7 +8280,7 @@ export interface components {
         };
         /**
          * SearchItem
-         * @description One line of the list: a search without what it found.
+         * @description A search without its result.
          */
         SearchItem: {
             /** Id */
@@ -8172,7 +8310,7 @@ export interface components {
         };
         /**
          * SearchRequest
-         * @description Maneuvers to search over, and a structure whose free derivatives are the candidates.
+         * @description Maneuvers of a search, and a structure whose free derivatives are the candidate terms.
          */
         SearchRequest: {
             /** Maneuver Ids */
@@ -8202,7 +8340,7 @@ export interface components {
         };
         /**
          * SearchResult
-         * @description What a search found; candidates stand in the order of their predictive likelihood.
+         * @description Result of a search; candidates are in the order of predictive likelihood.
          */
         SearchResult: {
             /** Sentence */
@@ -8218,7 +8356,7 @@ export interface components {
         };
         /**
          * SearchSettings
-         * @description What a term must show, and how that is tried.
+         * @description Criteria of the selection of terms.
          *
          *     ``f_in`` and ``f_out`` bound the partial F to enter and to stay; ``pse_noise`` is how
          *     many noise variances the predicted squared error charges for a term; ``draws`` is how
@@ -8272,7 +8410,7 @@ export interface components {
         };
         /**
          * SearchSettingsRequest
-         * @description What a term must show, and how that is tried; see ``SearchSettings``.
+         * @description Criteria and algorithm of the search; see ``SearchSettings``.
          */
         SearchSettingsRequest: {
             /** @default stepwise */
@@ -8323,7 +8461,7 @@ export interface components {
         };
         /**
          * SearchStart
-         * @description What output error and frequency response error begin with.
+         * @description Initial model of output error and frequency-response error.
          * @enum {string}
          */
         SearchStart: "all" | "equation error";
@@ -8351,16 +8489,16 @@ export interface components {
          * SearchTerm
          * @description One candidate term at the end.
          *
-         *     ``value`` is what it has, or would take as the next to enter; None where the others say
-         *     the same. ``support`` is the share of maneuvers that ask for it alone, ``stability`` the
-         *     share of draws of the lines that choose it, ``inflation`` its variance inflation among
+         *     ``value`` is its estimate, or that as the next to enter; None if linearly dependent.
+         *     ``support`` is the fraction of single maneuvers that select it, ``stability`` the fraction of
+         *     bootstrap draws that select it, ``inflation`` its variance inflation among
          *     all candidates (None: infinite).
          */
         SearchTerm: {
             /** Name */
             name: string;
-            /** Chosen */
-            chosen: boolean;
+            /** Selected */
+            selected: boolean;
             /** Value */
             value: number | null;
             /** Std Error */
@@ -8386,7 +8524,7 @@ export interface components {
         };
         /**
          * Sensor
-         * @description One sensor: what it measures, where it sits, through which instrument.
+         * @description One sensor: kind, location and instrument.
          *
          *     ``point`` names a row of the modal table's ``points`` (``gauges`` for a
          *     strain gauge). Locations are in structural axes: x aft, y right, z up [m].
@@ -8422,8 +8560,30 @@ export interface components {
             noise_std?: number | null;
         };
         /**
+         * SensorCandidate
+         * @description Location of a further accelerometer, with its information and the most improved mode.
+         */
+        SensorCandidate: {
+            /** Node */
+            node: number;
+            /** Axis */
+            axis: string;
+            /** Place M */
+            place_m: [
+                number,
+                number,
+                number
+            ];
+            /** Gain */
+            gain: number;
+            /** Helps */
+            helps: string;
+            /** Shrinks To */
+            shrinks_to: number;
+        };
+        /**
          * SensorKind
-         * @description What a sensor measures; decides its row in the output equations.
+         * @description Measured quantity of a sensor; selects its row in the output equations.
          * @enum {string}
          */
         SensorKind: "accelerometer" | "gyro" | "attitude" | "vane" | "strain";
@@ -8443,7 +8603,7 @@ export interface components {
         };
         /**
          * SensorSight
-         * @description What one sensor sees of one mode: its place, its motion there, and its signal.
+         * @description One mode at one sensor: location, motion and signal.
          */
         SensorSight: {
             /** Sensor */
@@ -8473,7 +8633,7 @@ export interface components {
         };
         /**
          * SettingsRequest
-         * @description Choices of the analyst that are not model structure.
+         * @description Settings of the estimation, apart from the model structure.
          */
         SettingsRequest: {
             /** @default best */
@@ -8506,10 +8666,10 @@ export interface components {
             /** Start Run Id */
             start_run_id?: number | null;
             /**
-             * Together With
+             * Additional Maneuver Ids
              * @default []
              */
-            together_with: number[];
+            additional_maneuver_ids: number[];
         };
         /**
          * Setup
@@ -8522,72 +8682,38 @@ export interface components {
             values: (string | null)[];
         };
         /**
-         * ShapeAnswer
-         * @description One mode as it is drawn; see ``DrawnShape``.
+         * SimulatedDerivative
+         * @description A derivative: true value of the simulation, estimate, and predicted standard error.
          */
-        ShapeAnswer: {
-            /** Modal Table Id */
-            modal_table_id: number;
-            /** Number */
-            number: number;
+        SimulatedDerivative: {
             /** Name */
             name: string;
-            /** Fuel */
-            fuel: number;
-            /** Frequency Hz */
-            frequency_hz: number;
-            /** N Nodes */
-            n_nodes: number;
-            /** Nodes M */
-            nodes_m: [
-                number,
-                number,
-                number
-            ][];
-            /** Displacement M */
-            displacement_m: [
-                number,
-                number,
-                number
-            ][];
-            /** Lines */
-            lines: [
-                number,
-                number
-            ][];
-            /** Largest M */
-            largest_m: number;
-            /** Span M */
-            span_m: number;
-            /** Sensors */
-            sensors: components["schemas"]["SensorSight"][];
+            /** Flown */
+            flown: number;
+            /** Estimate */
+            estimate: number;
+            /** Std Error */
+            std_error: number | null;
+            /** Expected */
+            expected: number;
         };
         /**
-         * Source
-         * @description One column of a comparison; ``kind`` is OE, FRE, EE or prediction.
-         *
-         *     ``changed_since`` names data of a run that were corrected after it was computed.
+         * SimulationResult
+         * @description A pre-flight simulation, the state of its run, and the derivatives when it succeeded.
          */
-        Source: {
-            /** Key */
-            key: string;
+        SimulationResult: {
+            simulation: components["schemas"]["PreflightSimulation"];
             /** Label */
             label: string;
-            /** Kind */
-            kind: string;
-            /** Run Id */
-            run_id?: number | null;
-            /** Prediction Id */
-            prediction_id?: number | null;
-            /**
-             * Changed Since
-             * @default []
-             */
-            changed_since: string[];
+            state: components["schemas"]["RunState"];
+            /** Correlation */
+            correlation: number | null;
+            /** Derivatives */
+            derivatives: components["schemas"]["SimulatedDerivative"][];
         };
         /**
          * SourceValue
-         * @description What one source says about a derivative; ``std_error`` is None where it gives none.
+         * @description Value of a derivative by one source; ``std_error`` is None if unknown.
          *
          *     Of a prediction, ``difference_sigma`` is the largest |prediction - run| over the runs, in
          *     combined standard errors, and ``consistent`` whether that is at most 2; None of a run, and
@@ -8607,7 +8733,7 @@ export interface components {
         };
         /**
          * StaleProposal
-         * @description Why a vote or revision was refused: ``current`` stands in the place of ``base`` by now.
+         * @description Why a vote or revision was refused: ``current`` has replaced ``base``.
          */
         StaleProposal: {
             /** Type */
@@ -8630,7 +8756,7 @@ export interface components {
         };
         /**
          * StaleStructure
-         * @description Why an edit was refused, with all that is needed to make it again.
+         * @description Why an edit was refused: another version was stored in the meantime.
          *
          *     ``base`` was edited into ``sent``, while ``current`` became the newest version.
          */
@@ -8657,7 +8783,7 @@ export interface components {
         Start: "best" | "prediction" | "residualized-prediction" | "equation-error" | "run";
         /**
          * StepKind
-         * @description What a step corrects.
+         * @description Kind of correction.
          * @enum {string}
          */
         StepKind: "delay" | "calibration" | "repair";
@@ -8721,10 +8847,10 @@ export interface components {
         };
         /**
          * Structure
-         * @description The content of a model structure; a run keeps its own copy.
+         * @description The content of a model structure; a run has its own copy.
          *
          *     Empty ``inputs`` or ``outputs`` stand for all that the maneuver has. Each
-         *     derivative of the chosen modes and inputs is in one state:
+         *     derivative of the selected modes and inputs is in one state:
          *
          *     - absent, where ``absent`` names it: the model does not have it, it is zero;
          *     - fixed to a number (``fixed``), to a prediction or an earlier run
@@ -8763,10 +8889,10 @@ export interface components {
              */
             free_delays: boolean;
             /**
-             * Also Free
+             * Extra Parameters
              * @default []
              */
-            also_free: string[];
+            extra_parameters: string[];
             /**
              * Axis
              * @default longitudinal
@@ -8792,9 +8918,9 @@ export interface components {
         };
         /**
          * StructureEditRequest
-         * @description Keep a new version of a model structure.
+         * @description A new version of a model structure.
          *
-         *     ``version`` is the one that was edited; the header ``If-Match`` says the same.
+         *     ``version`` is the version that was edited; the header ``If-Match`` can give it instead.
          */
         StructureEditRequest: {
             /** Name */
@@ -8809,61 +8935,12 @@ export interface components {
             version?: number | null;
         };
         /**
-         * StructureFilesRequest
-         * @description What an analyst says of uploaded files; see ``StructureAnswers``.
-         */
-        StructureFilesRequest: {
-            /** Aircraft Id */
-            aircraft_id: number;
-            /** Name */
-            name: string;
-            /** @default FEM */
-            kind: components["schemas"]["ModalKind"];
-            /** Length Unit */
-            length_unit?: ("m" | "mm" | "in" | "ft") | null;
-            /** Mass Unit */
-            mass_unit?: ("kg" | "t" | "lb" | "slug" | "slinch") | null;
-            /** Generalized Mass */
-            generalized_mass?: ("file" | "unit" | "unknown") | null;
-            /**
-             * Axes
-             * @default aft right up
-             */
-            axes: string;
-            /**
-             * Origin
-             * @default [
-             *       0,
-             *       0,
-             *       0
-             *     ]
-             */
-            origin: [
-                number,
-                number,
-                number
-            ];
-            /** Fuel */
-            fuel?: {
-                [key: string]: number;
-            };
-            /**
-             * Rigid Modes
-             * @default false
-             */
-            rigid_modes: boolean;
-            /** Points */
-            points?: {
-                [key: string]: number;
-            };
-        };
-        /**
          * StructureForecast
          * @description Flutter speed of all runs of one model structure, fused.
          *
-         *     ``held_modes`` carry predicted derivatives only, ``source`` names the prediction where they
-         *     were carried in a second fit; ``left_out_modes`` are known to a prediction but not to the
-         *     model, whose derivatives hold their static response. ``check`` is a second fit with one mode
+         *     ``held_modes`` have predicted derivatives only, and ``source`` is the prediction if they were
+         *     included in a second fit; ``unmodelled_modes`` are known to a prediction but not to the
+         *     model, whose derivatives include their static response. ``check`` is a second fit with one mode
          *     fewer, of which half of the difference counts. ``airspeed_m_s`` is None where the model stays
          *     stable, or flight contradicts it; ``airspeed_std_m_s`` counts the modal frequencies too.
          */
@@ -8874,8 +8951,8 @@ export interface components {
             modes: number[];
             /** Held Modes */
             held_modes: number[];
-            /** Left Out Modes */
-            left_out_modes: number[];
+            /** Unmodelled Modes */
+            unmodelled_modes: number[];
             /** Source */
             source: string | null;
             /** Airspeed M S */
@@ -8895,22 +8972,8 @@ export interface components {
             check: boolean;
         };
         /**
-         * StructureFound
-         * @description What the files of a structure hold, and what has to be asked.
-         */
-        StructureFound: {
-            /** Files */
-            files: components["schemas"]["flexsid__importers__structure__found__FoundFile"][];
-            /** Frequencies Hz */
-            frequencies_hz: number[];
-            /** N Nodes */
-            n_nodes: number;
-            /** Questions */
-            questions: components["schemas"]["Question"][];
-        };
-        /**
          * StructureProposal
-         * @description What a decision is about, and the evidence for it.
+         * @description Proposed model structure and its evidence.
          *
          *     ``changes`` is the version that ``structure`` changes, where it is not new.
          */
@@ -8986,10 +9049,10 @@ export interface components {
              */
             free_delays: boolean;
             /**
-             * Also Free
+             * Extra Parameters
              * @default []
              */
-            also_free: string[];
+            extra_parameters: string[];
             /**
              * Axis
              * @default longitudinal
@@ -9145,10 +9208,18 @@ export interface components {
             sentence: string;
         };
         /**
-         * Task
-         * @description How far a task is; ``made`` is the id of the record that it kept.
+         * TaskList
+         * @description Tasks of this server since its start.
          */
-        Task: {
+        TaskList: {
+            /** Items */
+            items: components["schemas"]["TaskProgress"][];
+        };
+        /**
+         * TaskProgress
+         * @description How far a task is; ``made`` is the id of the stored record.
+         */
+        TaskProgress: {
             /** Id */
             id: string;
             /** Kind */
@@ -9179,26 +9250,18 @@ export interface components {
              * @default
              */
             code: string;
-            /** Made */
-            made?: number | null;
-        };
-        /**
-         * TaskList
-         * @description Tasks of this server since it was started.
-         */
-        TaskList: {
-            /** Items */
-            items: components["schemas"]["Task"][];
+            /** Result Id */
+            result_id?: number | null;
         };
         /**
          * TaskState
-         * @description Life of a task; it ends with the server, what it has made does not.
+         * @description State of a task. Tasks end with the server; records made by them remain.
          * @enum {string}
          */
         TaskState: "waiting" | "running" | "done" | "failed" | "cancelled";
         /**
          * TermDependency
-         * @description Terms that the data hardly tell apart, by their share in a weak direction.
+         * @description Nearly collinear terms, by their variance proportions in a weak direction.
          */
         TermDependency: {
             /** Condition Index */
@@ -9230,10 +9293,10 @@ export interface components {
         };
         /**
          * ThrustRequest
-         * @description Thrust of one engine as a table of text, and the channels of the rotation speeds.
+         * @description Thrust table of one engine as CSV text, and the channels of the rotation speeds.
          *
-         *     The first row has a label and total temperatures; every other row has a rotation speed,
-         *     then thrust. Without temperatures, two columns are enough.
+         *     The first row has a label and total temperatures, every other row a rotation speed and the
+         *     thrust at each temperature. Without temperatures the table has two columns.
          */
         ThrustRequest: {
             /** Engines */
@@ -9263,7 +9326,7 @@ export interface components {
         };
         /**
          * ThrustTable
-         * @description Thrust of one engine, as a ground test told it, against the state of the engine.
+         * @description Thrust of one engine, measured in a ground test, against the state of the engine.
          *
          *     ``engines`` are the condition channels of the rotation speeds, one for each engine.
          *     ``thrust_n`` has a row for every rotation speed and a column for every total temperature
@@ -9286,7 +9349,7 @@ export interface components {
         };
         /**
          * TrackerForecast
-         * @description What a classical tracker extrapolates from the same runs, or why it cannot.
+         * @description Flutter speed by a classical prediction method, or the reason without one.
          */
         TrackerForecast: {
             /** Name */
@@ -9346,10 +9409,70 @@ export interface components {
             std_error: number | null;
         };
         /**
-         * Upload
-         * @description An upload and what became of it; ``progress`` is the fraction that is written.
+         * UnitWarning
+         * @description A warning that the samples are too large or too small for their unit.
+         *
+         *     ``confirmed = ["..."]`` in the mapping of the channel confirms the unit; ``instead`` lists
+         *     units in which the samples would be plausible.
          */
-        Upload: {
+        UnitWarning: {
+            /** Code */
+            code: string;
+            /** Channel */
+            channel: string;
+            /** Unit */
+            unit: string;
+            /** Largest */
+            largest: number;
+            /** Instead */
+            instead: string[];
+        };
+        /**
+         * UnmodelledModes
+         * @description Treatment of the modes omitted by a run.
+         * @enum {string}
+         */
+        UnmodelledModes: "predicted" | "residualized";
+        /**
+         * UploadDetail
+         * @description An upload with the contents of its files and a proposed mapping.
+         */
+        UploadDetail: {
+            upload: components["schemas"]["UploadProgress"];
+            /** Files */
+            files: components["schemas"]["UploadedFile"][];
+            /** Fields */
+            fields: components["schemas"]["FoundField"][];
+            proposal: components["schemas"]["Proposal"];
+        };
+        /**
+         * UploadList
+         * @description Uploads being imported.
+         */
+        UploadList: {
+            /** Items */
+            items: components["schemas"]["UploadProgress"][];
+        };
+        /**
+         * UploadMappingRequest
+         * @description A TOML mapping for the files of an upload; ``confirmed``: its guesses are confirmed.
+         */
+        UploadMappingRequest: {
+            /** Mapping */
+            mapping: string;
+            /** Aircraft Id */
+            aircraft_id?: number | null;
+            /**
+             * Confirmed
+             * @default false
+             */
+            confirmed: boolean;
+        };
+        /**
+         * UploadProgress
+         * @description An upload with its state; ``progress`` is the fraction written.
+         */
+        UploadProgress: {
             /** Id */
             id: string;
             /** @default read */
@@ -9368,55 +9491,32 @@ export interface components {
             n_channels?: number | null;
         };
         /**
-         * UploadDetail
-         * @description An upload with what its files hold and a mapping proposed for them.
-         */
-        UploadDetail: {
-            upload: components["schemas"]["Upload"];
-            /** Files */
-            files: components["schemas"]["flexsid__workflow__describing__FoundFile"][];
-            /** Fields */
-            fields: components["schemas"]["FoundField"][];
-            proposal: components["schemas"]["Proposal"];
-        };
-        /**
-         * UploadList
-         * @description Uploads that are being imported.
-         */
-        UploadList: {
-            /** Items */
-            items: components["schemas"]["Upload"][];
-        };
-        /**
-         * UploadMappingRequest
-         * @description A mapping, as TOML, for the files of an upload; ``confirmed``: its guesses are right.
-         */
-        UploadMappingRequest: {
-            /** Mapping */
-            mapping: string;
-            /** Aircraft Id */
-            aircraft_id?: number | null;
-            /**
-             * Confirmed
-             * @default false
-             */
-            confirmed: boolean;
-        };
-        /**
          * UploadState
-         * @description How far an upload has come.
+         * @description State of an upload.
          * @enum {string}
          */
         UploadState: "read" | "importing" | "imported" | "failed";
         /**
+         * UploadedFile
+         * @description One file of an upload.
+         */
+        UploadedFile: {
+            /** Name */
+            name: string;
+            /** Sha256 */
+            sha256: string;
+            /** N Fields */
+            n_fields: number;
+        };
+        /**
          * Vote
-         * @description What a reviewer says of a proposal.
+         * @description Vote on a proposal.
          * @enum {string}
          */
         Vote: "approve" | "request-changes" | "reject";
         /**
          * VoteRequest
-         * @description A vote on ``revision``, and why.
+         * @description A vote on ``revision``, with its reason.
          */
         VoteRequest: {
             /** Revision */
@@ -9427,7 +9527,7 @@ export interface components {
         };
         /**
          * Waiting
-         * @description A decision that cannot go on without this analyst; ``what`` is review or revise.
+         * @description A decision awaiting this analyst; ``what`` is review or revise.
          */
         Waiting: {
             /** Decision Id */
@@ -9442,39 +9542,8 @@ export interface components {
             since: string | null;
         };
         /**
-         * Wish
-         * @description What is wanted of a design; with its phases, the whole recipe.
-         *
-         *     ``peaks`` are the largest deflections of an input with relative peak 1 at the
-         *     three amplitudes, low to high, in the unit of the command.
-         */
-        Wish: {
-            /** Duration S */
-            duration_s: number;
-            /** Rate Hz */
-            rate_hz: number;
-            /** Inputs */
-            inputs: components["schemas"]["InputWish"][];
-            /** Peaks */
-            peaks: [
-                number,
-                number,
-                number
-            ];
-            /**
-             * Effort
-             * @default thorough
-             */
-            effort: string;
-            /**
-             * Seed
-             * @default 0
-             */
-            seed: number;
-        };
-        /**
          * WithdrawalRequest
-         * @description Why ``revision`` is taken back.
+         * @description The reason for withdrawing ``revision``.
          */
         WithdrawalRequest: {
             /** Revision */
@@ -9483,93 +9552,25 @@ export interface components {
             text: string;
         };
         /**
-         * Problem
-         * @description Why a request was not carried out; ``code`` is stable, ``detail`` is for people.
-         */
-        flexsid__api__errors__Problem: {
-            /** Type */
-            type: string;
-            /** Title */
-            title: string;
-            /** Status */
-            status: number;
-            /** Detail */
-            detail: string;
-            /** Code */
-            code: string;
-            /** Errors */
-            errors?: components["schemas"]["FieldError"][] | null;
-        };
-        /**
-         * FoundFile
-         * @description One file: what it holds, in words, and the data sets of it that are not used.
-         */
-        flexsid__importers__structure__found__FoundFile: {
-            /** Name */
-            name: string;
-            /** Holds */
-            holds: string[];
-            /** Refused */
-            refused: string[];
-            /** Has Modes */
-            has_modes: boolean;
-        };
-        /**
-         * Verdict
-         * @description How many of the derivatives that can be judged agree within 2 combined standard errors.
+         * WorkerPool
+         * @description The dispatching server, its number of workers, and their runs.
          *
-         *     ``source`` is the key of the prediction that is judged against the runs; None of the runs
-         *     judged among each other.
+         *     ``without_workers_s`` is the time since the last worker was connected. [s]
          */
-        flexsid__records__comparison__Verdict: {
-            /** Source */
-            source?: string | null;
+        WorkerPool: {
+            /** Server */
+            server: string;
+            /** Place */
+            place: string;
+            /** Workers */
+            workers: number;
+            /** Running */
+            running: number[];
             /**
-             * N Judged
+             * Without Workers S
              * @default 0
              */
-            n_judged: number;
-            /**
-             * N Consistent
-             * @default 0
-             */
-            n_consistent: number;
-        };
-        /**
-         * Verdict
-         * @description What a pair of ground records says of the structure.
-         * @enum {string}
-         */
-        flexsid__records__ground_test__Verdict: "healthy" | "watch" | "alarm";
-        /**
-         * Verdict
-         * @description Whether a maneuver may be estimated from; ``unchecked`` where this cannot be concluded.
-         * @enum {string}
-         */
-        flexsid__records__quality__Verdict: "good" | "doubtful" | "bad" | "unchecked";
-        /**
-         * FoundFile
-         * @description One file of an upload.
-         */
-        flexsid__workflow__describing__FoundFile: {
-            /** Name */
-            name: string;
-            /** Sha256 */
-            sha256: string;
-            /** N Fields */
-            n_fields: number;
-        };
-        /**
-         * Problem
-         * @description Why a mapping does not do yet; ``key`` is its key or the channel meant.
-         */
-        flexsid__workflow__describing__Problem: {
-            /** Code */
-            code: string;
-            /** Message */
-            message: string;
-            /** Key */
-            key: string | null;
+            without_workers_s: number;
         };
     };
     responses: never;
@@ -9604,7 +9605,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -9633,7 +9634,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -9665,7 +9666,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -9701,7 +9702,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -9733,7 +9734,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -9764,7 +9765,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -9796,7 +9797,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -9828,7 +9829,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -9860,7 +9861,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -9896,7 +9897,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -9927,7 +9928,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -9959,7 +9960,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -9967,11 +9968,11 @@ export interface operations {
     list_maneuvers: {
         parameters: {
             query?: {
-                /** @description `-` for falling order, then one of aircraft_name, airspeed_m_s, airspeed_ratio, axis, created_at, duration_s, dynamic_pressure_pa, flight_number, fta, fuel_fraction, id, label, max_input_correlation, n_runs. */
+                /** @description `-` for descending order, then one of aircraft_name, airspeed_m_s, airspeed_ratio, axis, created_at, duration_s, dynamic_pressure_pa, flight_number, fta, fuel_fraction, id, label, max_input_correlation, n_runs. */
                 sort?: string;
-                /** @description Most items to answer. */
+                /** @description Maximum number of items. */
                 limit?: number;
-                /** @description `next` of the page before. */
+                /** @description `next` of the previous page. */
                 after?: string | null;
                 aircraft_id?: number | null;
                 flight_id?: number | null;
@@ -9983,7 +9984,7 @@ export interface operations {
                 max_airspeed_ratio?: number | null;
                 min_fuel?: number | null;
                 max_fuel?: number | null;
-                /** @description Part of label, note, file or aircraft. */
+                /** @description Text contained in label, note, file or aircraft. */
                 search?: string | null;
                 /** @description Only maneuvers with a run of this method. */
                 method?: components["schemas"]["Method"] | null;
@@ -9991,9 +9992,9 @@ export interface operations {
                 state?: components["schemas"]["RunState"] | null;
                 /** @description Mini-GVT records on the runway instead of flown maneuvers. */
                 ground?: boolean;
-                /** @description Only tagged so. */
+                /** @description Only maneuvers with this tag. */
                 tag?: string | null;
-                /** @description What was deleted instead. */
+                /** @description Deleted maneuvers instead. */
                 deleted?: boolean;
             };
             header?: never;
@@ -10017,7 +10018,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10050,7 +10051,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10068,7 +10069,7 @@ export interface operations {
                 max_airspeed_ratio?: number | null;
                 min_fuel?: number | null;
                 max_fuel?: number | null;
-                /** @description Part of label, note, file or aircraft. */
+                /** @description Text contained in label, note, file or aircraft. */
                 search?: string | null;
                 /** @description Only maneuvers with a run of this method. */
                 method?: components["schemas"]["Method"] | null;
@@ -10076,9 +10077,9 @@ export interface operations {
                 state?: components["schemas"]["RunState"] | null;
                 /** @description Mini-GVT records on the runway instead of flown maneuvers. */
                 ground?: boolean;
-                /** @description Only tagged so. */
+                /** @description Only maneuvers with this tag. */
                 tag?: string | null;
-                /** @description What was deleted instead. */
+                /** @description Deleted maneuvers instead. */
                 deleted?: boolean;
             };
             header?: never;
@@ -10102,7 +10103,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10126,7 +10127,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Changed"];
+                    "application/json": components["schemas"]["ChangedRecords"];
                 };
             };
             /** @description Client Error */
@@ -10135,7 +10136,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10167,7 +10168,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10197,7 +10198,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10207,8 +10208,8 @@ export interface operations {
             query?: {
                 low_hz?: number | null;
                 high_hz?: number | null;
-                /** @description Ids of maneuvers fitted together with it, by commas. */
-                together_with?: string | null;
+                /** @description Ids of maneuvers to be fitted together with this one. */
+                additional_maneuver_ids?: string | null;
             };
             header?: never;
             path: {
@@ -10234,7 +10235,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10266,7 +10267,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10298,16 +10299,16 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    take_conditioning: {
+    add_conditioning: {
         parameters: {
             query?: never;
             header?: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
@@ -10337,7 +10338,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10346,7 +10347,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
@@ -10374,7 +10375,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10384,14 +10385,14 @@ export interface operations {
             query?: {
                 aircraft_id?: number | null;
                 flight_id?: number | null;
-                /** @description `missing` for maneuvers nobody has looked at. */
-                verdict?: ("good" | "doubtful" | "bad" | "unchecked" | "missing") | null;
+                /** @description `missing`: maneuvers not assessed yet. */
+                verdict?: ("good" | "questionable" | "bad" | "unchecked" | "missing") | null;
                 search?: string | null;
-                /** @description `-` for falling order, then one of airspeed_drift, airspeed_ratio, flight_number, fuel_change, label, largest_skew_s, least_coherence, max_input_correlation, n_stretches, saturated, signal_to_noise_db, verdict. */
+                /** @description `-` for descending order, then one of airspeed_drift, airspeed_ratio, flight_number, fuel_change, label, largest_skew_s, least_coherence, max_input_correlation, n_stretches, saturated, signal_to_noise_db, verdict. */
                 sort?: string;
-                /** @description Most items to answer. */
+                /** @description Maximum number of items. */
                 limit?: number;
-                /** @description `next` of the page before. */
+                /** @description `next` of the previous page. */
                 after?: string | null;
             };
             header?: never;
@@ -10415,7 +10416,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10448,12 +10449,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    stop_assessing: {
+    stop_assessment: {
         parameters: {
             query?: never;
             header?: never;
@@ -10477,7 +10478,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10506,7 +10507,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10539,7 +10540,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10571,7 +10572,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10601,7 +10602,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10630,7 +10631,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10663,7 +10664,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10695,7 +10696,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10725,7 +10726,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10748,7 +10749,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Upload"];
+                    "application/json": components["schemas"]["UploadProgress"];
                 };
             };
             /** @description Client Error */
@@ -10757,7 +10758,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10793,7 +10794,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10829,7 +10830,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10856,7 +10857,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Upload"];
+                    "application/json": components["schemas"]["UploadProgress"];
                 };
             };
             /** @description Client Error */
@@ -10865,7 +10866,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10897,7 +10898,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10936,7 +10937,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10968,7 +10969,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -10998,7 +10999,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11033,7 +11034,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11045,7 +11046,7 @@ export interface operations {
                 number: number;
                 /** @description Fuel fraction. */
                 fuel?: number;
-                /** @description All nodes, not what can be seen. */
+                /** @description All nodes, instead of a thinned set. */
                 every_node?: boolean;
             };
             header?: never;
@@ -11063,7 +11064,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ShapeAnswer"];
+                    "application/json": components["schemas"]["ModeShape"];
                 };
             };
             /** @description Client Error */
@@ -11072,7 +11073,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11109,7 +11110,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11146,7 +11147,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11188,7 +11189,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11197,7 +11198,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
@@ -11227,12 +11228,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    look_at_upload: {
+    inspect_modal_files: {
         parameters: {
             query?: never;
             header?: never;
@@ -11250,7 +11251,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["StructureFound"];
+                    "application/json": components["schemas"]["ModalFiles"];
                 };
             };
             /** @description Client Error */
@@ -11259,12 +11260,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    import_structure: {
+    import_modal_data: {
         parameters: {
             query?: never;
             header?: never;
@@ -11276,7 +11277,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["StructureFilesRequest"];
+                "application/json": components["schemas"]["ModalDataRequest"];
             };
         };
         responses: {
@@ -11295,7 +11296,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11331,7 +11332,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11362,7 +11363,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11394,7 +11395,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11430,7 +11431,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11461,7 +11462,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11493,17 +11494,17 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    find_modes: {
+    identify_modes: {
         parameters: {
             query?: {
                 low_hz?: number | null;
                 high_hz?: number | null;
-                /** @description Highest order of the models. */
+                /** @description Highest model order. */
                 order?: number;
             };
             header?: never;
@@ -11530,12 +11531,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    keep_found_modes: {
+    save_identified_modes: {
         parameters: {
             query?: never;
             header?: never;
@@ -11547,7 +11548,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["FoundModesRequest"];
+                "application/json": components["schemas"]["IdentifiedModesRequest"];
             };
         };
         responses: {
@@ -11566,7 +11567,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11602,7 +11603,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11633,7 +11634,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11668,7 +11669,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11699,7 +11700,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11708,7 +11709,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst"?: string;
             };
             path?: never;
@@ -11735,7 +11736,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11767,7 +11768,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11778,7 +11779,7 @@ export interface operations {
             header?: {
                 /** @description Version that was edited, e.g. `"3"`. */
                 "if-match"?: string | null;
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
@@ -11808,7 +11809,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["StaleStructure"] | components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["StaleStructure"] | components["schemas"]["Problem"];
                 };
             };
             /** @description Client Error */
@@ -11817,7 +11818,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11849,7 +11850,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11883,7 +11884,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11915,7 +11916,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11924,7 +11925,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst": string;
             };
             path?: never;
@@ -11951,7 +11952,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -11960,7 +11961,7 @@ export interface operations {
         parameters: {
             query: {
                 aircraft_id: number;
-                /** @description For programs or for people. */
+                /** @description JSON, or Markdown to read. */
                 format?: "json" | "markdown";
             };
             header?: never;
@@ -11985,7 +11986,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12017,7 +12018,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12026,7 +12027,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst": string;
             };
             path: {
@@ -12056,7 +12057,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["StaleProposal"] | components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["StaleProposal"] | components["schemas"]["Problem"];
                 };
             };
             /** @description Client Error */
@@ -12065,7 +12066,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12074,7 +12075,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst": string;
             };
             path: {
@@ -12104,7 +12105,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12113,7 +12114,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst": string;
             };
             path: {
@@ -12143,7 +12144,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["StaleProposal"] | components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["StaleProposal"] | components["schemas"]["Problem"];
                 };
             };
             /** @description Client Error */
@@ -12152,7 +12153,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12161,7 +12162,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst": string;
             };
             path: {
@@ -12191,7 +12192,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["StaleProposal"] | components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["StaleProposal"] | components["schemas"]["Problem"];
                 };
             };
             /** @description Client Error */
@@ -12200,7 +12201,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12208,7 +12209,7 @@ export interface operations {
     get_decision_audit: {
         parameters: {
             query?: {
-                /** @description For programs or for people. */
+                /** @description JSON, or Markdown to read. */
                 format?: "json" | "markdown";
             };
             header?: never;
@@ -12236,7 +12237,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12268,7 +12269,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12277,7 +12278,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst": string;
             };
             path: {
@@ -12307,7 +12308,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12338,7 +12339,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12370,7 +12371,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12379,7 +12380,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst": string;
             };
             path?: never;
@@ -12406,7 +12407,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12438,7 +12439,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12447,7 +12448,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst": string;
             };
             path?: never;
@@ -12470,7 +12471,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12479,7 +12480,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst": string;
             };
             path?: never;
@@ -12500,7 +12501,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12509,7 +12510,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst": string;
             };
             path: {
@@ -12533,7 +12534,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12542,7 +12543,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst": string;
             };
             path: {
@@ -12566,7 +12567,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12574,11 +12575,11 @@ export interface operations {
     list_runs: {
         parameters: {
             query?: {
-                /** @description `-` for falling order, then one of airspeed_ratio, author, created_at, dynamic_pressure_pa, finished_at, flight_number, fta, fuel_fraction, id, maneuver_label, method, state. */
+                /** @description `-` for descending order, then one of airspeed_ratio, author, created_at, dynamic_pressure_pa, finished_at, flight_number, fta, fuel_fraction, id, maneuver_label, method, state. */
                 sort?: string;
-                /** @description Most items to answer. */
+                /** @description Maximum number of items. */
                 limit?: number;
-                /** @description `next` of the page before. */
+                /** @description `next` of the previous page. */
                 after?: string | null;
                 aircraft_id?: number | null;
                 flight_id?: number | null;
@@ -12591,11 +12592,11 @@ export interface operations {
                 max_fuel?: number | null;
                 method?: components["schemas"]["Method"] | null;
                 state?: components["schemas"]["RunState"] | null;
-                /** @description Only tagged so. */
+                /** @description Only runs with this tag. */
                 tag?: string | null;
-                /** @description Part of maneuver or author, or an id. */
+                /** @description Text contained in maneuver or author, or an id. */
                 search?: string | null;
-                /** @description What was deleted instead. */
+                /** @description Deleted runs instead. */
                 deleted?: boolean;
             };
             header?: never;
@@ -12619,7 +12620,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12628,7 +12629,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst"?: string;
             };
             path?: never;
@@ -12640,7 +12641,7 @@ export interface operations {
             };
         };
         responses: {
-            /** @description The same run had been asked for before */
+            /** @description The same run had been requested before */
             200: {
                 headers: {
                     [name: string]: unknown;
@@ -12664,7 +12665,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12683,11 +12684,11 @@ export interface operations {
                 max_fuel?: number | null;
                 method?: components["schemas"]["Method"] | null;
                 state?: components["schemas"]["RunState"] | null;
-                /** @description Only tagged so. */
+                /** @description Only runs with this tag. */
                 tag?: string | null;
-                /** @description Part of maneuver or author, or an id. */
+                /** @description Text contained in maneuver or author, or an id. */
                 search?: string | null;
-                /** @description What was deleted instead. */
+                /** @description Deleted runs instead. */
                 deleted?: boolean;
             };
             header?: never;
@@ -12711,7 +12712,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12735,7 +12736,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Changed"];
+                    "application/json": components["schemas"]["ChangedRecords"];
                 };
             };
             /** @description Client Error */
@@ -12744,7 +12745,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12776,7 +12777,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12806,7 +12807,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12838,7 +12839,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12874,7 +12875,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12905,7 +12906,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12938,7 +12939,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12968,7 +12969,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -12999,7 +13000,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13008,7 +13009,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst"?: string;
             };
             path?: never;
@@ -13035,7 +13036,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13067,7 +13068,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13099,22 +13100,22 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    open_candidate: {
+    create_candidate_run: {
         parameters: {
             query?: never;
             header?: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst"?: string;
             };
             path: {
                 /** @description Id of the record. */
                 search_id: number;
-                /** @description Place among the candidates, from 0. */
+                /** @description Index of the candidate, from 0. */
                 place: number;
             };
             cookie?: never;
@@ -13136,7 +13137,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13146,11 +13147,11 @@ export interface operations {
             query?: {
                 state?: components["schemas"]["RunState"] | null;
                 batch_id?: number | null;
-                /** @description Only these, separated by commas. */
+                /** @description Ids of jobs, separated by commas. */
                 ids?: string | null;
-                /** @description Most items to answer. */
+                /** @description Maximum number of items. */
                 limit?: number;
-                /** @description `next` of the page before. */
+                /** @description `next` of the previous page. */
                 after?: string | null;
             };
             header?: never;
@@ -13174,7 +13175,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13203,7 +13204,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13235,7 +13236,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13267,7 +13268,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13299,7 +13300,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13331,7 +13332,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13339,7 +13340,7 @@ export interface operations {
     stream_events: {
         parameters: {
             query?: {
-                /** @description Last event known. */
+                /** @description Id of the last known event. */
                 after?: number | null;
             };
             header?: {
@@ -13370,7 +13371,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "text/event-stream": components["schemas"]["flexsid__api__errors__Problem"];
+                    "text/event-stream": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13378,9 +13379,9 @@ export interface operations {
     list_batches: {
         parameters: {
             query?: {
-                /** @description Most items to answer. */
+                /** @description Maximum number of items. */
                 limit?: number;
-                /** @description `next` of the page before. */
+                /** @description `next` of the previous page. */
                 after?: string | null;
             };
             header?: never;
@@ -13404,7 +13405,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13413,7 +13414,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description Name of the analyst, percent-encoded UTF-8; nobody verifies it. */
+                /** @description Name of the analyst, percent-encoded UTF-8; not authenticated. */
                 "X-Flexsid-Analyst"?: string;
             };
             path?: never;
@@ -13440,7 +13441,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13472,7 +13473,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13504,7 +13505,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13536,7 +13537,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13570,7 +13571,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13585,7 +13586,7 @@ export interface operations {
                 against?: components["schemas"]["Against"];
                 /** @description Ids of predictions, separated by commas. */
                 prediction_ids?: string | null;
-                /** @description Of the weighted polynomial. */
+                /** @description Degree of the weighted polynomial. */
                 degree?: number;
             };
             header?: never;
@@ -13609,7 +13610,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13617,7 +13618,7 @@ export interface operations {
     report_run: {
         parameters: {
             query?: {
-                /** @description `pdf` where the server has Chromium. */
+                /** @description `pdf` requires Chromium on the server. */
                 format?: "html" | "pdf";
             };
             header?: never;
@@ -13645,7 +13646,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13657,7 +13658,7 @@ export interface operations {
                 run_ids: string;
                 /** @description Ids of predictions, separated by commas. */
                 prediction_ids?: string | null;
-                /** @description `pdf` where the server has Chromium. */
+                /** @description `pdf` requires Chromium on the server. */
                 format?: "html" | "pdf";
             };
             header?: never;
@@ -13682,7 +13683,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13690,7 +13691,7 @@ export interface operations {
     report_decision: {
         parameters: {
             query?: {
-                /** @description `pdf` where the server has Chromium. */
+                /** @description `pdf` requires Chromium on the server. */
                 format?: "html" | "pdf";
             };
             header?: never;
@@ -13718,7 +13719,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13726,7 +13727,7 @@ export interface operations {
     report_campaign: {
         parameters: {
             query?: {
-                /** @description `pdf` where the server has Chromium. */
+                /** @description `pdf` requires Chromium on the server. */
                 format?: "html" | "pdf";
                 aircraft_id?: number | null;
                 flight_id?: number | null;
@@ -13738,7 +13739,7 @@ export interface operations {
                 max_airspeed_ratio?: number | null;
                 min_fuel?: number | null;
                 max_fuel?: number | null;
-                /** @description Part of label, note, file or aircraft. */
+                /** @description Text contained in label, note, file or aircraft. */
                 search?: string | null;
                 /** @description Only maneuvers with a run of this method. */
                 method?: components["schemas"]["Method"] | null;
@@ -13746,9 +13747,9 @@ export interface operations {
                 state?: components["schemas"]["RunState"] | null;
                 /** @description Mini-GVT records on the runway instead of flown maneuvers. */
                 ground?: boolean;
-                /** @description Only tagged so. */
+                /** @description Only maneuvers with this tag. */
                 tag?: string | null;
-                /** @description What was deleted instead. */
+                /** @description Deleted maneuvers instead. */
                 deleted?: boolean;
             };
             header?: never;
@@ -13773,7 +13774,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13802,7 +13803,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13835,12 +13836,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    search_design: {
+    start_design: {
         parameters: {
             query?: never;
             header?: never;
@@ -13859,7 +13860,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Task"];
+                    "application/json": components["schemas"]["TaskProgress"];
                 };
             };
             /** @description Client Error */
@@ -13868,12 +13869,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    import_flown: {
+    import_multisines: {
         parameters: {
             query?: never;
             header?: never;
@@ -13882,7 +13883,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "multipart/form-data": components["schemas"]["Body_import_flown"];
+                "multipart/form-data": components["schemas"]["Body_import_multisines"];
             };
         };
         responses: {
@@ -13901,7 +13902,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13930,7 +13931,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13962,7 +13963,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -13992,7 +13993,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14000,7 +14001,7 @@ export interface operations {
     check_design: {
         parameters: {
             query: {
-                /** @description Actuator's. [rad/s] */
+                /** @description Natural frequency of the actuator. [rad/s] */
                 natural_frequency: number;
                 damping?: number;
                 delay_s?: number;
@@ -14036,7 +14037,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14070,12 +14071,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    expect_errors: {
+    predict_errors: {
         parameters: {
             query: {
                 run_id: number;
@@ -14106,12 +14107,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    expect_response: {
+    predict_response: {
         parameters: {
             query: {
                 run_id: number;
@@ -14142,7 +14143,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14178,12 +14179,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    allocate_amplitudes: {
+    optimise_amplitudes: {
         parameters: {
             query: {
                 run_id: number;
@@ -14208,7 +14209,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Allocation"];
+                    "application/json": components["schemas"]["OptimisedAmplitudes"];
                 };
             };
             /** @description Client Error */
@@ -14217,7 +14218,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14253,12 +14254,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    redesign: {
+    redesign_phases: {
         parameters: {
             query?: never;
             header?: never;
@@ -14280,7 +14281,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Task"];
+                    "application/json": components["schemas"]["TaskProgress"];
                 };
             };
             /** @description Client Error */
@@ -14289,12 +14290,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    list_rehearsals: {
+    list_preflight_simulations: {
         parameters: {
             query?: never;
             header?: never;
@@ -14312,7 +14313,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["RehearsalList"];
+                    "application/json": components["schemas"]["PreflightSimulationList"];
                 };
             };
             /** @description Client Error */
@@ -14321,12 +14322,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    rehearse: {
+    simulate_design: {
         parameters: {
             query?: never;
             header?: never;
@@ -14338,7 +14339,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["RehearsalRequest"];
+                "application/json": components["schemas"]["PreflightSimulationRequest"];
             };
         };
         responses: {
@@ -14348,7 +14349,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Task"];
+                    "application/json": components["schemas"]["TaskProgress"];
                 };
             };
             /** @description Client Error */
@@ -14357,7 +14358,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14396,7 +14397,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14427,7 +14428,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14460,7 +14461,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14493,7 +14494,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14525,7 +14526,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14555,25 +14556,25 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    find_flutter: {
+    start_flutter_prediction: {
         parameters: {
             query: {
-                /** @description Runs that succeeded, separated by commas. */
+                /** @description Ids of succeeded runs, separated by commas. */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /** @description Fuel fraction; by default that of the fastest test point. */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /** @description Standard altitude; by default the air of the fastest test point. */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /** @description Airspeed of the next test point; by default 3 % above the fastest. */
                 next_m_s?: number | null;
-                /** @description Modes the runs left out: as predicted, or their static response. */
-                others?: components["schemas"]["Others"];
-                /** @description Derivatives drift linearly with dynamic pressure. */
+                /** @description Modes not modelled by the runs: with predicted dynamics, or residualised. */
+                others?: components["schemas"]["UnmodelledModes"];
+                /** @description Linear trend of the derivatives with dynamic pressure. */
                 trend?: boolean;
             };
             header?: never;
@@ -14588,7 +14589,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Task"];
+                    "application/json": components["schemas"]["TaskProgress"];
                 };
             };
             /** @description Client Error */
@@ -14597,7 +14598,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14605,17 +14606,17 @@ export interface operations {
     get_flutter: {
         parameters: {
             query: {
-                /** @description Runs that succeeded, separated by commas. */
+                /** @description Ids of succeeded runs, separated by commas. */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /** @description Fuel fraction; by default that of the fastest test point. */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /** @description Standard altitude; by default the air of the fastest test point. */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /** @description Airspeed of the next test point; by default 3 % above the fastest. */
                 next_m_s?: number | null;
-                /** @description Modes the runs left out: as predicted, or their static response. */
-                others?: components["schemas"]["Others"];
-                /** @description Derivatives drift linearly with dynamic pressure. */
+                /** @description Modes not modelled by the runs: with predicted dynamics, or residualised. */
+                others?: components["schemas"]["UnmodelledModes"];
+                /** @description Linear trend of the derivatives with dynamic pressure. */
                 trend?: boolean;
             };
             header?: never;
@@ -14639,26 +14640,26 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    find_closed_loop: {
+    start_closed_loop_analysis: {
         parameters: {
             query: {
                 controller_id: number;
-                /** @description Runs that succeeded, separated by commas. */
+                /** @description Ids of succeeded runs, separated by commas. */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /** @description Fuel fraction; by default that of the fastest test point. */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /** @description Standard altitude; by default the air of the fastest test point. */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /** @description Airspeed of the next test point; by default 3 % above the fastest. */
                 next_m_s?: number | null;
-                /** @description Modes the runs left out: as predicted, or their static response. */
-                others?: components["schemas"]["Others"];
-                /** @description Derivatives drift linearly with dynamic pressure. */
+                /** @description Modes not modelled by the runs: with predicted dynamics, or residualised. */
+                others?: components["schemas"]["UnmodelledModes"];
+                /** @description Linear trend of the derivatives with dynamic pressure. */
                 trend?: boolean;
             };
             header?: never;
@@ -14673,7 +14674,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Task"];
+                    "application/json": components["schemas"]["TaskProgress"];
                 };
             };
             /** @description Client Error */
@@ -14682,7 +14683,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14691,17 +14692,17 @@ export interface operations {
         parameters: {
             query: {
                 controller_id: number;
-                /** @description Runs that succeeded, separated by commas. */
+                /** @description Ids of succeeded runs, separated by commas. */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /** @description Fuel fraction; by default that of the fastest test point. */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /** @description Standard altitude; by default the air of the fastest test point. */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /** @description Airspeed of the next test point; by default 3 % above the fastest. */
                 next_m_s?: number | null;
-                /** @description Modes the runs left out: as predicted, or their static response. */
-                others?: components["schemas"]["Others"];
-                /** @description Derivatives drift linearly with dynamic pressure. */
+                /** @description Modes not modelled by the runs: with predicted dynamics, or residualised. */
+                others?: components["schemas"]["UnmodelledModes"];
+                /** @description Linear trend of the derivatives with dynamic pressure. */
                 trend?: boolean;
             };
             header?: never;
@@ -14716,7 +14717,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ClosedLoopAnswer"];
+                    "application/json": components["schemas"]["ClosedLoopStability"];
                 };
             };
             /** @description Client Error */
@@ -14725,7 +14726,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14754,7 +14755,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14776,7 +14777,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Task"];
+                    "application/json": components["schemas"]["TaskProgress"];
                 };
             };
             /** @description Client Error */
@@ -14785,7 +14786,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14807,7 +14808,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Task"];
+                    "application/json": components["schemas"]["TaskProgress"];
                 };
             };
             /** @description Client Error */
@@ -14816,7 +14817,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14824,7 +14825,7 @@ export interface operations {
     draw_envelope: {
         parameters: {
             query?: {
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
                 aircraft_id?: number | null;
                 flight_id?: number | null;
@@ -14836,7 +14837,7 @@ export interface operations {
                 max_airspeed_ratio?: number | null;
                 min_fuel?: number | null;
                 max_fuel?: number | null;
-                /** @description Part of label, note, file or aircraft. */
+                /** @description Text contained in label, note, file or aircraft. */
                 search?: string | null;
                 /** @description Only maneuvers with a run of this method. */
                 method?: components["schemas"]["Method"] | null;
@@ -14844,9 +14845,9 @@ export interface operations {
                 state?: components["schemas"]["RunState"] | null;
                 /** @description Mini-GVT records on the runway instead of flown maneuvers. */
                 ground?: boolean;
-                /** @description Only tagged so. */
+                /** @description Only maneuvers with this tag. */
                 tag?: string | null;
-                /** @description What was deleted instead. */
+                /** @description Deleted maneuvers instead. */
                 deleted?: boolean;
             };
             header?: never;
@@ -14872,7 +14873,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14886,7 +14887,7 @@ export interface operations {
                 start_s?: number | null;
                 stop_s?: number | null;
                 points?: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -14912,7 +14913,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14926,7 +14927,7 @@ export interface operations {
                 start_s?: number | null;
                 stop_s?: number | null;
                 points?: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -14952,7 +14953,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -14963,9 +14964,9 @@ export interface operations {
                 maneuver_id: number;
                 /** @description Names separated by commas. */
                 channels?: string | null;
-                /** @description The whole spectrum behind the lines. */
+                /** @description With the full spectrum. */
                 full?: boolean;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -14991,7 +14992,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15002,7 +15003,7 @@ export interface operations {
                 maneuver_id: number;
                 /** @description Names separated by commas. */
                 channels?: string | null;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15028,7 +15029,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15040,9 +15041,9 @@ export interface operations {
                 /** @description Names separated by commas. */
                 channels?: string | null;
                 domain?: "time" | "frequency";
-                /** @description Regressors of equation error with these modes instead. */
+                /** @description Mode numbers: draws the equation-error regressors instead. */
                 modes?: string | null;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15068,7 +15069,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15083,16 +15084,16 @@ export interface operations {
                 inputs?: string | null;
                 /** @description Ids separated by commas. */
                 run_id?: string | null;
-                /** @description Ids of further maneuvers, laid over this one. */
-                beside?: string | null;
-                /** @description All maneuvers as one response. */
+                /** @description Ids of maneuvers to overlay. */
+                overlay?: string | null;
+                /** @description Average the frequency response over all maneuvers. */
                 average?: boolean;
-                /** @description Models also with sensors blind to modes. */
+                /** @description Also models without modes in the sensor equations. */
                 rigid?: boolean;
-                /** @description From averaged windows, as where no lines are known. */
+                /** @description From averaged windows, as if no harmonics were known. */
                 windowed?: boolean;
                 view?: "bode" | "nichols" | "nyquist";
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15118,7 +15119,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15127,12 +15128,12 @@ export interface operations {
         parameters: {
             query: {
                 maneuver_id: number;
-                /** @description alpha, q, CZ, Cm, CQ7, eta7, etaddot7 ... by commas. */
+                /** @description alpha, q, CZ, Cm, CQ7, eta7, etaddot7 ..., separated by commas. */
                 quantities?: string | null;
-                /** @description Mode numbers; by default as many as move. */
+                /** @description Mode numbers; by default those that are excited. */
                 modes?: string | null;
                 domain?: "time" | "frequency";
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15158,7 +15159,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15167,7 +15168,7 @@ export interface operations {
         parameters: {
             query: {
                 maneuver_id: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15193,7 +15194,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15202,7 +15203,7 @@ export interface operations {
         parameters: {
             query: {
                 flight_id: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15228,7 +15229,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15239,9 +15240,9 @@ export interface operations {
                 run_id: number;
                 /** @description Names separated by commas. */
                 output?: string | null;
-                /** @description Block of lines; the run's first by default. */
+                /** @description Set of data points; by default the first of the run. */
                 block?: string | null;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15267,7 +15268,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15276,9 +15277,9 @@ export interface operations {
         parameters: {
             query: {
                 run_id: number;
-                /** @description Block of lines; the run's first by default. */
+                /** @description Set of data points; by default the first of the run. */
                 block?: string | null;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15304,7 +15305,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15313,7 +15314,7 @@ export interface operations {
         parameters: {
             query: {
                 run_id: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15339,7 +15340,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15349,7 +15350,7 @@ export interface operations {
             query: {
                 /** @description Ids of runs, separated by commas. */
                 run_id: string;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15375,7 +15376,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15384,7 +15385,7 @@ export interface operations {
         parameters: {
             query: {
                 run_id: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15410,7 +15411,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15423,7 +15424,7 @@ export interface operations {
                 outputs?: string | null;
                 maneuver_id?: number | null;
                 points?: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15449,7 +15450,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15463,7 +15464,7 @@ export interface operations {
                 prediction_ids?: string | null;
                 /** @description CZ, Cm, CQ7 ... */
                 coefficient?: string | null;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15489,7 +15490,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15503,7 +15504,7 @@ export interface operations {
                 name: string;
                 /** @description Ids separated by commas. */
                 prediction_ids?: string | null;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15529,7 +15530,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15537,7 +15538,7 @@ export interface operations {
     draw_trend: {
         parameters: {
             query: {
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
                 /** @description Ids of runs, separated by commas. */
                 run_ids: string;
@@ -15546,7 +15547,7 @@ export interface operations {
                 against?: components["schemas"]["Against"];
                 /** @description Ids of predictions, separated by commas. */
                 prediction_ids?: string | null;
-                /** @description Of the weighted polynomial. */
+                /** @description Degree of the weighted polynomial. */
                 degree?: number;
             };
             header?: never;
@@ -15572,7 +15573,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15580,21 +15581,21 @@ export interface operations {
     draw_v_omega_zeta: {
         parameters: {
             query: {
-                /** @description What roots are followed along. */
+                /** @description Variable over which the roots are tracked. */
                 along?: components["schemas"]["Along"];
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
-                /** @description Runs that succeeded, separated by commas. */
+                /** @description Ids of succeeded runs, separated by commas. */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /** @description Fuel fraction; by default that of the fastest test point. */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /** @description Standard altitude; by default the air of the fastest test point. */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /** @description Airspeed of the next test point; by default 3 % above the fastest. */
                 next_m_s?: number | null;
-                /** @description Modes the runs left out: as predicted, or their static response. */
-                others?: components["schemas"]["Others"];
-                /** @description Derivatives drift linearly with dynamic pressure. */
+                /** @description Modes not modelled by the runs: with predicted dynamics, or residualised. */
+                others?: components["schemas"]["UnmodelledModes"];
+                /** @description Linear trend of the derivatives with dynamic pressure. */
                 trend?: boolean;
             };
             header?: never;
@@ -15620,7 +15621,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15628,21 +15629,21 @@ export interface operations {
     draw_root_locus: {
         parameters: {
             query: {
-                /** @description What roots are followed along. */
+                /** @description Variable over which the roots are tracked. */
                 along?: components["schemas"]["Along"];
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
-                /** @description Runs that succeeded, separated by commas. */
+                /** @description Ids of succeeded runs, separated by commas. */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /** @description Fuel fraction; by default that of the fastest test point. */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /** @description Standard altitude; by default the air of the fastest test point. */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /** @description Airspeed of the next test point; by default 3 % above the fastest. */
                 next_m_s?: number | null;
-                /** @description Modes the runs left out: as predicted, or their static response. */
-                others?: components["schemas"]["Others"];
-                /** @description Derivatives drift linearly with dynamic pressure. */
+                /** @description Modes not modelled by the runs: with predicted dynamics, or residualised. */
+                others?: components["schemas"]["UnmodelledModes"];
+                /** @description Linear trend of the derivatives with dynamic pressure. */
                 trend?: boolean;
             };
             header?: never;
@@ -15668,7 +15669,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15676,19 +15677,19 @@ export interface operations {
     draw_equivalent_modes: {
         parameters: {
             query: {
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
-                /** @description Runs that succeeded, separated by commas. */
+                /** @description Ids of succeeded runs, separated by commas. */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /** @description Fuel fraction; by default that of the fastest test point. */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /** @description Standard altitude; by default the air of the fastest test point. */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /** @description Airspeed of the next test point; by default 3 % above the fastest. */
                 next_m_s?: number | null;
-                /** @description Modes the runs left out: as predicted, or their static response. */
-                others?: components["schemas"]["Others"];
-                /** @description Derivatives drift linearly with dynamic pressure. */
+                /** @description Modes not modelled by the runs: with predicted dynamics, or residualised. */
+                others?: components["schemas"]["UnmodelledModes"];
+                /** @description Linear trend of the derivatives with dynamic pressure. */
                 trend?: boolean;
             };
             header?: never;
@@ -15714,7 +15715,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15722,19 +15723,19 @@ export interface operations {
     draw_flutter_forecast: {
         parameters: {
             query: {
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
-                /** @description Runs that succeeded, separated by commas. */
+                /** @description Ids of succeeded runs, separated by commas. */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /** @description Fuel fraction; by default that of the fastest test point. */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /** @description Standard altitude; by default the air of the fastest test point. */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /** @description Airspeed of the next test point; by default 3 % above the fastest. */
                 next_m_s?: number | null;
-                /** @description Modes the runs left out: as predicted, or their static response. */
-                others?: components["schemas"]["Others"];
-                /** @description Derivatives drift linearly with dynamic pressure. */
+                /** @description Modes not modelled by the runs: with predicted dynamics, or residualised. */
+                others?: components["schemas"]["UnmodelledModes"];
+                /** @description Linear trend of the derivatives with dynamic pressure. */
                 trend?: boolean;
             };
             header?: never;
@@ -15760,7 +15761,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15768,19 +15769,19 @@ export interface operations {
     draw_flutter_map: {
         parameters: {
             query: {
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
-                /** @description Runs that succeeded, separated by commas. */
+                /** @description Ids of succeeded runs, separated by commas. */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /** @description Fuel fraction; by default that of the fastest test point. */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /** @description Standard altitude; by default the air of the fastest test point. */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /** @description Airspeed of the next test point; by default 3 % above the fastest. */
                 next_m_s?: number | null;
-                /** @description Modes the runs left out: as predicted, or their static response. */
-                others?: components["schemas"]["Others"];
-                /** @description Derivatives drift linearly with dynamic pressure. */
+                /** @description Modes not modelled by the runs: with predicted dynamics, or residualised. */
+                others?: components["schemas"]["UnmodelledModes"];
+                /** @description Linear trend of the derivatives with dynamic pressure. */
                 trend?: boolean;
             };
             header?: never;
@@ -15806,7 +15807,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15815,19 +15816,19 @@ export interface operations {
         parameters: {
             query: {
                 controller_id: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
-                /** @description Runs that succeeded, separated by commas. */
+                /** @description Ids of succeeded runs, separated by commas. */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /** @description Fuel fraction; by default that of the fastest test point. */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /** @description Standard altitude; by default the air of the fastest test point. */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /** @description Airspeed of the next test point; by default 3 % above the fastest. */
                 next_m_s?: number | null;
-                /** @description Modes the runs left out: as predicted, or their static response. */
-                others?: components["schemas"]["Others"];
-                /** @description Derivatives drift linearly with dynamic pressure. */
+                /** @description Modes not modelled by the runs: with predicted dynamics, or residualised. */
+                others?: components["schemas"]["UnmodelledModes"];
+                /** @description Linear trend of the derivatives with dynamic pressure. */
                 trend?: boolean;
             };
             header?: never;
@@ -15853,7 +15854,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15862,19 +15863,19 @@ export interface operations {
         parameters: {
             query: {
                 controller_id: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
-                /** @description Runs that succeeded, separated by commas. */
+                /** @description Ids of succeeded runs, separated by commas. */
                 run_ids: string;
-                /** @description Fuel fraction; the fastest point's. */
+                /** @description Fuel fraction; by default that of the fastest test point. */
                 fuel?: number | null;
-                /** @description Standard altitude; the fastest point's air. */
+                /** @description Standard altitude; by default the air of the fastest test point. */
                 altitude_m?: number | null;
-                /** @description Airspeed of the next point; 3 % above the fastest. */
+                /** @description Airspeed of the next test point; by default 3 % above the fastest. */
                 next_m_s?: number | null;
-                /** @description Modes the runs left out: as predicted, or their static response. */
-                others?: components["schemas"]["Others"];
-                /** @description Derivatives drift linearly with dynamic pressure. */
+                /** @description Modes not modelled by the runs: with predicted dynamics, or residualised. */
+                others?: components["schemas"]["UnmodelledModes"];
+                /** @description Linear trend of the derivatives with dynamic pressure. */
                 trend?: boolean;
             };
             header?: never;
@@ -15900,7 +15901,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15909,9 +15910,9 @@ export interface operations {
         parameters: {
             query: {
                 search_id: number;
-                /** @description Coefficient (EE) or method; the first. */
+                /** @description Coefficient (EE) or method; by default the first. */
                 group?: string | null;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15937,7 +15938,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15946,9 +15947,9 @@ export interface operations {
         parameters: {
             query: {
                 search_id: number;
-                /** @description Coefficient (EE) or method; the first. */
+                /** @description Coefficient (EE) or method; by default the first. */
                 group?: string | null;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -15974,7 +15975,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -15985,7 +15986,7 @@ export interface operations {
                 design_id: number;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -16011,7 +16012,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -16022,7 +16023,7 @@ export interface operations {
                 design_id: number;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -16048,19 +16049,19 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    draw_design_worth: {
+    draw_design_information: {
         parameters: {
             query: {
                 design_id: number;
                 run_id: number;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -16086,7 +16087,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -16098,7 +16099,7 @@ export interface operations {
                 run_id: number;
                 /** @description Amplitude: 0 low, 1 medium, 2 high. */
                 level?: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -16124,7 +16125,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -16133,7 +16134,7 @@ export interface operations {
         parameters: {
             query: {
                 figure_id: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -16159,7 +16160,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -16168,7 +16169,7 @@ export interface operations {
         parameters: {
             query: {
                 modal_table_id: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -16194,12 +16195,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    draw_assurance: {
+    draw_mac: {
         parameters: {
             query: {
                 modal_table_id: number;
@@ -16207,7 +16208,7 @@ export interface operations {
                 fuel?: number;
                 other_id?: number | null;
                 other_fuel?: number | null;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
             };
             header?: never;
@@ -16233,7 +16234,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -16243,7 +16244,7 @@ export interface operations {
             query: {
                 /** @description Derivatives to draw, separated by commas. */
                 derivatives?: string;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
                 aircraft_id: number;
                 airspeed_m_s: number;
@@ -16278,7 +16279,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -16288,9 +16289,9 @@ export interface operations {
             query: {
                 output: string;
                 surface: string;
-                /** @description Modes kept, separated by commas. */
+                /** @description Numbers of retained modes, separated by commas. */
                 counts?: string;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
                 aircraft_id: number;
                 airspeed_m_s: number;
@@ -16325,7 +16326,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -16334,11 +16335,11 @@ export interface operations {
         parameters: {
             query: {
                 responses_id: number;
-                /** @description Figure, or the numbers it shows. */
+                /** @description Plotly figure, or its data as CSV or MAT. */
                 format?: "json" | "csv" | "mat";
                 low_hz?: number | null;
                 high_hz?: number | null;
-                /** @description Highest order of the models. */
+                /** @description Highest model order. */
                 order?: number;
             };
             header?: never;
@@ -16364,7 +16365,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -16372,7 +16373,7 @@ export interface operations {
     list_nomenclature: {
         parameters: {
             query?: {
-                /** @description Channels, derivatives or symbols, separated by commas; else the glossary. */
+                /** @description Channels, derivatives or symbols, separated by commas; all if omitted. */
                 names?: string | null;
             };
             header?: never;
@@ -16396,7 +16397,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["flexsid__api__errors__Problem"];
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };

@@ -1,12 +1,12 @@
-/** Short names for what the API sends. */
+/** Short names of the API types. */
 import type { Readable } from "openapi-typescript-helpers";
 import type { components } from "./schema.gen";
 
 type Schemas = components["schemas"];
 /**
- * Answers are written in full: what has a default is there too, and what is
- * stored has its id. The description of the API cannot say so, for it shares its
- * schemas between requests and answers.
+ * Responses are complete: members with a default are present, and stored
+ * records have an id. The OpenAPI description does not state this, since it shares
+ * schemas between requests and responses.
  */
 export type Full<T> = T extends readonly (infer Item)[]
   ? Full<Item>[]
@@ -39,7 +39,7 @@ export type Flight = Received<"Flight">;
 export type Aircraft = Received<"Aircraft">;
 export type ModalTable = Received<"ModalTable">;
 export type ModalTableDetail = Received<"ModalTableDetail">;
-export type Prediction = Received<"Prediction">;
+export type Prediction = Received<"DerivativePrediction">;
 export type ModelStructure = Received<"ModelStructure">;
 export type StructureRequest = Schemas["ModelStructureRequest"];
 export type StructureEditRequest = Schemas["StructureEditRequest"];
@@ -56,7 +56,7 @@ export type RulesRequest = Schemas["RulesRequest"];
 export type Notifications = Received<"Notifications">;
 export type DecisionState = Schemas["DecisionState"];
 export type Vote = Schemas["Vote"];
-export type Quantity = Schemas["Quantity"];
+export type Quantity = Schemas["LimitedQuantity"];
 export type FreezeRequest = Schemas["FreezeRequest"];
 export type StaleStructure = Received<"StaleStructure">;
 export type StructureVersion = Received<"StructureVersion">;
@@ -78,24 +78,24 @@ export type TargetMode = Received<"TargetMode">;
 export type ExpectedSummary = Received<"ExpectedSummary">;
 export type ComparedInput = Received<"ComparedInput">;
 export type InputComparison = Received<"InputComparison">;
-export type ClosedLoopAnswer = Received<"ClosedLoopAnswer">;
+export type ClosedLoopStability = Received<"ClosedLoopStability">;
 export type MarginRow = Received<"MarginRow">;
 export type ThrustTable = Received<"ThrustTable">;
 export type ThrustRequest = Schemas["ThrustRequest"];
 export type Controller = Received<"Controller">;
-export type RehearsalResult = Received<"RehearsalResult">;
-export type RehearsedDerivative = Received<"RehearsedDerivative">;
-export type Task = Received<"Task">;
-export type Allocation = Received<"Allocation">;
-export type AllocatedPeak = Received<"AllocatedPeak">;
-export type AllocatedError = Received<"AllocatedError">;
+export type SimulationResult = Received<"SimulationResult">;
+export type SimulatedDerivative = Received<"SimulatedDerivative">;
+export type Task = Received<"TaskProgress">;
+export type OptimisedAmplitudes = Received<"OptimisedAmplitudes">;
+export type OptimisedPeak = Received<"OptimisedPeak">;
+export type OptimisedError = Received<"OptimisedError">;
 export type DesignRequest = Schemas["DesignRequest"];
 export type CatalogueRow = Received<"CatalogueRow">;
-export type Upload = Received<"Upload">;
+export type Upload = Received<"UploadProgress">;
 export type UploadDetail = Received<"UploadDetail">;
 export type CheckedMapping = Received<"Checked">;
 export type MappedChannel = Received<"MappedChannel">;
-export type Doubt = Received<"Doubt">;
+export type UnitWarning = Received<"UnitWarning">;
 export type Guess = Received<"Guess">;
 export type Parameter = Received<"RunParameter">;
 export type Fit = Received<"Fit">;
@@ -103,23 +103,23 @@ export type Pole = Received<"Pole">;
 export type Job = Received<"Job">;
 export type Comparison = Received<"Comparison">;
 export type ComparisonRow = Received<"Row">;
-export type Source = Received<"Source">;
+export type Source = Received<"ComparedSource">;
 export type Pair = Received<"Pair">;
 export type DerivativeTrend = Received<"DerivativeTrend">;
 
 export type SavedViewRequest = Schemas["SavedViewRequest"];
-export type ModeShape = Received<"ShapeAnswer">;
+export type ModeShape = Received<"ModeShape">;
 export type ModeAtFuel = Received<"ModeAtFuel">;
 export type Correlation = Received<"Correlation">;
 export type PairedMode = Received<"PairedMode">;
 export type Observability = Received<"Observability">;
 export type ModelOrder = Received<"ModelOrder">;
-export type StructureFound = Received<"StructureFound">;
+export type StructureFound = Received<"ModalFiles">;
 export type MeasuredResponses = Received<"MeasuredResponses">;
 export type FoundModes = Received<"FoundModes">;
 export type ResponsesRequest = Schemas["ResponsesRequest"];
 export type FlutterSummary = Received<"FlutterSummary">;
-export type StructureFilesRequest = Schemas["StructureFilesRequest"];
+export type ModalDataRequest = Schemas["ModalDataRequest"];
 export type GlossaryEntry = Received<"GlossaryEntry">;
 
 export type Method = Run["method"];

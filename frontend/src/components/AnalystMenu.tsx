@@ -2,7 +2,7 @@ import { Button, Popover, Stack, Text, TextInput, UnstyledButton } from "@mantin
 import { useState } from "react";
 import { setAnalystName, useAnalyst } from "../api/analyst";
 
-/** Who works here: a name that others see with what is said and decided. */
+/** Name of the analyst, shown with comments and votes. */
 export function AnalystMenu() {
   const name = useAnalyst();
   const [open, setOpen] = useState(false);
@@ -54,11 +54,12 @@ export function NameForm({ onDone }: { onDone?: () => void }) {
           }}
         />
         <Text size="xs" className="quiet">
-          It stands with your proposals, comments and votes, marked as unverified: there are no
-          accounts. It is kept in this browser.
+          Shown as unverified with your proposals, comments and votes: there are no accounts. Stored
+          in this browser.
         </Text>
         <Button type="submit" data-testid="analyst-save">
-          Keep
+          {" "}
+          Save{" "}
         </Button>
       </Stack>
     </form>

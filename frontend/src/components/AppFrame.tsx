@@ -1,11 +1,11 @@
-import { AppShell, Group, Text } from "@mantine/core";
-import { Outlet } from "@tanstack/react-router";
+import { AppShell, Group } from "@mantine/core";
+import { Link, Outlet } from "@tanstack/react-router";
 import { useLive } from "../api/live";
 import { AnalystMenu } from "./AnalystMenu";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { Degraded, Health, LostConnection } from "./Health";
 import { Keyboard } from "./Keyboard";
-import { MainNav } from "./MainNav";
+import { MainNav, SideNav } from "./MainNav";
 import { NoticeBar } from "./NoticeBar";
 import { Notifications } from "./Notifications";
 
@@ -19,11 +19,12 @@ export function AppFrame() {
       </a>
       <AppShell.Header>
         <div className="frame-header">
-          <Text fw={700} size="lg" lts="-0.01em">
+          <Link to="/" className="frame-name" aria-label="flexsid, start page">
             flexsid
-          </Text>
+          </Link>
           <MainNav />
-          <Group ml="auto" gap="md" wrap="nowrap">
+          <Group ml="auto" className="frame-side" wrap="nowrap">
+            <SideNav />
             <Keyboard />
             <Notifications />
             <AnalystMenu />

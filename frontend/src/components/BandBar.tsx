@@ -9,14 +9,14 @@ interface Props {
   like?: number;
 }
 
-/** The band that was brushed: fit it, or see everything again. */
+/** The selected band, with a link to fit it and a button to clear it. */
 export function BandBar({ maneuverId, window, onClear, like }: Props) {
   return (
     <WindowBar
       window={window}
       unit="Hz"
       onClear={onClear}
-      hint="Drag over a figure to choose a band; spectra, responses and fits share it."
+      hint="Drag over a figure to select a band; spectra, responses and fits share it."
       whole="Whole band"
     >
       <ButtonLink

@@ -11,21 +11,21 @@ const PARTS = [
 /** How many runs of a batch there are. */
 export const total = ({ states }: Batch) => Object.values(states).reduce((sum, n) => sum + n, 0);
 
-/** How many of them have not ended. */
+/** Number of runs not yet ended. */
 export const left = ({ states }: Batch) => (states.queued ?? 0) + (states.running ?? 0);
 
-/** Where the runs of a batch stand, as one bar and in words. */
+/** Progress of the runs of a batch, as a bar and as text. */
 export function BatchBar({ batch, words = false }: { batch: Batch; words?: boolean }) {
   const all = total(batch);
-  const said = [
+  const summary = [
     ...PARTS.filter(({ state }) => (batch.states[state] ?? 0) > 0).map(
       ({ state, word }) => `${batch.states[state]} ${word}`,
     ),
-    ...((batch.states.queued ?? 0) > 0 ? [`${batch.states.queued} waiting`] : []),
+    ...((batch.states.queued ?? 0) > 0 ? [`${batch.states.queued} queued`] : []),
   ].join(", ");
   return (
     <div>
-      <Progress.Root size={words ? 14 : 8} aria-label={`${said} of ${all}`}>
+      <Progress.Root size={words ? 14 : 8} aria-label={`${summary} of ${all}`}>
         {PARTS.map(({ state, color }) => (
           <Progress.Section
             key={state}
@@ -38,7 +38,7 @@ export function BatchBar({ batch, words = false }: { batch: Batch; words?: boole
       {words && (
         <Group mt={6}>
           <Text size="sm" className="numbers" aria-live="polite" data-testid="batch-states">
-            {said} of {all}
+            {summary} of {all}
           </Text>
         </Group>
       )}

@@ -21,7 +21,7 @@ interface BlankedPoint {
   reason: string;
 }
 
-/** Frequency responses from the excited inputs, with the models of runs drawn over them. */
+/** Frequency responses from the excited inputs, with the models of runs overlaid. */
 export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
   const runs = useQuery(runsQuery({ maneuver_id: maneuver.id, state: "succeeded" }));
   const excited = excitedInputs(maneuver);
@@ -33,7 +33,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
     output: outputs,
     inputs,
     run_id: view.models,
-    beside: view.beside,
+    overlay: view.beside,
     average: view.average,
     rigid: view.rigid,
     windowed: view.windowed,
@@ -58,7 +58,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
         <MultiSelect
           label="Models"
           placeholder={view.models === undefined ? "Measured only" : undefined}
-          description="Runs whose models are drawn over the measurement"
+          description="Models overlaid on the measurement"
           clearable
           data-testid="bode-run"
           data={(runs.data ?? [])
@@ -73,8 +73,8 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
           }}
         />
         <Switch
-          label="Also rigid sensors"
-          description="Models as seen by sensors that do not flex: C_e = 0"
+          label="Rigid-body sensors"
+          description="Model outputs without elastic sensor motion: C_e = 0"
           disabled={view.models === undefined}
           checked={view.rigid === true}
           onChange={(event) => {
@@ -83,7 +83,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
         />
         <MultiSelect
           label="Other maneuvers"
-          description="Their responses over this one's"
+          description="Frequency responses overlaid"
           searchable
           clearable
           data={others.map((item) => ({ value: String(item.id), label: item.label }))}
@@ -93,8 +93,8 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
           }}
         />
         <Switch
-          label="Average of all"
-          description="Weighed by what each maneuver is worth"
+          label="Average over maneuvers"
+          description="Weighted by information"
           disabled={view.beside === undefined}
           checked={view.average === true}
           onChange={(event) => {
@@ -103,7 +103,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
         />
         <Switch
           label="Averaged windows"
-          description="With coherence; always so for sweeps and doublets"
+          description="With coherence; always used for sweeps and doublets"
           checked={view.windowed === true || maneuver.excitation === null}
           disabled={maneuver.excitation === null}
           onChange={(event) => {
@@ -132,11 +132,11 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
         {view.plane === "loops" ? (
           <Figure
             kind="loops"
-            title="Each surface's loop, broken in front of its servo while the others stay closed"
+            title="Loop of each surface, broken at its servo with the others closed"
             params={{ maneuver_id: maneuver.id }}
           />
         ) : outputs.length === 0 || inputs.length === 0 ? (
-          <Empty title="Nothing to draw">Tick an input and an output on the left.</Empty>
+          <Empty title="No channels selected">Select an input and an output on the left.</Empty>
         ) : (
           <>
             {overBand && (
@@ -163,7 +163,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
   );
 }
 
-/** What is not drawn, with the reason, and whether averaged maneuvers agree. */
+/** Omitted data with the reason, and the agreement of averaged maneuvers. */
 function NotDrawn({ params }: { params: Parameters<typeof figureQuery>[1] }) {
   const figure = useQuery({
     ...figureQuery("bode", params),

@@ -6,11 +6,11 @@ import type { Action, ManyOf } from "../api/types";
 import { notify } from "../lib/notice";
 
 interface Props {
-  what: ManyOf;
+  records: ManyOf;
   ids: number[];
   /** Tags that exist, offered while typing. */
   tags: readonly string[];
-  /** The list shows what was deleted. */
+  /** The list shows deleted records. */
   deleted: boolean;
   onClear: () => void;
   /** What else can be done with these. */
@@ -31,15 +31,15 @@ const DONE: Record<Action, string> = {
   untag: "untagged",
 };
 
-/** What is done to all selected lines at once; each action can be undone. */
-export function BulkActions({ what, ids, tags, deleted, onClear, children }: Props) {
-  const change = useChangeMany(what);
+/** Actions on all selected rows; each can be undone. */
+export function BulkActions({ records, ids, tags, deleted, onClear, children }: Props) {
+  const change = useChangeMany(records);
   const act = async (action: Action, tag?: string) => {
-    notify(null); // what is offered to be undone must be the last action
+    notify(null); // undo is offered for the last action only
     try {
       const { ids: changed } = await change.mutateAsync({ ids, action, tag });
       if (action === "delete" || action === "restore") onClear();
-      const noun = changed.length === 1 ? what.slice(0, -1) : what;
+      const noun = changed.length === 1 ? records.slice(0, -1) : records;
       notify({
         text: `${changed.length} ${noun} ${DONE[action]}${tag === undefined ? "" : ` “${tag}”`}.`,
         undo:
@@ -131,14 +131,14 @@ function TagButton({ tags, onTag }: TagProps) {
             ))}
           </datalist>
           <Group mt="xs" gap="xs">
-            <Button type="submit">Put on</Button>
+            <Button type="submit">Add tag</Button>
             <Button
               variant="default"
               onClick={() => {
                 put("untag");
               }}
             >
-              Take off
+              Remove tag
             </Button>
           </Group>
         </form>

@@ -15,14 +15,14 @@ interface Props {
   height?: number | string;
 }
 
-/** Tick names in groups; a search narrows what is shown, never what is ticked. */
+/** Selection of names in groups; a search filters the list, not the selection. */
 export function ChannelPicker({ label, groups, value, onChange, height = 440 }: Props) {
   const [search, setSearch] = useState("");
-  const wanted = search.trim().toLowerCase();
+  const query = search.trim().toLowerCase();
   const shown = groups
     .map((group) => ({
       ...group,
-      items: group.items.filter((item) => item.name.toLowerCase().includes(wanted)),
+      items: group.items.filter((item) => item.name.toLowerCase().includes(query)),
     }))
     .filter((group) => group.items.length > 0);
   const order = groups.flatMap((group) => group.items.map((item) => item.name));
@@ -58,7 +58,7 @@ export function ChannelPicker({ label, groups, value, onChange, height = 440 }: 
                   <Button
                     variant="subtle"
                     size="compact-xs"
-                    aria-label={`${all ? "Clear" : "Pick"} all ${group.label.toLowerCase()}`}
+                    aria-label={`${all ? "Clear" : "Select"} all ${group.label.toLowerCase()}`}
                     onClick={() => {
                       const next = new Set(value);
                       for (const name of names) {

@@ -20,7 +20,7 @@ const INPUTS: Column<ComparedInput>[] = [
   },
   {
     key: "deflection",
-    header: "Largest deflection",
+    header: "Peak deflection",
     unit: "deg",
     numeric: true,
     render: (row) => fixed(degrees(row.deflection), 2),
@@ -73,7 +73,7 @@ const share = (
 ) =>
   value === undefined || by === undefined || by === 0 ? "" : fixed((factor * value) / by, digits);
 
-/** What doublets, 3-2-1-1s and sweeps would tell in the same time and within the same limits. */
+/** Predicted accuracy of doublets, 3-2-1-1s and sweeps of the same duration and limits. */
 export function ClassicInputsPart({
   design,
   level,
@@ -89,7 +89,7 @@ export function ClassicInputsPart({
       {(comparison) => (
         <Stack gap="sm">
           <DataTable
-            label="Inputs compared"
+            label="Compared inputs"
             testId="classic-inputs"
             columns={INPUTS}
             rows={comparison.inputs}

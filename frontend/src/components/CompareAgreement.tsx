@@ -9,7 +9,7 @@ import { Empty } from "./Empty";
 import { Figure } from "./Figure";
 import { Section } from "./Section";
 
-/** Whether the sources agree: one derivative, every two sources, every derivative. */
+/** Agreement of the sources: forest plot, pairs of sources, scatter by derivative. */
 export function CompareAgreement({ comparison, view, onChange, onRun }: CompareTabProps) {
   const names = comparison.rows.map((row) => row.name);
   const name = names.find((one) => one === view.derivative) ?? names[0];
@@ -40,16 +40,16 @@ export function CompareAgreement({ comparison, view, onChange, onRun }: CompareT
         )}
       </Section>
       <Section
-        title="Every two sources"
-        note="Differences over their joint σ, taken as independent; 1 is what errors alone would make"
+        title="Pairs of sources"
+        note="Differences in joint σ, sources taken as independent; expected value 1"
       >
         {comparison.pairs.length === 0 ? (
-          <Empty title="Nothing to judge">
-            It takes two sources that give standard errors for the same derivative.
+          <Empty title="No pairs of sources">
+            Select two sources with standard errors for the same derivative.
           </Empty>
         ) : (
           <DataTable
-            label="Agreement of every two sources"
+            label="Agreement of pairs of sources"
             testId="pairs-table"
             maxHeight={420}
             columns={pairColumns(labels)}
@@ -61,11 +61,11 @@ export function CompareAgreement({ comparison, view, onChange, onRun }: CompareT
       </Section>
       {judged.length > 0 && (
         <Section
-          title="Every derivative"
-          note="Scatter of the runs about their weighted mean; unlikely ones are marked"
+          title="Scatter by derivative"
+          note="Scatter of the runs about their weighted mean; improbable values are marked"
         >
           <DataTable
-            label="Scatter of every derivative"
+            label="Scatter by derivative"
             testId="scatter-table"
             maxHeight={420}
             columns={SCATTER}
@@ -99,7 +99,7 @@ const pairColumns = (labels: ReadonlyMap<string, string>): Column<Pair>[] => [
   },
   {
     key: "worst",
-    header: "Differ most in",
+    header: "Largest difference in",
     render: (pair) => <DerivativeName name={pair.worst} />,
   },
   {

@@ -7,7 +7,7 @@ import { ComparisonVerdicts } from "./ComparisonVerdicts";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
 
-/** Whether runs differ among each other, or a prediction from a run. */
+/** Whether runs differ from each other, or a prediction from a run. */
 const differs = (row: ComparisonRow) =>
   row.consistent === false || row.values.some((value) => value?.consistent === false);
 

@@ -10,7 +10,7 @@ import { Loaded } from "./Loaded";
 import { Section } from "./Section";
 import { WindowBar } from "./WindowBar";
 
-const HINT = "Drag over a figure to choose a band; responses and fits share it.";
+const HINT = "Drag over a figure to select a band; responses and fits share it.";
 
 function Band({ shared }: { shared: ReturnType<typeof overFrequency> }) {
   return (
@@ -26,9 +26,9 @@ function Band({ shared }: { shared: ReturnType<typeof overFrequency> }) {
   );
 }
 
-/** Frequency responses of all maneuvers with the models of all runs over them. */
+/** Frequency responses of all maneuvers with the models of all runs overlaid. */
 export function CompareResponses({ comparison, view, onChange }: CompareTabProps) {
-  const [first, ...beside] = comparison.maneuver_ids;
+  const [first, ...overlay] = comparison.maneuver_ids;
   const shared = overFrequency(view, onChange);
   const maneuver = useQuery({ ...maneuverQuery(first ?? 0), enabled: first !== undefined });
   return (
@@ -64,7 +64,7 @@ export function CompareResponses({ comparison, view, onChange }: CompareTabProps
               title={`${output}, measured and modelled`}
               params={{
                 maneuver_id: flown.id,
-                beside,
+                overlay,
                 output,
                 inputs: excitedInputs(flown).slice(0, 3),
                 run_id: view.runs,
@@ -77,7 +77,7 @@ export function CompareResponses({ comparison, view, onChange }: CompareTabProps
   );
 }
 
-/** What each run fitted, and its poles beside those of the others. */
+/** Fit of each run, and the poles of all runs. */
 export function ComparePoles({ comparison, view, onChange, onRun }: CompareTabProps) {
   const shared = overFrequency(view, onChange);
   const runs = comparison.sources.filter(
@@ -88,7 +88,7 @@ export function ComparePoles({ comparison, view, onChange, onRun }: CompareTabPr
       <Section title="Poles" note="Of the identified models with ±1σ, and in vacuo">
         <Figure kind="poles" title="Poles" params={{ run_id: view.runs }} onPick={onRun} />
       </Section>
-      <Section title="Fits" note="Fitted over measured lines of the first outputs">
+      <Section title="Fits" note="Measured and fitted data of the first outputs">
         <Band shared={shared} />
         <div className="fits">
           {runs.map((source) => (

@@ -6,10 +6,10 @@ import { Section } from "./Section";
 
 type Row = Comparison["setup"][number];
 
-/** The choices in which the compared runs differ, and only these. */
+/** Settings in which the compared runs differ. */
 export function CompareSetup({ comparison }: CompareTabProps) {
   const columns: Column<Row>[] = [
-    { key: "name", header: "Choice", render: (row) => row.name },
+    { key: "name", header: "Setting", render: (row) => row.name },
     ...comparison.sources.flatMap((source, place): Column<Row>[] =>
       source.kind === "prediction"
         ? []
@@ -17,12 +17,12 @@ export function CompareSetup({ comparison }: CompareTabProps) {
     ),
   ];
   return (
-    <Section title="What was set up otherwise" note="Choices that all runs share are left out">
+    <Section title="Setup differences" note="Settings common to all runs are omitted">
       {comparison.setup.length === 0 ? (
-        <Empty title="The runs were set up alike" />
+        <Empty title="Identical setup" />
       ) : (
         <DataTable
-          label="Choices in which the runs differ"
+          label="Settings that differ"
           testId="setup-table"
           columns={columns}
           rows={comparison.setup}

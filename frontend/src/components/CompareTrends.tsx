@@ -21,13 +21,13 @@ const NAMES: Record<(typeof AGAINST)[number], string> = {
 
 const DEGREES = [
   { value: "0", label: "Constant" },
-  { value: "1", label: "Line" },
-  { value: "2", label: "Parabola" },
+  { value: "1", label: "Linear" },
+  { value: "2", label: "Quadratic" },
 ];
 
 type Line = DerivativeTrend["lines"][number];
 
-/** One derivative over the conditions that were flown, with a weighted fit per method. */
+/** Trend of one derivative over the flight conditions, with a weighted fit per method. */
 export function CompareTrends({ comparison, view, onChange, onRun }: CompareTabProps) {
   const names = comparison.rows.map((row) => row.name);
   const name = names.find((one) => one === view.derivative) ?? names[0];
@@ -81,7 +81,7 @@ export function CompareTrends({ comparison, view, onChange, onRun }: CompareTabP
           onPick={onRun}
         />
         <Fits
-          question={{
+          query={{
             ...params,
             run_ids: (view.runs ?? []).join(","),
             prediction_ids: (view.predictions ?? []).join(",") || undefined,
@@ -92,15 +92,15 @@ export function CompareTrends({ comparison, view, onChange, onRun }: CompareTabP
   );
 }
 
-function Fits({ question }: { question: Parameters<typeof trendQuery>[0] }) {
-  const trend = useQuery(trendQuery(question));
+function Fits({ query }: { query: Parameters<typeof trendQuery>[0] }) {
+  const trend = useQuery(trendQuery(query));
   return (
     <Loaded query={trend} rows={2}>
       {({ lines, unit, against }) => {
         const fits = lines.filter((line) => line.chi_square !== null);
         return fits.length === 0 ? (
           <Empty title="No fit">
-            A fit takes two estimates with standard errors by one method.
+            A fit requires two estimates with standard errors by one method.
           </Empty>
         ) : (
           <DataTable
@@ -117,7 +117,7 @@ function Fits({ question }: { question: Parameters<typeof trendQuery>[0] }) {
   );
 }
 
-/** By what a slope is told: a step of the abscissa that an analyst thinks in, and its size in SI. */
+/** Unit of the slope: a step of the abscissa, and its size in SI. */
 const PER: Record<(typeof AGAINST)[number], { step: string; size: number }> = {
   dynamic_pressure: { step: "100 Pa", size: 100 },
   airspeed_ratio: { step: "0.1 V/Vf", size: 0.1 },

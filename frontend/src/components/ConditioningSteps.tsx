@@ -8,7 +8,7 @@ import { DataTable, type Column } from "./DataTable";
 import { Loaded } from "./Loaded";
 import { ProblemAlert } from "./ProblemAlert";
 
-/** Corrections that were taken, the newest first; those undone stay to be seen. */
+/** Corrections, the newest first; undone ones remain listed. */
 export function ConditioningSteps({ id }: { id: number }) {
   const steps = useQuery(conditioningQuery(id));
   const undo = useUndoCorrection(id);
@@ -18,7 +18,7 @@ export function ConditioningSteps({ id }: { id: number }) {
     { key: "basis", header: "Basis", render: (step) => step.correction.basis || "–" },
     {
       key: "when",
-      header: "Taken",
+      header: "Made",
       render: (step) => [dateTime(step.created_at), step.author].filter(Boolean).join(", "),
     },
     {
@@ -47,7 +47,7 @@ export function ConditioningSteps({ id }: { id: number }) {
       {(items) =>
         items.length === 0 ? (
           <Text size="sm" className="quiet">
-            None was taken.
+            No corrections.
           </Text>
         ) : (
           <>
@@ -70,7 +70,7 @@ export function ConditioningSteps({ id }: { id: number }) {
 function words({ correction }: ConditioningStep): string {
   if (correction.kind === "delay") {
     const std = correction.std === null ? "" : ` ± ${fixed(1e3 * correction.std, 2)}`;
-    return `delay of ${fixed(1e3 * correction.delay_s, 2)}${std} ms undone`;
+    return `delay of ${fixed(1e3 * correction.delay_s, 2)}${std} ms corrected`;
   }
   if (correction.kind === "repair") {
     const samples = correction.stretches.reduce(

@@ -14,7 +14,7 @@ interface Props {
   onWindow: (window: [number, number]) => void;
 }
 
-/** The window that was brushed, to the hundredth of a second, and the maneuver it becomes. */
+/** Form to cut a maneuver from the selected window. */
 export function CutForm({ flightId, window, label: offered, fta: number, onWindow }: Props) {
   const [label, setLabel] = useState(offered ?? "");
   const [fta, setFta] = useState<number | string>(number ?? "");
@@ -24,7 +24,7 @@ export function CutForm({ flightId, window, label: offered, fta: number, onWindo
   const [axis, setAxis] = useState<(typeof AXES)[number] | null>(null);
   const cut = useCut(flightId);
   if (known.window?.join() !== window?.join()) {
-    // Brushed, or another address: what was typed beside the window stays.
+    // A new window from the figure or the address; the other entries remain.
     setKnown({ ...known, window });
     setStart(rounded(window?.[0]));
     setStop(rounded(window?.[1]));
@@ -84,7 +84,7 @@ export function CutForm({ flightId, window, label: offered, fta: number, onWindo
       />
       <Select
         label="Axis"
-        placeholder="as the channels show"
+        placeholder="from the channels"
         data={AXES}
         value={axis}
         onChange={(value) => {

@@ -11,7 +11,7 @@ const COLORS: Record<DecisionState, string> = {
   superseded: "gray",
 };
 
-/** Where a decision stands, as color and word. */
+/** State of a decision as color and text. */
 export function DecisionBadge({ state }: { state: DecisionState }) {
   return (
     <Badge

@@ -10,7 +10,7 @@ import { ProblemAlert } from "./ProblemAlert";
 
 const VOTES: [Vote, string][] = [
   ["approve", "Approve"],
-  ["request-changes", "Ask for changes"],
+  ["request-changes", "Request changes"],
   ["reject", "Reject"],
 ];
 
@@ -21,7 +21,7 @@ interface Props {
   derivative?: string;
 }
 
-/** Comment, vote or withdraw, always with words. */
+/** Form to comment, vote or withdraw; a text is required. */
 export function DecisionComposer({ decision, revision, derivative }: Props) {
   const name = useAnalyst();
   const { draft, setDraft } = useDraft(`flexsid.words.${decision.id}`, { text: "" });
@@ -35,7 +35,7 @@ export function DecisionComposer({ decision, revision, derivative }: Props) {
   if (name === "") {
     return (
       <Stack gap="xs">
-        <Text size="sm">To comment or vote, say who you are.</Text>
+        <Text size="sm">Set your name to comment or vote.</Text>
         <NameForm />
       </Stack>
     );
@@ -63,17 +63,17 @@ export function DecisionComposer({ decision, revision, derivative }: Props) {
         size="xs"
         label={
           derivative === undefined ? (
-            "What do you say?"
+            "Comment"
           ) : (
             <>
-              What do you say of <DerivativeName name={derivative} />?
+              Comment on <DerivativeName name={derivative} />
             </>
           )
         }
         autosize
         minRows={3}
         maxLength={10_000}
-        data-testid="say"
+        data-testid="comment-text"
         value={text}
         onChange={(event) => {
           setText(event.currentTarget.value);
@@ -119,11 +119,14 @@ export function DecisionComposer({ decision, revision, derivative }: Props) {
       </Group>
       <Text size="xs" className="quiet">
         As {name}, unverified.
-        {open && own && !decision.rules.own_allowed && " Nobody judges their own proposal."}
+        {open &&
+          own &&
+          !decision.rules.own_allowed &&
+          " Authors cannot vote on their own proposal."}
       </Text>
       {stale && (
         <Text size="sm" c="var(--page-warn)" role="alert">
-          The proposal was revised before your vote arrived; read what changed first.
+          The proposal was revised before your vote arrived. Read the changes first.
         </Text>
       )}
       {failed !== undefined && <ProblemAlert error={failed} />}

@@ -9,24 +9,24 @@ const DONE: Record<DecisionEvent["kind"], string> = {
   commented: "commented",
   voted: "voted",
   withdrawn: "withdrew the proposal",
-  adopted: "made it the baseline with the last approval",
+  adopted: "adopted it as baseline with the last approval",
   declined: "ended it with the last rejection",
   superseded: "superseded it with a later baseline",
-  narrowed: "took a part of its range over with a later baseline",
+  narrowed: "narrowed its range with a later baseline",
 };
 const VOTED = {
   approve: "approved",
-  "request-changes": "asked for changes",
+  "request-changes": "requested changes",
   reject: "rejected",
 };
 
 interface Props {
   events: DecisionEvent[];
-  /** Only what is about this derivative, and what is about the whole. */
+  /** Restricts the thread to this derivative and the whole proposal. */
   derivative?: string;
 }
 
-/** All that was said and done, oldest first, each with what it rests on. */
+/** Comments and events of a decision, oldest first, with their data hashes. */
 export function DecisionThread({ events, derivative }: Props) {
   const shown = events.filter(
     (one) => derivative === undefined || one.derivative === null || one.derivative === derivative,

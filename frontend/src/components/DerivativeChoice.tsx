@@ -64,8 +64,8 @@ export function DerivativeChoice(props: Props) {
           readOnly={readOnly}
           data={sources}
           value={key}
-          onChange={(chosen) => {
-            const [source = "start", id = "0"] = (chosen ?? "start").split(" ");
+          onChange={(value) => {
+            const [source = "start", id = "0"] = (value ?? "start").split(" ");
             if (source === "number") set("fixed", { source, value: 0 });
             else if (source === "prediction" || source === "run") {
               set("fixed", { source, id: Number(id) });

@@ -1,4 +1,4 @@
-import { Meaning } from "./Meaning";
+import { SymbolTooltip } from "./SymbolTooltip";
 import { parseDerivative, variableParts } from "../lib/derivatives";
 
 /** A variable in the field's notation. */
@@ -26,7 +26,7 @@ export function DerivativeName({ name }: { name: string }) {
   if (parsed === null) return <span>{name}</span>;
   const { symbol, index } = variableParts(parsed.variable);
   return (
-    <Meaning name={name}>
+    <SymbolTooltip name={name}>
       <span role="img" aria-label={name} style={{ whiteSpace: "nowrap" }}>
         C
         <sub>
@@ -37,6 +37,6 @@ export function DerivativeName({ name }: { name: string }) {
           </span>
         </sub>
       </span>
-    </Meaning>
+    </SymbolTooltip>
   );
 }

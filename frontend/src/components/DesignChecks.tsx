@@ -9,7 +9,7 @@ import { Loaded } from "./Loaded";
 import { Section } from "./Section";
 
 const RADIAN = 180 / Math.PI;
-const ACTUATOR = 60; // rad/s: a typical surface actuator until the user says another
+const ACTUATOR = 60; // rad/s: default, a typical surface actuator
 
 interface PartProps {
   design: Design;
@@ -56,7 +56,7 @@ const CHECK_COLUMNS: Column<DesignChecks["inputs"][number]>[] = [
   },
 ];
 
-/** What the surfaces make of a design, against the limits of their actuators. */
+/** Surface motion of a design compared with the actuator limits. */
 export function Checks({ design, level, view, onChange }: PartProps) {
   const checks = useQuery(
     designChecksQuery(design.id, level, {
@@ -91,7 +91,7 @@ export function Checks({ design, level, view, onChange }: PartProps) {
           }}
         />
       </Group>
-      <Loaded query={checks} rows={design.wish.inputs.length}>
+      <Loaded query={checks} rows={design.specification.inputs.length}>
         {(found) => (
           <>
             <DataTable

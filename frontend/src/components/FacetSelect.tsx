@@ -10,7 +10,7 @@ interface Props {
   onChange: (value: string | undefined) => void;
 }
 
-/** A filter whose choices tell how many lines each would leave. */
+/** Filter whose options show the number of matching rows. */
 export function FacetSelect({ label, choices, value, width, testId, onChange }: Props) {
   const data = (choices ?? []).map((choice) => ({
     value: choice.value,

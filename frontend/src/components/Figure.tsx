@@ -28,7 +28,7 @@ interface Props extends FigureEvents {
   title?: string;
   /** Fixed height where the spec's own rows should not decide. [px] */
   height?: number;
-  /** Zoom is kept while this stays the same; by default while the figure is the same. */
+  /** Zoom is retained while this is unchanged; by default while the figure is the same. */
   revision?: string;
   /** Window of the x axis that figures share; they hand it on by `onWindow`. */
   window?: [number, number];
@@ -128,11 +128,11 @@ export function Figure({ kind, params, title, height, revision, window, ...event
   );
 }
 
-/** Of what the data do not hold there is nothing to draw, and nothing to try again. */
+/** Without data there is no figure and no retry. */
 function Undrawn({ error, onRetry }: { error: unknown; onRetry: () => void }) {
   const { status, detail } = asProblem(error);
   if (status !== 409 && status !== 422) return <ProblemAlert error={error} onRetry={onRetry} />;
-  return <Empty title="Nothing to draw">{detail}</Empty>;
+  return <Empty title="No data">{detail}</Empty>;
 }
 
 function idsIn(params: Record<string, QueryValue>): (string | number)[] {

@@ -3,7 +3,7 @@ import { ProblemAlert } from "./ProblemAlert";
 
 interface Props {
   children: ReactNode;
-  /** A new value tries again. */
+  /** A new value retries. */
   attempt: unknown;
 }
 
@@ -12,7 +12,7 @@ interface State {
   attempt: unknown;
 }
 
-/** Keeps a broken figure from blanking the page around it. */
+/** Error boundary of one figure. */
 export class FigureBoundary extends Component<Props, State> {
   override state: State = { error: null, attempt: this.props.attempt };
 

@@ -16,7 +16,7 @@ export interface RunTabProps {
 /** Data and model over frequency, output by output. */
 export function FitTab({ run, view, onChange }: RunTabProps) {
   const block = run.blocks.find((one) => one.name === view.block) ?? run.blocks[0];
-  if (block === undefined || run.fit === null) return <Empty title="This run kept no fit" />;
+  if (block === undefined || run.fit === null) return <Empty title="No fit stored" />;
   const output = block.outputs.find((one) => one === view.output) ?? block.outputs[0];
   const { quality, r_squared: overall } = run.fit;
   const own = Object.fromEntries(
@@ -60,7 +60,7 @@ export function FitTab({ run, view, onChange }: RunTabProps) {
   );
 }
 
-/** Sets of lines fitted separately: FRE has one per input, EE one per coefficient. */
+/** Data sets fitted separately: FRE has one per input, EE one per coefficient. */
 export function BlockPicker({ run, view, onChange }: RunTabProps) {
   if (run.blocks.length < 2) return null;
   return (

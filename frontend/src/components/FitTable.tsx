@@ -10,7 +10,7 @@ interface Quality {
 interface Props {
   /** R² by output. */
   values: Record<string, number>;
-  /** What else is known of the fit of an output. */
+  /** Further figures of the fit of an output. */
   quality?: readonly Quality[];
   selected?: string;
   onSelect?: (name: string) => void;
@@ -39,7 +39,7 @@ export function FitTable({
             <span title="Theil's inequality coefficient: 0 is a perfect fit, 1 none">Theil</span>
           </th>
           <th scope="col" className="end">
-            <span title="Probability that white residuals would be as much alike from line to line">
+            <span title="Probability of as much correlation between frequencies for white residuals">
               White
             </span>
           </th>

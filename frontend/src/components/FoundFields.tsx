@@ -24,15 +24,15 @@ const COLUMNS: Column<Found>[] = [
     header: "First values",
     render: (found) => found.first.map((value) => short(value)).join(", "),
   },
-  { key: "least", header: "Least", numeric: true, render: (found) => short(found.smallest) },
+  { key: "least", header: "Smallest", numeric: true, render: (found) => short(found.smallest) },
   { key: "most", header: "Largest", numeric: true, render: (found) => short(found.largest) },
 ];
 
-/** What the files of an upload hold. */
+/** Contents of the files of an upload. */
 export function FoundFields({ found }: { found: UploadDetail }) {
   return (
     <Section
-      title="Found"
+      title="File contents"
       note={found.files.map((file) => `${file.name}: ${file.n_fields} fields`).join(" · ")}
     >
       {found.fields.length > 0 ? (
@@ -45,7 +45,7 @@ export function FoundFields({ found }: { found: UploadDetail }) {
           maxHeight={260}
         />
       ) : (
-        <Text size="sm">The files hold no column of samples.</Text>
+        <Text size="sm">No columns of samples in the files.</Text>
       )}
     </Section>
   );

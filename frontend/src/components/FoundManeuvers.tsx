@@ -12,13 +12,13 @@ interface Props {
   onLook: (one: FoundManeuver) => void;
 }
 
-/** Stretches that look like maneuvers: look at one, or cut it as it was found. */
+/** Detected maneuvers, each to be shown or cut. */
 export function FoundManeuvers({ flightId, items, onLook }: Props) {
   const cut = useCut(flightId);
   if (items.length === 0) {
     return (
       <Text size="sm" className="quiet">
-        Nothing that looks like a maneuver; choose a window in the recording below.
+        No maneuver detected; select a window in the recording below.
       </Text>
     );
   }
@@ -37,9 +37,9 @@ export function FoundManeuvers({ flightId, items, onLook }: Props) {
       key: "excitation",
       header: "Excitation",
       wraps: true,
-      render: (one) => (one.excitation === null ? "no multisine recognised" : lines(one)),
+      render: (one) => (one.excitation === null ? "no multisine identified" : lines(one)),
     },
-    { key: "basis", header: "Found by", render: (one) => one.basis },
+    { key: "basis", header: "Detected by", render: (one) => one.basis },
     {
       key: "act",
       header: "",
@@ -57,7 +57,8 @@ export function FoundManeuvers({ flightId, items, onLook }: Props) {
                 onLook(one);
               }}
             >
-              Look
+              {" "}
+              Show{" "}
             </Button>
             <Button
               size="compact-xs"
@@ -65,7 +66,7 @@ export function FoundManeuvers({ flightId, items, onLook }: Props) {
               loading={cut.isPending}
               data-testid={`cut-${one.label}`}
               onClick={() => {
-                cut.mutate([wanted(one)]);
+                cut.mutate([cutRequest(one)]);
               }}
             >
               Cut
@@ -78,7 +79,7 @@ export function FoundManeuvers({ flightId, items, onLook }: Props) {
     <>
       {cut.isError && <ProblemAlert error={cut.error} />}
       <DataTable
-        label="Maneuvers found"
+        label="Detected maneuvers"
         testId="found-maneuvers"
         columns={columns}
         rows={items}
@@ -91,7 +92,7 @@ export function FoundManeuvers({ flightId, items, onLook }: Props) {
           loading={cut.isPending}
           data-testid="cut-all"
           onClick={() => {
-            cut.mutate(left.map(wanted));
+            cut.mutate(left.map(cutRequest));
           }}
         >
           Cut all {left.length}
@@ -101,7 +102,7 @@ export function FoundManeuvers({ flightId, items, onLook }: Props) {
   );
 }
 
-const wanted = (one: FoundManeuver) => ({
+const cutRequest = (one: FoundManeuver) => ({
   label: one.label,
   start_s: one.start_s,
   stop_s: one.stop_s,

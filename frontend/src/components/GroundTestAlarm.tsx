@@ -3,7 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { groundTestsQuery } from "../api/queries";
 
-/** A word on every flight after which the structure is not what it was. */
+/** Alert on every flight after which the mini-GVT shows a structural change. */
 export function GroundTestAlarm() {
   const tests = useQuery(groundTestsQuery);
   const alarms = (tests.data ?? []).filter((test) => test.verdict === "alarm");
@@ -14,7 +14,7 @@ export function GroundTestAlarm() {
       className="alarm"
       role="alert"
       mb="md"
-      title={`Structure changed in flight ${test.flight_number}`}
+      title={`Structural change in flight ${test.flight_number}`}
       data-testid="structure-alarm"
     >
       {test.message}{" "}

@@ -4,14 +4,14 @@ import { useRouter } from "@tanstack/react-router";
 import { useEffect, useRef } from "react";
 import { healthQuery } from "../api/queries";
 
-/** Whether the server answers, and which version it is. */
+/** Connection state and version of the server. */
 export function Health() {
   const { data, isError, isPending } = useQuery(healthQuery);
   const degraded = data?.status === "degraded";
   const color = isError ? "red" : isPending ? "gray" : degraded ? "yellow" : "teal";
-  const label = isError ? "Not reachable, retrying" : isPending ? "Connecting" : data.version;
+  const label = isError ? "Reconnecting" : isPending ? "Connecting" : data.version;
   return (
-    <Tooltip label={isError ? "The server does not answer" : "Server version"}>
+    <Tooltip label={isError ? "Server not reachable" : "Server version"}>
       <Group gap={6} wrap="nowrap" role="status" data-testid="health">
         <span
           style={{
@@ -21,7 +21,7 @@ export function Health() {
             background: `var(--mantine-color-${color}-6)`,
           }}
         />
-        <Text size="xs" className="quiet numbers">
+        <Text size="xs" className="quiet numbers frame-version">
           {label}
         </Text>
       </Group>
@@ -29,7 +29,7 @@ export function Health() {
   );
 }
 
-/** What of the workbench is not well: nobody computes, or the clock is behind. */
+/** Alert on degraded parts of the workbench, such as missing workers. */
 export function Degraded() {
   const { data, isError } = useQuery(healthQuery);
   if (isError || data?.status !== "degraded") return null;
@@ -50,7 +50,7 @@ export function Degraded() {
   );
 }
 
-/** Says that the server is lost; once it answers again, what failed is asked again. */
+/** Alert on a lost connection; failed queries are repeated after the reconnection. */
 export function LostConnection() {
   const { isError } = useQuery(healthQuery);
   const cache = useQueryClient();
@@ -70,10 +70,10 @@ export function LostConnection() {
       variant="filled"
       role="alert"
       mb="md"
-      title="The server does not answer"
+      title="Server not reachable"
       data-testid="lost-connection"
     >
-      What is shown may be out of date. This page tries again by itself and goes on where it was.
+      Displayed data may be out of date. The page reconnects automatically.
     </Alert>
   );
 }

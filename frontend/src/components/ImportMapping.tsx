@@ -14,9 +14,9 @@ import { useDebouncedValue } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
 import { useState } from "react";
-import { useKeepMapping } from "../api/commands";
+import { useSaveMapping } from "../api/commands";
 import { aircraftQuery, mappingCheckQuery, mappingsQuery } from "../api/queries";
-import type { CheckedMapping, Doubt, UploadDetail } from "../api/types";
+import type { CheckedMapping, UnitWarning, UploadDetail } from "../api/types";
 import { readKey, setKey } from "../lib/mappingText";
 import { useDraft } from "../lib/useDraft";
 import { IMPORT_FORMS } from "../views";
@@ -30,12 +30,12 @@ import { Section } from "./Section";
 
 const route = getRouteApi("/import");
 
-/** The mapping of an upload: proposed, edited, checked, looked at, and carried out. */
+/** Mapping of an upload: proposal, editor, check, preview and import. */
 export function ImportMapping({ found }: { found: UploadDetail }) {
   const { form = "table", channels = [] } = route.useSearch();
   const navigate = route.useNavigate();
   const id = found.upload.id;
-  const { draft, setDraft, forget } = useDraft(`import-${id}`, { text: found.proposal.text });
+  const { draft, setDraft, discard } = useDraft(`import-${id}`, { text: found.proposal.text });
   const { text } = draft;
   const setText = (changed: string) => {
     setDraft({ text: changed });
@@ -47,7 +47,7 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
   const fine =
     current &&
     checked?.problem === null &&
-    checked.questions.length === 0 &&
+    checked.queries.length === 0 &&
     checked.guesses.length === 0;
 
   return (
@@ -55,7 +55,7 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
       <FoundFields found={found} />
       <Section
         title="Mapping"
-        note={`Proposed from ${found.proposal.origin}. It says what each column is; edits are kept in this tab.`}
+        note={`Proposed from ${found.proposal.origin}. It assigns each column; edits are stored in this tab.`}
         actions={
           <SegmentedControl
             size="xs"
@@ -118,8 +118,8 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
         <MappingPreview id={id} mapping={settled} channels={channels} />
       )}
       <Group justify="space-between" align="end">
-        <Keep text={text} usable={current && checked?.problem === null} />
-        <ImportProgress id={id} text={text} ready={fine} onImported={forget} />
+        <SaveMapping text={text} usable={current && checked?.problem === null} />
+        <ImportProgress id={id} text={text} ready={fine} onImported={discard} />
       </Group>
     </Stack>
   );
@@ -130,11 +130,11 @@ interface Edit {
   onChange: (text: string) => void;
 }
 
-/** Which aircraft and flight, and what the maneuver is called. */
+/** Aircraft, flight and label of the maneuver. */
 function Belongings({ text, onChange, found }: Edit & { found: UploadDetail }) {
   const aircraft = useQuery(aircraftQuery);
   const mappings = useQuery(mappingsQuery);
-  const kept = mappings.data ?? [];
+  const saved = mappings.data ?? [];
   const builtin = readKey(text, "aircraft", "builtin");
   return (
     <Group gap="sm" align="end">
@@ -166,18 +166,18 @@ function Belongings({ text, onChange, found }: Edit & { found: UploadDetail }) {
           }}
         />
       )}
-      {(kept.length > 0 || text !== found.proposal.text) && (
+      {(saved.length > 0 || text !== found.proposal.text) && (
         <Select
-          label="Begin with"
-          placeholder="another mapping"
+          label="Start from"
+          placeholder="mapping"
           value={null}
           data={[
-            { value: "", label: "the proposal" },
-            ...kept.map((own) => ({ value: String(own.id), label: own.name })),
+            { value: "", label: "proposal" },
+            ...saved.map((own) => ({ value: String(own.id), label: own.name })),
           ]}
           onChange={(value) => {
-            const chosen = kept.find((own) => String(own.id) === value);
-            onChange(chosen?.text ?? found.proposal.text);
+            const selected = saved.find((own) => String(own.id) === value);
+            onChange(selected?.text ?? found.proposal.text);
           }}
         />
       )}
@@ -185,55 +185,55 @@ function Belongings({ text, onChange, found }: Edit & { found: UploadDetail }) {
   );
 }
 
-/** What is wrong with the mapping, and what it is asked. */
+/** Problems of the mapping, and unit warnings to resolve. */
 function Remarks({ checked, text, onChange }: Edit & { checked: CheckedMapping }) {
-  const { problem, questions } = checked;
-  const answer = (doubt: Doubt, key: string, value: string | string[]) => {
+  const { problem, queries } = checked;
+  const resolve = (warning: UnitWarning, key: string, value: string | string[]) => {
     const nth = checked.rules.findIndex(
-      (rule) => (rule["name"] ?? rule["column"]) === doubt.channel,
+      (rule) => (rule["name"] ?? rule["column"]) === warning.channel,
     );
     if (nth >= 0) onChange(setKey(text, "channels", nth, key, value));
   };
   return (
     <>
       {problem !== null && (
-        <Alert color="red" variant="light" title="Not yet" data-testid="mapping-problem">
+        <Alert color="red" variant="light" title="Mapping incomplete" data-testid="mapping-problem">
           {problem.message}
         </Alert>
       )}
-      {questions.map((doubt) => (
+      {queries.map((warning) => (
         <Alert
-          key={doubt.channel}
+          key={warning.channel}
           color="yellow"
           variant="light"
-          title={`Is ${doubt.channel} really in ${doubt.unit}?`}
-          data-testid="mapping-question"
+          title={`Check the unit of ${warning.channel}: ${warning.unit}`}
+          data-testid="mapping-query"
         >
           <Text size="sm">
-            The size of its samples is {doubt.largest.toPrecision(4)} {doubt.unit}, which is very{" "}
-            {doubt.code === "too-large" ? "large" : "small"}.
+            The largest sample is {warning.largest.toPrecision(4)} {warning.unit}, unusually{" "}
+            {warning.code === "too-large" ? "large" : "small"}.
           </Text>
           <Group gap="xs" mt="xs">
-            {doubt.instead.slice(0, 4).map((unit) => (
+            {warning.instead.slice(0, 4).map((unit) => (
               <Button
                 key={unit}
                 size="xs"
                 variant="default"
                 onClick={() => {
-                  answer(doubt, "unit", unit);
+                  resolve(warning, "unit", unit);
                 }}
               >
-                It is in {unit}
+                Use {unit}
               </Button>
             ))}
             <Button
               size="xs"
               variant="default"
               onClick={() => {
-                answer(doubt, "confirmed", [doubt.code]);
+                resolve(warning, "confirmed", [warning.code]);
               }}
             >
-              {doubt.unit} is right
+              Confirm {warning.unit}
             </Button>
           </Group>
         </Alert>
@@ -242,15 +242,15 @@ function Remarks({ checked, text, onChange }: Edit & { checked: CheckedMapping }
   );
 }
 
-/** Keep the mapping for the next files of the same recorder. */
-function Keep({ text, usable }: { text: string; usable: boolean }) {
+/** Form that saves the mapping for further files of the same recorder. */
+function SaveMapping({ text, usable }: { text: string; usable: boolean }) {
   const [name, setName] = useState("");
-  const keep = useKeepMapping();
+  const save = useSaveMapping();
   return (
     <Stack gap={4}>
       <Group gap="xs" align="end">
         <TextInput
-          label="Keep this mapping as"
+          label="Save mapping as"
           placeholder="FTI recorder"
           value={name}
           onChange={(event) => {
@@ -260,20 +260,21 @@ function Keep({ text, usable }: { text: string; usable: boolean }) {
         <Button
           variant="default"
           disabled={name.trim() === "" || !usable}
-          loading={keep.isPending}
+          loading={save.isPending}
           onClick={() => {
-            keep.mutate({ name: name.trim(), text });
+            save.mutate({ name: name.trim(), text });
           }}
         >
-          Keep
+          {" "}
+          Save{" "}
         </Button>
-        {keep.isSuccess && (
+        {save.isSuccess && (
           <Text size="sm" className="quiet" role="status">
-            Kept; it is proposed for files that it fits.
+            Saved. The mapping is proposed for matching files.
           </Text>
         )}
       </Group>
-      {keep.isError && <ProblemAlert error={keep.error} />}
+      {save.isError && <ProblemAlert error={save.error} />}
     </Stack>
   );
 }

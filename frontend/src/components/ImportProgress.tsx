@@ -2,7 +2,7 @@ import { Alert, Button, Group, Progress, Stack, Text } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useNavigate } from "@tanstack/react-router";
 import { useEffect, useRef } from "react";
-import { useForgetUpload, useImportUpload } from "../api/commands";
+import { useDiscardUpload, useImportUpload } from "../api/commands";
 import { uploadStateQuery } from "../api/queries";
 import { ButtonLink } from "./ButtonLink";
 import { ProblemAlert } from "./ProblemAlert";
@@ -10,16 +10,16 @@ import { ProblemAlert } from "./ProblemAlert";
 interface Props {
   id: string;
   text: string;
-  /** The mapping fits and nothing is asked. */
+  /** The mapping is valid and has no open warnings. */
   ready: boolean;
   onImported: () => void;
 }
 
-/** Begins an import, follows it, and leads to what came of it. */
+/** Starts an import, shows its progress, and links to the result. */
 export function ImportProgress({ id, text, ready, onImported }: Props) {
   const state = useQuery(uploadStateQuery(id));
   const begin = useImportUpload(id);
-  const cancel = useForgetUpload(id);
+  const cancel = useDiscardUpload(id);
   const cache = useQueryClient();
   const navigate = useNavigate();
   const begun = useRef(false);
@@ -57,7 +57,7 @@ export function ImportProgress({ id, text, ready, onImported }: Props) {
             </ButtonLink>
           ) : (
             <Group gap="sm">
-              {`The whole flight was kept with ${String(upload.n_channels ?? 0)} channels.`}
+              {`The whole flight was stored with ${String(upload.n_channels ?? 0)} channels.`}
               {upload.flight_id !== null && (
                 <ButtonLink
                   size="xs"
@@ -65,7 +65,7 @@ export function ImportProgress({ id, text, ready, onImported }: Props) {
                   to="/flights/$id"
                   params={{ id: upload.flight_id }}
                 >
-                  Cut its maneuvers
+                  Cut maneuvers
                 </ButtonLink>
               )}
             </Group>
@@ -83,7 +83,7 @@ export function ImportProgress({ id, text, ready, onImported }: Props) {
       <Group justify="end" gap="sm">
         {!ready && !goesOn && (
           <Text size="sm" className="quiet">
-            Answer what is asked above first.
+            Resolve the warnings above first.
           </Text>
         )}
         {goesOn ? (

@@ -7,7 +7,7 @@ import { DataTable, type Column } from "./DataTable";
 import { ProblemAlert } from "./ProblemAlert";
 import { StateBadge } from "./RunBadge";
 
-/** Jobs with how far they are, and what can be done about each. */
+/** Jobs with their progress and actions. */
 export function JobTable({ jobs }: { jobs: Job[] }) {
   const cancel = useCancelJob();
   const retry = useRetryJob();
@@ -34,7 +34,7 @@ export function JobTable({ jobs }: { jobs: Job[] }) {
     { key: "progress", header: "Progress", render: (job) => <JobState job={job} /> },
     {
       key: "took",
-      header: "Took",
+      header: "Duration",
       numeric: true,
       render: (job) => elapsed(job.started_at, job.finished_at),
     },

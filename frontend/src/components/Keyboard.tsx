@@ -9,7 +9,7 @@ const Shortcuts = lazy(() => import("./Shortcuts"));
 
 const AFTER_G_MS = 1500;
 
-/** Ctrl-K finds anything, `?` tells the shortcuts, `g` and a letter open a view. */
+/** Help and find: Ctrl-K opens the palette, `?` the shortcuts, `g` and a letter a page. */
 export function Keyboard() {
   const [open, setOpen] = useState<"palette" | "shortcuts" | null>(null);
   const navigate = useNavigate();
@@ -31,14 +31,14 @@ export function Keyboard() {
         event.preventDefault();
         search.focus();
       } else if (event.key === "g") {
-        // A second g within the pause is the letter of a view, not a new start.
+        // A second g within the pause is the letter of a page, not a new start.
         const view = recent(wentAt.current) ? VIEWS.find((one) => one.key === "g") : undefined;
         wentAt.current = view === undefined ? Date.now() : 0;
-        if (view !== undefined) void navigate({ to: view.to });
+        if (view !== undefined) void navigate({ to: view.to, hash: view.hash });
       } else if (recent(wentAt.current)) {
         wentAt.current = 0;
         const view = VIEWS.find((one) => one.key === event.key);
-        if (view !== undefined) void navigate({ to: view.to });
+        if (view !== undefined) void navigate({ to: view.to, hash: view.hash });
       }
     };
     document.addEventListener("keydown", pressed);
@@ -52,8 +52,19 @@ export function Keyboard() {
   return (
     <>
       <UnstyledButton
+        className="frame-entry"
+        data-testid="help"
+        aria-keyshortcuts="?"
+        aria-haspopup="dialog"
+        onClick={() => {
+          setOpen("shortcuts");
+        }}
+      >
+        Help
+      </UnstyledButton>
+      <UnstyledButton
         className="frame-find"
-        aria-label="Find anything"
+        aria-label="Find"
         aria-keyshortcuts="Control+K"
         data-testid="palette-open"
         onClick={() => {

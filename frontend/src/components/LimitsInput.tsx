@@ -8,25 +8,25 @@ interface Props {
 
 /** The range of conditions: a row of limits for each quantity that is limited. */
 export function LimitsInput({ value, onChange }: Props) {
-  const chosen = QUANTITIES.filter(({ key }) => value[key] !== undefined);
+  const limited = QUANTITIES.filter(({ key }) => value[key] !== undefined);
   const others = QUANTITIES.filter(({ key }) => value[key] === undefined);
   return (
     <div className="stack" role="group" aria-label="Range of conditions">
       <Text size="xs" fw={500}>
-        For which conditions
+        Quantity
       </Text>
-      {chosen.length === 0 && (
+      {limited.length === 0 && (
         <Text size="sm" className="quiet">
           All conditions of the campaign
         </Text>
       )}
-      {chosen.map(({ key, label, unit }) => {
+      {limited.map(({ key, label, unit }) => {
         const [low, high] = value[key] ?? ["", ""];
-        const said = unit === "" ? label : `${label} [${unit}]`;
+        const caption = unit === "" ? label : `${label} [${unit}]`;
         return (
           <Group key={key} gap="xs">
             <Text size="sm" w={150}>
-              {said}
+              {caption}
             </Text>
             <TextInput
               aria-label={`${label} from`}

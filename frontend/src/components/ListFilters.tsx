@@ -15,7 +15,7 @@ export type Shared = Pick<
 >;
 
 interface Props {
-  what: "maneuvers" | "runs";
+  records: "maneuvers" | "runs";
   hint: string;
   view: Shared;
   choices: Facets["choices"] | undefined;
@@ -27,9 +27,9 @@ interface Props {
 }
 
 /** Filters with how many each choice would leave. */
-export function ListFilters({ what, hint, view, choices, onChange, onClear, children }: Props) {
+export function ListFilters({ records, hint, view, choices, onChange, onClear, children }: Props) {
   return (
-    <Group gap="sm" align="flex-end" role="search" aria-label={`Filter ${what}`}>
+    <Group gap="sm" align="flex-end" role="search" aria-label={`Filter ${records}`}>
       <FilterInput
         label="Search"
         placeholder={hint}
@@ -76,7 +76,7 @@ export function ListFilters({ what, hint, view, choices, onChange, onClear, chil
         }}
       />
       <FacetSelect
-        label={what === "runs" ? "State" : "Run state"}
+        label={records === "runs" ? "State" : "Run state"}
         width={138}
         testId="filter-state"
         choices={choices?.state}

@@ -13,9 +13,9 @@ interface Props<T> {
   children: (data: T) => ReactNode;
 }
 
-/** The three states of whatever is fetched: loading, failed, there. */
+/** Content of a query: loading, failed or fetched. */
 export function Loaded<T>({ query, rows = 4, page, children }: Props<T>) {
-  // Data that was fetched before stays when a later refresh fails; the frame says so.
+  // Data fetched before remain when a later refresh fails; the frame reports it.
   if (query.data !== undefined) return <>{children(query.data)}</>;
   const head = page !== undefined && <PageHead title={page} />;
   if (query.isError) {

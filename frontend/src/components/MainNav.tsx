@@ -1,58 +1,84 @@
 import { Menu, UnstyledButton } from "@mantine/core";
-import { Link } from "@tanstack/react-router";
-import { useLayoutEffect, useRef, useState } from "react";
-import { VIEWS } from "../views";
+import { Link, useLocation } from "@tanstack/react-router";
+import { isCurrent, MENU, SIDE_MENU, type MenuPage } from "../views";
 
-const often = VIEWS.filter((view) => !("rare" in view));
-const rare = VIEWS.filter((view) => "rare" in view);
-
-/** The views, as many as the window has room for; the others stand behind "More". */
+/** The menu in the order of the work; an entry with several pages opens a dropdown. */
 export function MainNav() {
-  const links = useRef<HTMLDivElement>(null);
-  const [room, setRoom] = useState(often.length);
-  useLayoutEffect(() => {
-    const row = links.current;
-    if (row === null) return;
-    const measure = () => {
-      // What has no room is wrapped below the header, where it is cut off.
-      const shown = [...row.children].filter(
-        (link) => link instanceof HTMLElement && link.offsetTop < row.clientHeight,
-      );
-      setRoom(shown.length);
-    };
-    const observer = new ResizeObserver(measure);
-    observer.observe(row);
-    measure();
-    return () => {
-      observer.disconnect();
-    };
-  }, []);
+  const { pathname, hash } = useLocation();
   return (
     <nav className="frame-nav" aria-label="Main">
-      <div className="frame-links" ref={links}>
-        {often.map((view, place) => (
-          <Link
-            key={view.to}
-            to={view.to}
-            activeOptions={{ exact: view.to === "/", includeSearch: false }}
-            style={place < room ? undefined : { visibility: "hidden" }}
-          >
-            {view.label}
-          </Link>
-        ))}
-      </div>
-      <Menu position="bottom-start">
-        <Menu.Target>
-          <UnstyledButton className="frame-more">More</UnstyledButton>
-        </Menu.Target>
-        <Menu.Dropdown>
-          {[...often.slice(room), ...rare].map((view) => (
-            <Menu.Item key={view.to} component={Link} to={view.to}>
-              {view.label}
-            </Menu.Item>
-          ))}
-        </Menu.Dropdown>
-      </Menu>
+      {MENU.map(({ label, pages }) =>
+        pages.length === 1 ? (
+          <PageLink key={label} page={pages[0]} label={label} />
+        ) : (
+          <Menu key={label} position="bottom-start" offset={4}>
+            <Menu.Target>
+              <UnstyledButton
+                className="frame-entry"
+                data-current={pages.some((page) => isCurrent(page, pathname, hash)) || undefined}
+                onKeyDown={(event) => {
+                  if (event.key !== "ArrowDown" || isOpen(event.currentTarget)) return;
+                  event.preventDefault();
+                  event.currentTarget.click();
+                }}
+              >
+                {label}
+                <span className="frame-caret" aria-hidden="true" />
+              </UnstyledButton>
+            </Menu.Target>
+            <Menu.Dropdown>
+              {pages.map((page) => (
+                <Menu.Item
+                  key={page.label}
+                  component={Link}
+                  to={page.to}
+                  hash={page.hash}
+                  className="frame-item"
+                  activeProps={NOT_MARKED}
+                  {...mark(page, pathname, hash)}
+                >
+                  {page.label}
+                </Menu.Item>
+              ))}
+            </Menu.Dropdown>
+          </Menu>
+        ),
+      )}
     </nav>
   );
 }
+
+/** Links at the right of the header. */
+export function SideNav() {
+  return (
+    <nav className="frame-nav" aria-label="Workbench">
+      {SIDE_MENU.map((page) => (
+        <PageLink key={page.to} page={page} label={page.label} />
+      ))}
+    </nav>
+  );
+}
+
+function PageLink({ page, label }: { page: MenuPage; label: string }) {
+  const { pathname, hash } = useLocation();
+  return (
+    <Link
+      to={page.to}
+      className="frame-entry"
+      activeProps={NOT_MARKED}
+      {...mark(page, pathname, hash)}
+    >
+      {label}
+    </Link>
+  );
+}
+
+const isOpen = (target: HTMLElement) => target.getAttribute("aria-expanded") === "true";
+
+/** The router marks links by their path alone; the menu also counts the records of a page. */
+const NOT_MARKED = { "aria-current": undefined, className: "" };
+
+const mark = (page: MenuPage, pathname: string, hash: string) =>
+  isCurrent(page, pathname, hash)
+    ? { "aria-current": "page" as const, "data-current": true }
+    : { "aria-current": undefined, "data-current": undefined };

@@ -76,7 +76,7 @@ export function ManeuverFilters({ view, choices, onChange }: Props) {
   const active = FILTERS.some((key) => view[key] !== undefined);
   return (
     <ListFilters
-      what="maneuvers"
+      records="maneuvers"
       hint="Label"
       view={view}
       choices={choices}

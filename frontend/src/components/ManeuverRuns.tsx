@@ -38,7 +38,7 @@ const columns: Column<RunItem>[] = [
   },
   {
     key: "took",
-    header: "Took",
+    header: "Duration",
     numeric: true,
     render: (run) => elapsed(run.started_at, run.finished_at),
   },

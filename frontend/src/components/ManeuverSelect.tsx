@@ -27,11 +27,11 @@ export function ManeuverSelect({ label, placeholder, disabled, onChoose }: Props
       searchValue={typed}
       onSearchChange={setTyped}
       filter={({ options }) => options} // the server has searched
-      nothingFoundMessage="No maneuver of that name"
+      nothingFoundMessage="No matching maneuver"
       value={null}
       data={items.map((one) => ({ value: String(one.id), label: one.label }))}
-      onChange={(chosen) => {
-        const id = integer(chosen);
+      onChange={(value) => {
+        const id = integer(value);
         if (id !== undefined) onChoose(id);
       }}
     />

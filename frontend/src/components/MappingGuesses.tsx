@@ -17,14 +17,14 @@ const TITLES: Record<Guess["kind"], string> = {
   condition: "Flight condition",
 };
 
-/** What was guessed, with its consequences; nothing is imported before it is confirmed. */
+/** Assumptions of the mapping and their consequences; the import requires their confirmation. */
 export function MappingGuesses({ guesses, text, onChange }: Props) {
   const kinds = [...new Set(guesses.map((guess) => guess.kind))];
   return (
     <Alert
       color="yellow"
       variant="light"
-      title="Guessed, to be confirmed before the import"
+      title="Assumptions to confirm before the import"
       data-testid="mapping-guesses"
     >
       <Stack gap="sm">
@@ -62,7 +62,7 @@ export function MappingGuesses({ guesses, text, onChange }: Props) {
                 variant="default"
                 aria-label={`Confirm: ${TITLES[kind]}`}
                 onClick={() => {
-                  onChange(own.reduce((kept, guess) => confirmPath(kept, guess.key), text));
+                  onChange(own.reduce((changed, guess) => confirmPath(changed, guess.key), text));
                 }}
               >
                 Confirm

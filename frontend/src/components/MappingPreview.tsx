@@ -15,7 +15,7 @@ interface Props {
   channels: string[];
 }
 
-/** Channels as they would be imported. */
+/** Preview of the channels as imported. */
 export function MappingPreview({ id, mapping, channels }: Props) {
   const scheme = useComputedColorScheme("light");
   const preview = useQuery(mappingPreviewQuery(id, mapping, channels));
@@ -26,8 +26,8 @@ export function MappingPreview({ id, mapping, channels }: Props) {
       title="Preview"
       note={
         channels.length === 0
-          ? "The first channels as they would be imported; tick others to draw them"
-          : "Ticked channels as they would be imported"
+          ? "First channels as imported; select others in the table to plot them"
+          : "Selected channels as imported"
       }
     >
       <div data-testid="mapping-preview" data-drawn={handle !== null && spec !== undefined}>

@@ -22,7 +22,7 @@ const word = (value: unknown) =>
 /** The channels of a mapping, one row each. */
 export function MappingTable({ checked, text, onChange, shown, onShow }: Props) {
   const rows: Row[] = checked.rules.map((rule, nth) => ({ nth, rule }));
-  const doubtful = new Set(checked.questions.map((doubt) => doubt.channel));
+  const flagged = new Set(checked.queries.map((one) => one.channel));
   const name = ({ rule }: Row) => word(rule["name"]) || word(rule["column"]);
   const made = (row: Row) => checked.channels.find((channel) => channel.name === name(row));
   const guessed = (row: Row, key: string) =>
@@ -81,7 +81,7 @@ export function MappingTable({ checked, text, onChange, shown, onShow }: Props) 
             size="xs"
             w={90}
             aria-label={`Unit of ${name(row)}`}
-            error={doubtful.has(name(row))}
+            error={flagged.has(name(row))}
             description={guessed(row, "unit")}
             inputWrapperOrder={["input", "description"]}
             value={word(row.rule["unit"])}
@@ -167,7 +167,7 @@ export function MappingTable({ checked, text, onChange, shown, onShow }: Props) 
           variant="subtle"
           color="gray"
           size="sm"
-          aria-label={`Leave out ${name(row)}`}
+          aria-label={`Exclude ${name(row)}`}
           onClick={() => {
             onChange(removeTable(text, "channels", row.nth));
           }}

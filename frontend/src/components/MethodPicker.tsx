@@ -6,7 +6,7 @@ interface Props {
   onChange: (methods: Method[]) => void;
 }
 
-/** One or several methods; each becomes a run of its own. */
+/** Selection of the methods; one run per method. */
 export function MethodPicker({ value, onChange }: Props) {
   return (
     <Group gap="sm" role="group" aria-label="Methods">

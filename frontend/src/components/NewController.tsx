@@ -1,7 +1,7 @@
 import { Button, Collapse, FileInput, Select, Stack, Textarea, TextInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
-import { useKeepController } from "../api/commands";
+import { useSaveController } from "../api/commands";
 import { aircraftQuery } from "../api/queries";
 import { ProblemAlert } from "./ProblemAlert";
 
@@ -9,17 +9,17 @@ const EXAMPLE = `{"reads": ["q"], "drives": ["wf4s"], "delay_s": 0.01,
  "transfer": {"wf4s": {"q": {"num": [0.2], "den": [0.02, 1]}}}}`;
 
 /** A controller pasted as JSON, or from a JSON or MATLAB file. */
-export function NewController({ onKept }: { onKept: (id: number) => void }) {
+export function NewController({ onSaved }: { onSaved: (id: number) => void }) {
   const aircraft = useQuery(aircraftQuery);
-  const keep = useKeepController();
+  const save = useSaveController();
   const [open, setOpen] = useState(false);
-  const [owner, setOwner] = useState<string | null>(null);
+  const [aircraftId, setAircraftId] = useState<string | null>(null);
   const [name, setName] = useState("");
   const [text, setText] = useState("");
   const [file, setFile] = useState<File | null>(null);
   const [reads, setReads] = useState("");
   const [drives, setDrives] = useState("");
-  const chosen = owner ?? String(aircraft.data?.[0]?.id ?? "");
+  const selected = aircraftId ?? String(aircraft.data?.[0]?.id ?? "");
   const matlab = file?.name.toLowerCase().endsWith(".mat") === true;
   return (
     <Stack gap="xs">
@@ -30,18 +30,18 @@ export function NewController({ onKept }: { onKept: (id: number) => void }) {
           setOpen(!open);
         }}
       >
-        Another controller
+        New controller
       </Button>
       <Collapse expanded={open}>
         <form
           onSubmit={(event) => {
             event.preventDefault();
-            keep.mutate(
-              { aircraft: Number(chosen), name, text, file, reads, drives },
+            save.mutate(
+              { aircraft: Number(selected), name, text, file, reads, drives },
               {
-                onSuccess: (kept) => {
+                onSuccess: (saved) => {
                   setOpen(false);
-                  onKept(kept.id);
+                  onSaved(saved.id);
                 },
               },
             );
@@ -55,8 +55,8 @@ export function NewController({ onKept }: { onKept: (id: number) => void }) {
                 value: String(one.id),
                 label: one.name,
               }))}
-              value={chosen === "" ? null : chosen}
-              onChange={setOwner}
+              value={selected === "" ? null : selected}
+              onChange={setAircraftId}
             />
             <TextInput
               label="Name"
@@ -78,7 +78,7 @@ export function NewController({ onKept }: { onKept: (id: number) => void }) {
             {matlab && (
               <>
                 <TextInput
-                  label="Signals read, by commas"
+                  label="Input signals, comma-separated"
                   required
                   value={reads}
                   onChange={(event) => {
@@ -86,7 +86,7 @@ export function NewController({ onKept }: { onKept: (id: number) => void }) {
                   }}
                 />
                 <TextInput
-                  label="Surfaces driven, by commas"
+                  label="Surfaces, comma-separated"
                   required
                   value={drives}
                   onChange={(event) => {
@@ -97,7 +97,7 @@ export function NewController({ onKept }: { onKept: (id: number) => void }) {
             )}
             {file === null && (
               <Textarea
-                label="Or its JSON"
+                label="JSON"
                 description="u = K y in SI and rad: A, B, C, D, laws by airspeed, or transfer functions"
                 autosize
                 minRows={6}
@@ -108,13 +108,13 @@ export function NewController({ onKept }: { onKept: (id: number) => void }) {
                 }}
               />
             )}
-            {keep.isError && <ProblemAlert error={keep.error} />}
+            {save.isError && <ProblemAlert error={save.error} />}
             <Button
               type="submit"
-              loading={keep.isPending}
-              disabled={chosen === "" || (file === null && text.trim() === "")}
+              loading={save.isPending}
+              disabled={selected === "" || (file === null && text.trim() === "")}
             >
-              Keep it
+              Save
             </Button>
           </Stack>
         </form>

@@ -5,17 +5,17 @@ import { useState } from "react";
 import { useAnalyst } from "../api/analyst";
 import { useMarkSeen } from "../api/commands";
 import { notificationsQuery } from "../api/queries";
-import type { Notifications as Told } from "../api/types";
+import type { Notifications as NotificationLists } from "../api/types";
 import { dateTime } from "../lib/format";
 
-/** What waits for me, and what changed since I looked. */
+/** Decisions awaiting action of the analyst, and changes since the last visit. */
 export function Notifications() {
   const name = useAnalyst();
-  const told = useQuery(notificationsQuery(name));
+  const notifications = useQuery(notificationsQuery(name));
   const seen = useMarkSeen();
   const [open, setOpen] = useState(false);
-  if (name === "" || told.data === undefined) return null;
-  const { waiting, changes } = told.data;
+  if (name === "" || notifications.data === undefined) return null;
+  const { waiting, changes } = notifications.data;
   const count = waiting.length + changes.length;
   const close = () => {
     setOpen(false);
@@ -33,7 +33,7 @@ export function Notifications() {
             setOpen(!open);
           }}
         >
-          {waiting.length > 0 ? `${waiting.length} waiting` : count > 0 ? "News" : "Nothing new"}
+          {waiting.length > 0 ? `${waiting.length} waiting` : count > 0 ? "News" : "No news"}
           {changes.length > 0 && (
             <Badge size="sm" ml={6} circle={changes.length < 10} variant="filled">
               {changes.length}
@@ -52,7 +52,7 @@ export function Notifications() {
                 seen.mutate(undefined);
               }}
             >
-              Mark all as seen
+              Mark all as read
             </Button>
           )}
         </Stack>
@@ -61,15 +61,19 @@ export function Notifications() {
   );
 }
 
-function Waiting({ waiting, onFollow }: Pick<Told, "waiting"> & { onFollow: () => void }) {
+function Waiting({
+  waiting,
+  onFollow,
+}: Pick<NotificationLists, "waiting"> & { onFollow: () => void }) {
   return (
     <div>
       <Text fw={600} size="sm">
-        Waiting for you
+        Awaiting action
       </Text>
       {waiting.length === 0 && (
         <Text size="sm" className="quiet">
-          Nothing
+          {" "}
+          None{" "}
         </Text>
       )}
       {waiting.map((one) => (
@@ -91,28 +95,32 @@ function Waiting({ waiting, onFollow }: Pick<Told, "waiting"> & { onFollow: () =
 
 const DONE: Record<string, string> = {
   approve: "approved",
-  "request-changes": "asked for changes of",
+  "request-changes": "requested changes to",
   reject: "rejected",
   commented: "commented on",
-  adopted: "made a baseline of",
+  adopted: "adopted as baseline",
   declined: "ended",
 };
 
-function Changes({ changes, onFollow }: Pick<Told, "changes"> & { onFollow: () => void }) {
+function Changes({
+  changes,
+  onFollow,
+}: Pick<NotificationLists, "changes"> & { onFollow: () => void }) {
   return (
     <div>
       <Text fw={600} size="sm">
-        New since you looked
+        New since last visit
       </Text>
       {changes.length === 0 && (
         <Text size="sm" className="quiet">
-          Nothing
+          {" "}
+          None{" "}
         </Text>
       )}
       {changes.map((one) => (
         <div key={`${one.subject} ${one.id} ${one.number}`}>
           <Text size="sm">
-            {one.author || "Somebody"}{" "}
+            {one.author || "Unnamed analyst"}{" "}
             {one.subject === "structure" ? `saved ${one.what} of` : (DONE[one.what] ?? one.what)}{" "}
             <Link
               to={one.subject === "structure" ? "/model-structures/$id" : "/decisions/$id"}

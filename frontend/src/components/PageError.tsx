@@ -1,7 +1,7 @@
 import { useRouter } from "@tanstack/react-router";
 import { ProblemAlert } from "./ProblemAlert";
 
-/** Stands where a page broke; the frame around it keeps working. */
+/** Error of a page, shown inside the frame. */
 export function PageError({ error, reset }: { error: unknown; reset?: () => void }) {
   const router = useRouter();
   return (

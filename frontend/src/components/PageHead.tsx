@@ -11,7 +11,7 @@ interface Props {
   actions?: ReactNode;
 }
 
-/** Where we are, what this is, what can be done with it. */
+/** Head of a page: breadcrumbs, title and actions. */
 export function PageHead({ title, trail = [], aside, actions }: Props) {
   useDocumentTitle(title === "Start" ? "flexsid" : `${title} · flexsid`);
   return (

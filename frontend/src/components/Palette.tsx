@@ -26,7 +26,7 @@ interface Found {
 
 const MOST = 8;
 
-/** Find a view, a record or a symbol by a part of its name, and go there. */
+/** Command palette: opens a page, record or symbol by a part of its name. */
 export default function Palette({ onClose }: { onClose: () => void }) {
   const [typed, setTyped] = useState("");
   const [place, setPlace] = useState(0);
@@ -56,15 +56,15 @@ export default function Palette({ onClose }: { onClose: () => void }) {
       padding={0}
       size="lg"
       yOffset="12vh"
-      aria-label="Find anything"
+      aria-label="Find"
       data-testid="palette"
     >
       <TextInput
         size="md"
         variant="unstyled"
         px="md"
-        aria-label="Find a view, record or symbol"
-        placeholder="View, maneuver, run number, structure, decision, design, symbol"
+        aria-label="Find a page, record or symbol"
+        placeholder="Page, maneuver, run number, structure, decision, design, symbol"
         leftSection={<SearchIcon />}
         data-autofocus
         data-testid="palette-text"
@@ -101,7 +101,7 @@ export default function Palette({ onClose }: { onClose: () => void }) {
         ))}
         {found.length === 0 && (
           <Text size="sm" className="quiet" p="md">
-            Nothing is called “{typed}”.
+            No match for “{typed}”.
           </Text>
         )}
       </div>
@@ -130,8 +130,8 @@ function useFound(typed: string): Found[] {
   const views = VIEWS.filter((view) => has(view.label)).map((view) => ({
     key: view.key,
     label: view.label,
-    kind: "view",
-    open: () => void navigate({ to: view.to }),
+    kind: "page",
+    open: () => void navigate({ to: view.to, hash: view.hash }),
   }));
   if (!enabled) return views;
   const named = <Item extends { id: number }>(
@@ -202,7 +202,7 @@ function useFound(typed: string): Found[] {
     ...named(
       searches.data,
       (one) => one.sentence ?? `${one.method} search ${one.id}`,
-      "search for structure",
+      "structure search",
       (id) => {
         void navigate({ to: "/search", search: { id } });
       },

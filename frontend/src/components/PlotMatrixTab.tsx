@@ -15,7 +15,7 @@ interface Meta {
   condition?: number | null;
 }
 
-/** Channels or equation-error regressors against each other, with what that costs a regression. */
+/** Plot matrix of channels or equation-error regressors, with their collinearity. */
 export function PlotMatrixTab({ maneuver, view, onChange }: ManeuverTabProps) {
   const offered = useOfferedChannels(maneuver);
   const channels = view.channels ?? named(maneuver.channels, "input");
@@ -66,11 +66,11 @@ export function PlotMatrixTab({ maneuver, view, onChange }: ManeuverTabProps) {
       </Stack>
       <div className="panel" style={{ padding: 12 }}>
         {count !== undefined && count < 2 ? (
-          <Empty title="Nothing to compare">Tick two channels or more on the left.</Empty>
+          <Empty title="No channels selected">Select two or more channels on the left.</Empty>
         ) : (
           <Figure
             kind="plot-matrix"
-            title="Against each other, with their correlation"
+            title="Plot matrix with correlations"
             params={params}
             height={760}
           />
@@ -80,7 +80,7 @@ export function PlotMatrixTab({ maneuver, view, onChange }: ManeuverTabProps) {
   );
 }
 
-/** Variance inflation of every column beside the figure, from the same answer. */
+/** Variance inflation of every column, from the response of the figure. */
 function Inflation({ params }: { params: Parameters<typeof figureQuery>[1] }) {
   const figure = useQuery(figureQuery("plot-matrix", params));
   const meta = figure.data?.layout.meta as Meta | undefined;

@@ -8,7 +8,7 @@ interface Props extends FigureEvents {
   spec: FigureSpec;
   scheme: "light" | "dark";
   height: number;
-  /** Zoom is kept while this stays the same. */
+  /** Zoom is retained while this is unchanged. */
   revision: string;
   window?: [number, number];
   onReady: (handle: PlotlyHandle) => void;
@@ -16,7 +16,7 @@ interface Props extends FigureEvents {
 
 const CONFIG = {
   displaylogo: false,
-  showSendToCloud: false, // on by default: what was flown stays here
+  showSendToCloud: false, // on by default: flight data are not uploaded
   responsive: false,
   doubleClick: "reset",
   modeBarButtonsToRemove: [
@@ -100,7 +100,7 @@ export function PlotlyCanvas({ spec, scheme, height, revision, window, ...props 
       stale = true;
     };
     // A window that is written into the address comes back as another array of the same numbers,
-    // and the revision tells of it.
+    // and the revision shows the change.
     // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [spec, scheme, height, revision]);
 

@@ -5,7 +5,7 @@ import { ApiProblem } from "../api/problem";
 import { show } from "../test/render";
 import { ProblemAlert } from "./ProblemAlert";
 
-it("says what is wrong, where, and lets one try again", async () => {
+it("shows the problem, its location and a retry button", async () => {
   const retry = vi.fn();
   const problem = new ApiProblem("Unreadable file", "Text in a number.", "unreadable-file", 422, {
     row: 17,

@@ -1,9 +1,9 @@
-import { proposalDifferences, type KeptProposal } from "../lib/proposal";
+import { proposalDifferences, type StoredProposal } from "../lib/proposal";
 import { DataTable } from "./DataTable";
 
 interface Props {
-  before: KeptProposal;
-  after: KeptProposal;
+  before: StoredProposal;
+  after: StoredProposal;
   names: [string, string];
 }
 
@@ -13,7 +13,7 @@ export function ProposalDifference({ before, after, names }: Props) {
     <DataTable
       label={`${names[0]} and ${names[1]}`}
       columns={[
-        { key: "what", header: "What", render: (one) => one.what },
+        { key: "what", header: "Item", render: (one) => one.what },
         { key: "before", header: names[0], render: (one) => one.before },
         { key: "after", header: names[1], render: (one) => one.after },
       ]}

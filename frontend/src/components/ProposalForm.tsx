@@ -31,7 +31,7 @@ interface Props {
   footer?: ReactNode;
 }
 
-/** All that a proposal says, and the evidence it points to. */
+/** Form of a proposal and its evidence. */
 export function ProposalForm({ structures, draft, onChange, onSend, ...props }: Props) {
   const name = useAnalyst();
   const [freezing, setFreezing] = useState(false);
@@ -47,10 +47,10 @@ export function ProposalForm({ structures, draft, onChange, onSend, ...props }: 
     setFreezing(true);
     setFailed(null);
     try {
-      const frozen = await Promise.all(draft.wishes.map(freezeFigure));
+      const frozen = await Promise.all(draft.requests.map(freezeFigure));
       const ids = frozen.map((one) => one.id);
-      // Frozen once: should sending fail, they are not frozen again.
-      onChange({ ...draft, wishes: [], figures: [...draft.figures, ...ids] });
+      // Frozen once: a second attempt to send does not freeze them again.
+      onChange({ ...draft, requests: [], figures: [...draft.figures, ...ids] });
       const ready = proposalOf(draft, ids);
       if ("proposal" in ready) onSend(ready.proposal);
     } catch (error) {
@@ -61,7 +61,7 @@ export function ProposalForm({ structures, draft, onChange, onSend, ...props }: 
   };
   if (name === "") {
     return (
-      <Section title="Who proposes?" note="Colleagues see this name with what you say.">
+      <Section title="Your name" note="Shown with your proposal.">
         <NameForm />
       </Section>
     );
@@ -75,7 +75,7 @@ export function ProposalForm({ structures, draft, onChange, onSend, ...props }: 
     >
       <div className="stack">
         <div className="halves">
-          <Section title="What is proposed">
+          <Section title="Proposal">
             <Stack gap="sm">
               <TextInput
                 label="Title"
@@ -96,7 +96,7 @@ export function ProposalForm({ structures, draft, onChange, onSend, ...props }: 
               />
               <VersionSelect
                 label="Changes"
-                description="The structure or version that it changes, where it is not new"
+                description="Structure or version that the proposal replaces, if any"
                 structures={structures.filter(
                   (one) => own === undefined || one.aircraft_id === own.aircraft_id,
                 )}
@@ -114,7 +114,7 @@ export function ProposalForm({ structures, draft, onChange, onSend, ...props }: 
               />
             </Stack>
           </Section>
-          <Section title="Why">
+          <Section title="Reason">
             <Stack gap="sm">
               <Textarea
                 size="xs"
@@ -183,8 +183,8 @@ function VersionSelect({
         allowDeselect={false}
         data={structures.map((one) => ({ value: String(one.id), label: one.name }))}
         value={value === null ? null : String(value.id)}
-        onChange={(chosen) => {
-          const found = structures.find((one) => one.id === integer(chosen));
+        onChange={(value) => {
+          const found = structures.find((one) => one.id === integer(value));
           onChange(found === undefined ? null : { id: found.id, version: found.version });
         }}
       />
@@ -198,8 +198,8 @@ function VersionSelect({
             label: `version ${one.version}${one.author === "" ? "" : `, ${one.author}`}`,
           }))}
           value={String(value.version)}
-          onChange={(chosen) => {
-            onChange({ id: value.id, version: integer(chosen) ?? value.version });
+          onChange={(version) => {
+            onChange({ id: value.id, version: integer(version) ?? value.version });
           }}
         />
       )}
@@ -230,22 +230,22 @@ function Evidence({ aircraftId, draft, onChange }: EvidenceProps) {
     <>
       <MultiSelect
         label="Runs"
-        description="That speak for it"
+        description="Evidence for the proposal"
         searchable
         limit={100}
         data={options}
         value={draft.runs.map(String)}
         onChange={(ids) => {
-          const chosen = ids.map(Number);
+          const selected = ids.map(Number);
           onChange({
-            runs: chosen,
+            runs: selected,
             comparisons:
-              comparison === undefined || chosen.length === 0
+              comparison === undefined || selected.length === 0
                 ? []
-                : [{ ...comparison, run_ids: chosen }],
-            wishes: draft.wishes.filter((wish) =>
-              figuresOf(linked.filter((one) => chosen.includes(one.id))).some(
-                (one) => one.query === wish.query,
+                : [{ ...comparison, run_ids: selected }],
+            requests: draft.requests.filter((specification) =>
+              figuresOf(linked.filter((one) => selected.includes(one.id))).some(
+                (one) => one.query === specification.query,
               ),
             ),
           });
@@ -273,14 +273,14 @@ function Evidence({ aircraftId, draft, onChange }: EvidenceProps) {
         label="Figures to freeze"
         description={
           draft.figures.length > 0
-            ? `Kept as they are now; ${draft.figures.length} frozen before stay`
-            : "Kept as they are now, whatever becomes of the data"
+            ? `Stored in their present state; ${draft.figures.length} frozen earlier remain`
+            : "Stored in their present state, independent of later data changes"
         }
         disabled={draft.runs.length === 0}
         data={figures.map((one) => one.title)}
-        value={draft.wishes.map((one) => one.title)}
+        value={draft.requests.map((one) => one.title)}
         onChange={(titles) => {
-          onChange({ wishes: figures.filter((one) => titles.includes(one.title)) });
+          onChange({ requests: figures.filter((one) => titles.includes(one.title)) });
         }}
       />
     </>

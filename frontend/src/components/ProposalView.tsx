@@ -19,7 +19,7 @@ interface Props {
   onDerivative: (name: string | undefined) => void;
 }
 
-/** What is proposed, for where, why, and what speaks for it. */
+/** Proposal with its range of conditions, reasoning and evidence. */
 export function ProposalView({ decision, derivative, onDerivative }: Props) {
   const aircraft = useQuery(aircraftQuery);
   const craft = aircraft.data?.find((one) => one.id === decision.aircraft_id);
@@ -52,7 +52,7 @@ export function ProposalView({ decision, derivative, onDerivative }: Props) {
             [
               "Changes",
               changes === null ? (
-                "nothing earlier"
+                "none"
               ) : (
                 <StructureLink
                   key="changes"
@@ -68,7 +68,7 @@ export function ProposalView({ decision, derivative, onDerivative }: Props) {
             ["Revision", decision.revision],
             [
               "Rules",
-              `quorum ${rules.quorum}, ${rules.own_allowed ? "own allowed" : "not one's own"}`,
+              `quorum ${rules.quorum}, ${rules.own_allowed ? "own proposals allowed" : "own proposals excluded"}`,
             ],
             [
               "Votes",
@@ -86,8 +86,8 @@ export function ProposalView({ decision, derivative, onDerivative }: Props) {
         title="Derivatives"
         note={
           changes === null
-            ? "Choose one to comment on it."
-            : "Outlined ones change. Choose one to comment on it."
+            ? "Select one to comment on it."
+            : "Outlined ones change. Select one to comment on it."
         }
       >
         <StructureGrid

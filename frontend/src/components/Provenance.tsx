@@ -7,7 +7,7 @@ import { Facts } from "./ConditionFacts";
 import { Section } from "./Section";
 import { StructureLink } from "./StructureLink";
 
-/** How this result came about: enough to get it again. */
+/** Provenance of a result, sufficient to reproduce it. */
 export function Provenance({ run }: { run: Run }) {
   const { structure, settings } = run;
   const listed = (names: readonly (string | number)[], none: string) =>
@@ -21,7 +21,7 @@ export function Provenance({ run }: { run: Run }) {
               ? []
               : [
                   [
-                    "Kept structure",
+                    "Stored model structure",
                     <StructureLink
                       key="structure"
                       name={`Structure ${run.structure_id}`}
@@ -45,7 +45,7 @@ export function Provenance({ run }: { run: Run }) {
           facts={[
             ["Start", settings.start.replaceAll("-", " ")],
             ["Band", settings.band_hz?.join(" to ") ?? "as excited", settings.band_hz ? "Hz" : ""],
-            ["Iterations at most", settings.max_iterations],
+            ["Maximum iterations", settings.max_iterations],
             ["Noise", settings.noise],
             ["Modal table", run.modal_table_id ?? "default"],
             ["Damping table", run.damping_table_id ?? "none"],
@@ -59,7 +59,7 @@ export function Provenance({ run }: { run: Run }) {
             ["Requested", dateTime(run.created_at)],
             ["Started", dateTime(run.started_at)],
             ["Finished", dateTime(run.finished_at)],
-            ["Took", elapsed(run.started_at, run.finished_at)],
+            ["Duration", elapsed(run.started_at, run.finished_at)],
             ...(run.author ? [["Author", run.author] as [string, string]] : []),
             ...Object.entries(run.versions ?? {}).map(
               ([name, version]) => [name, version] as [string, string],

@@ -7,20 +7,22 @@ const columns: Column<ChannelQuality>[] = [
   { key: "role", header: "Role", render: (one) => one.role },
   {
     key: "signal",
-    header: <span title="Median over the lines">Signal/noise</span>,
+    header: <span title="Median over all frequencies">Signal/noise</span>,
     unit: "dB",
     numeric: true,
     render: (one) => fixed(one.signal_to_noise_db, 1),
   },
   {
     key: "coherence",
-    header: <span title="With what all other sensors say">Coherence</span>,
+    header: <span title="With the signal predicted from all other sensors">Coherence</span>,
     numeric: true,
     render: (one) => fixed(one.coherence, 3),
   },
   {
     key: "excess",
-    header: <span title="Departure from the other sensors over the known noise">Excess noise</span>,
+    header: (
+      <span title="Deviation from the other sensors relative to the known noise">Excess noise</span>
+    ),
     numeric: true,
     render: (one) => fixed(one.noise_excess, 1),
   },
@@ -68,7 +70,7 @@ const columns: Column<ChannelQuality>[] = [
   },
   {
     key: "stretches",
-    header: <span title="Spikes, dropouts and saturated stretches">Artefacts</span>,
+    header: <span title="Spikes, dropouts and saturated intervals">Spikes</span>,
     numeric: true,
     render: (one) => (one.n_stretches === 0 ? "–" : <b>{one.n_stretches}</b>),
   },
@@ -81,7 +83,7 @@ const columns: Column<ChannelQuality>[] = [
   },
 ];
 
-/** Every channel that is judged, with what was found about it. */
+/** Quality figures of every checked channel. */
 export function QualityChannels({ channels }: { channels: ChannelQuality[] }) {
   return (
     <DataTable

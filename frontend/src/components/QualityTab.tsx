@@ -19,12 +19,12 @@ import { VERDICT_COLORS } from "./VerdictBadge";
 
 const TITLES = {
   good: "Good",
-  doubtful: "Doubtful: to be looked at first",
-  bad: "Bad: not to be estimated from as it is",
+  questionable: "Questionable: check first",
+  bad: "Bad: do not use for estimation",
   unchecked: "Cannot be checked",
 } as const;
 
-/** What was found about the recording: verdict, findings, channels, condition, corrections. */
+/** Quality of the recording: verdict, warnings, channels, condition, corrections. */
 export function QualityTab({ maneuver, view, onChange }: ManeuverTabProps) {
   const quality = useQuery(qualityQuery(maneuver.id));
   return (
@@ -51,16 +51,16 @@ function Found({ id, quality, shared }: FoundProps) {
         role="status"
         data-testid={`quality-${quality.verdict}`}
       >
-        {report.findings.length === 0 ? (
+        {report.warnings.length === 0 ? (
           <Text size="sm">{quality.summary}</Text>
         ) : (
           <List size="sm" spacing={2}>
             {(quality.verdict === "good" || quality.verdict === "unchecked") && (
               <List.Item>{quality.summary}</List.Item>
             )}
-            {report.findings.map((finding, place) => (
-              <List.Item key={place} fw={finding.severity === "bad" ? 600 : undefined}>
-                {finding.text}
+            {report.warnings.map((warning, place) => (
+              <List.Item key={place} fw={warning.severity === "bad" ? 600 : undefined}>
+                {warning.text}
               </List.Item>
             ))}
           </List>
@@ -87,7 +87,7 @@ function Found({ id, quality, shared }: FoundProps) {
         <Figure
           {...shared}
           kind="signal-to-noise"
-          title="Signal over noise by channel and line"
+          title="Signal-to-noise ratio by channel and frequency"
           params={{ maneuver_id: id }}
           height={140 + 15 * report.channels.filter(isHeard).length}
         />
@@ -119,19 +119,19 @@ function SkewNote({ quality }: { quality: ManeuverQuality }) {
   return `Skews against ${reference}, from ${bandOf(quality)}; ± are standard errors`;
 }
 
-/** What can be corrected from the findings, each as one recorded step, and what was. */
+/** Corrections available from the warnings, and the corrections made. */
 function Corrections({ id, quality }: { id: number; quality: ManeuverQuality }) {
   const take = useTakeCorrections(id);
   const channels = quality.report.channels;
   const offers = [
-    { label: "Undo delays", what: "delay", items: delaysOf(channels, bandOf(quality)) },
+    { label: "Correct delays", what: "delay", items: delaysOf(channels, bandOf(quality)) },
     { label: "Calibrate", what: "calibration", items: calibrationsOf(channels) },
-    { label: "Repair spikes", what: "repair", items: repairsOf(channels) },
+    { label: "Remove spikes", what: "repair", items: repairsOf(channels) },
   ].filter((offer) => offer.items.length > 0);
   return (
     <Section
       title="Corrections"
-      note="What was recorded stays as it is: a step stands beside it, and can be undone"
+      note="Recorded data are not changed; each correction is a separate step and can be undone"
       actions={
         <Group gap="xs">
           {offers.map((offer) => (

@@ -17,10 +17,10 @@ interface Meta {
   least_rank?: number;
   worst_condition?: number | null;
   n_sensors?: number;
-  left_out?: string[];
+  excluded?: string[];
 }
 
-/** Rigid and modal motion and coefficients that all sensors together tell (Fig. 16a). */
+/** Rigid and modal motion and coefficients reconstructed from all sensors (Fig. 16a). */
 export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps) {
   const domain = view.domain ?? "time";
   const params = {
@@ -36,7 +36,7 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
     shared.onWindow(null);
   };
   const first = meta.modes?.[0];
-  const chosen = view.quantities ?? (first === undefined ? ["CZ"] : ["CZ", `etaddot${first}`]);
+  const selected = view.quantities ?? (first === undefined ? ["CZ"] : ["CZ", `etaddot${first}`]);
   return (
     <div className="split">
       <Stack gap="md">
@@ -44,7 +44,7 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
           aria-label="Domain"
           data={[
             { value: "time", label: "Time" },
-            { value: "frequency", label: "Lines" },
+            { value: "frequency", label: "Frequency" },
           ]}
           value={domain}
           onChange={(value) => {
@@ -53,8 +53,8 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
         />
         <MultiSelect
           label="Quantities"
-          data={meta.offered ?? chosen}
-          value={chosen}
+          data={meta.offered ?? selected}
+          value={selected}
           searchable
           maxValues={8}
           onChange={(names) => {
@@ -63,7 +63,7 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
         />
         <TextInput
           label="Modes"
-          description="Numbers; empty takes as many as move"
+          description="Mode numbers; empty: all significant modes"
           placeholder={meta.modes?.join(", ")}
           defaultValue={view.modes?.join(", ") ?? ""}
           onBlur={(event) => {
@@ -73,11 +73,11 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
         {meta.n_motions !== undefined && (
           <Text size="xs" className="quiet" data-testid="reconstruction-rank">
             {meta.n_sensors} sensors, {meta.n_motions} motions: α, q and{" "}
-            {meta.mode_names?.join(", ")}. Rank {meta.least_rank} at every line or more, condition
-            number up to {fixed(meta.worst_condition, 0)}.
+            {meta.mode_names?.join(", ")}. Lowest rank {meta.least_rank}, largest condition number{" "}
+            {fixed(meta.worst_condition, 0)}.
           </Text>
         )}
-        {(meta.left_out ?? []).map((reason) => (
+        {(meta.excluded ?? []).map((reason) => (
           <Text size="xs" className="quiet" key={reason}>
             {reason}
           </Text>
@@ -97,7 +97,7 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
         )}
         <Figure
           kind="reconstruction"
-          title={domain === "time" ? "Smoothed by a Kalman filter" : "Line by line"}
+          title={domain === "time" ? "Smoothed by a Kalman filter" : "Reconstruction by frequency"}
           params={params}
           {...shared}
         />

@@ -7,9 +7,9 @@ interface Props {
   query?: Record<string, QueryValue>;
 }
 
-/** What a page shows, as one file to hand on. */
+/** Download of a page as one report file. */
 export function ReportMenu({ of, query }: Props) {
-  const forms = { html: "Web page, figures live", pdf: "PDF" } as const;
+  const forms = { html: "Web page with interactive figures", pdf: "PDF" } as const;
   return (
     <Menu position="bottom-end">
       <Menu.Target>

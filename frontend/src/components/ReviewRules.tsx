@@ -9,7 +9,7 @@ import { dateTime } from "../lib/format";
 import { Loaded } from "./Loaded";
 import { ProblemAlert } from "./ProblemAlert";
 
-/** How a campaign decides; a change of the rules says who and why. */
+/** Review rules of a campaign; a change is stored with author and reason. */
 export function ReviewRules({ aircraftId }: { aircraftId: number }) {
   const rules = useQuery(reviewRulesQuery(aircraftId));
   return (
@@ -54,7 +54,7 @@ function Rules({ aircraftId, history }: { aircraftId: number; history: RulesHist
           }}
         />
         <Switch
-          label="One may judge one's own proposal"
+          label="Allow votes on own proposals"
           checked={own}
           onChange={(event) => {
             setOwn(event.currentTarget.checked);
@@ -63,7 +63,7 @@ function Rules({ aircraftId, history }: { aircraftId: number; history: RulesHist
         {changed && (
           <>
             <TextInput
-              label="Why"
+              label="Reason"
               style={{ flex: 1, minWidth: 160 }}
               value={reason}
               onChange={(event) => {
@@ -84,7 +84,7 @@ function Rules({ aircraftId, history }: { aircraftId: number; history: RulesHist
       {items.map((one) => (
         <Text key={one.version} size="xs" className="quiet" mt={4}>
           {dateTime(one.created_at)} {one.author}: quorum {one.quorum},{" "}
-          {one.own_allowed ? "own allowed" : "not one's own"} ({one.reason})
+          {one.own_allowed ? "own proposals allowed" : "own proposals excluded"} ({one.reason})
         </Text>
       ))}
     </form>

@@ -2,13 +2,13 @@ import { Alert, Button, Group, Text } from "@mantine/core";
 import { useReviseDecision } from "../api/commands";
 import { ApiProblem } from "../api/problem";
 import type { Decision, ModelStructure, StaleProposal } from "../api/types";
-import { draftOf, mergedProposal, type KeptProposal, type ProposalDraft } from "../lib/proposal";
+import { draftOf, mergedProposal, type StoredProposal, type ProposalDraft } from "../lib/proposal";
 import { useDraft } from "../lib/useDraft";
 import { ProblemAlert } from "./ProblemAlert";
 import { ProposalDifference } from "./ProposalDifference";
 import { ProposalForm } from "./ProposalForm";
 
-interface Kept {
+interface Revision {
   draft: ProposalDraft;
   /** Revision that was edited. */
   revision: number;
@@ -21,39 +21,39 @@ interface Props {
   onDone: (revision?: number) => void;
 }
 
-/** Another proposal in the place of this one; who was faster is shown. */
+/** Form to revise a proposal; a conflicting revision is shown. */
 export function ReviseForm({ decision, structures, onDone }: Props) {
   const revise = useReviseDecision(decision.id);
   const {
-    draft: kept,
+    draft: revision,
     setDraft,
-    forget,
-  } = useDraft<Kept>(`flexsid.revision.${decision.id}`, {
+    discard,
+  } = useDraft<Revision>(`flexsid.revision.${decision.id}`, {
     draft: draftOf(decision.proposal),
     revision: decision.revision,
   });
   const stale = staleOf(revise.error);
-  const goOn = (proposal: KeptProposal, revision: number) => {
+  const resolve = (proposal: StoredProposal, revision: number) => {
     setDraft({ draft: draftOf(proposal), revision });
     revise.reset();
   };
   return (
     <div className="stack">
-      {stale !== null && <Conflict stale={stale} onResolve={goOn} />}
+      {stale !== null && <Conflict stale={stale} onResolve={resolve} />}
       <ProposalForm
         structures={structures}
-        draft={kept.draft}
+        draft={revision.draft}
         onChange={(draft) => {
-          setDraft({ ...kept, draft });
+          setDraft({ ...revision, draft });
         }}
         sending={revise.isPending}
-        label={`Revise revision ${kept.revision}`}
+        label={`Revise revision ${revision.revision}`}
         footer={
           <Group>
             <Button
               variant="default"
               onClick={() => {
-                forget();
+                discard();
                 onDone();
               }}
             >
@@ -64,10 +64,10 @@ export function ReviseForm({ decision, structures, onDone }: Props) {
         }
         onSend={(proposal) => {
           revise.mutate(
-            { revision: kept.revision, proposal },
+            { revision: revision.revision, proposal },
             {
               onSuccess: (made) => {
-                forget();
+                discard();
                 onDone(made.revision);
               },
             },
@@ -80,7 +80,7 @@ export function ReviseForm({ decision, structures, onDone }: Props) {
 
 interface ConflictProps {
   stale: StaleProposal;
-  onResolve: (proposal: KeptProposal, revision: number) => void;
+  onResolve: (proposal: StoredProposal, revision: number) => void;
 }
 
 function Conflict({ stale, onResolve }: ConflictProps) {
@@ -88,9 +88,9 @@ function Conflict({ stale, onResolve }: ConflictProps) {
   const mine = sent ?? base;
   const both = mergedProposal(base, current, mine);
   return (
-    <Alert color="yellow" variant="light" title="Revised by somebody else" data-testid="conflict">
+    <Alert color="yellow" variant="light" title="Revised by another analyst" data-testid="conflict">
       <Text size="sm" mb="sm">
-        {stale.detail}. Nothing of yours is lost: choose how to go on, look at the result, and send
+        {stale.detail}. Your changes are preserved. Select a resolution, check the result, and send
         it again.
       </Text>
       <div className="halves">
@@ -103,7 +103,7 @@ function Conflict({ stale, onResolve }: ConflictProps) {
       </div>
       {both.clashes.length > 0 && (
         <Text size="sm" mt="sm" c="var(--page-warn)">
-          Both changed {both.clashes.join(", ")}; together, yours stands there.
+          Both changed {both.clashes.join(", ")}; in a merge, yours is used.
         </Text>
       )}
       <Group mt="sm" gap="sm">
@@ -113,7 +113,7 @@ function Conflict({ stale, onResolve }: ConflictProps) {
             onResolve(both.proposal, revision);
           }}
         >
-          Both together
+          Merge both
         </Button>
         <Button
           variant="default"
@@ -122,7 +122,7 @@ function Conflict({ stale, onResolve }: ConflictProps) {
             onResolve(mine, revision);
           }}
         >
-          Only mine
+          Mine only
         </Button>
         <Button
           variant="default"
@@ -131,7 +131,7 @@ function Conflict({ stale, onResolve }: ConflictProps) {
             onResolve(current, revision);
           }}
         >
-          Only theirs
+          Theirs only
         </Button>
       </Group>
     </Alert>

@@ -8,7 +8,7 @@ import { ButtonLink } from "./ButtonLink";
 import { CompareLink } from "./CompareLink";
 import { ReportMenu } from "./ReportMenu";
 
-/** What can be done with a run: compare, repeat, take away. */
+/** Actions on a run: compare, repeat, export, delete. */
 export function RunActions({ run }: { run: Run }) {
   const others = useQuery(runsQuery({ maneuver_id: run.maneuver_id, state: "succeeded" }));
   const methods = latestPerMethod(others.data ?? []).filter((one) => one.method !== run.method);

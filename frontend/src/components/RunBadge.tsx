@@ -11,7 +11,7 @@ const COLORS: Record<RunState, string> = {
   cancelled: "yellow",
 };
 
-/** A run's state as color and word. */
+/** State of a run as color and text. */
 export function StateBadge({ state }: { state: RunState }) {
   return (
     <Badge
@@ -28,7 +28,7 @@ export function StateBadge({ state }: { state: RunState }) {
   );
 }
 
-/** The latest run of one method, leading to it. */
+/** Link to the latest run of one method, with its state. */
 export function RunBadge({
   method,
   run,

@@ -6,7 +6,7 @@ import { integer } from "../lib/urlState";
 import { Section } from "./Section";
 
 const START_NAMES: Record<Start, string> = {
-  best: "Likeliest of the candidates",
+  best: "Most likely candidate",
   "equation-error": "Equation error estimate",
   prediction: "Prediction",
   "residualized-prediction": "Residualized prediction",
@@ -23,12 +23,12 @@ interface Props {
   onChange: (part: Partial<RunDraft>) => void;
 }
 
-/** Which channels and lines are fitted, and where the iteration starts. */
+/** Channels, band and initial values of the fit. */
 export function RunData({ maneuver, outputs, predictions, draft, fromRun, onChange }: Props) {
   const inputs = draft.inputs.length > 0 ? draft.inputs : excitedInputs(maneuver);
   const band = bandOf(draft);
   return (
-    <Section title="Data" note="Nothing picked stands for all that the maneuver has.">
+    <Section title="Data" note="Empty selection: all channels of the maneuver.">
       <Stack gap="sm">
         <MultiSelect
           label="Inputs"
@@ -38,8 +38,8 @@ export function RunData({ maneuver, outputs, predictions, draft, fromRun, onChan
           data-testid="run-inputs"
           data={[...new Set([...excitedInputs(maneuver), ...named(maneuver.channels, "input")])]}
           value={draft.inputs}
-          onChange={(chosen) => {
-            onChange({ inputs: chosen });
+          onChange={(value) => {
+            onChange({ inputs: value });
           }}
         />
         <MultiSelect
@@ -50,8 +50,8 @@ export function RunData({ maneuver, outputs, predictions, draft, fromRun, onChan
           data-testid="run-outputs"
           data={outputs}
           value={draft.outputs}
-          onChange={(chosen) => {
-            onChange({ outputs: chosen });
+          onChange={(value) => {
+            onChange({ outputs: value });
           }}
         />
         <Group grow align="flex-start">
@@ -74,7 +74,7 @@ export function RunData({ maneuver, outputs, predictions, draft, fromRun, onChan
         <Group grow align="flex-start">
           <Select
             label="Start"
-            description="Where the iteration begins"
+            description="Initial values of the iteration"
             allowDeselect={false}
             data-testid="run-start"
             data={STARTS.filter((start) => start !== "run" || fromRun).map((start) => ({
@@ -88,7 +88,7 @@ export function RunData({ maneuver, outputs, predictions, draft, fromRun, onChan
           />
           <Select
             label="Prediction"
-            description="Used by starts and priors"
+            description="For initial values and priors"
             placeholder="none"
             clearable
             data={predictions.map((one) => ({ value: String(one.id), label: one.source }))}

@@ -8,7 +8,7 @@ import { derivativeNames } from "../lib/derivatives";
 import { draftFault, statesOf, withStates, type RunDraft } from "../lib/runDraft";
 import type { States } from "../lib/structure";
 import { integer } from "../lib/urlState";
-import { AdvancedChoices } from "./AdvancedChoices";
+import { AdvancedSettings } from "./AdvancedSettings";
 import { useUndo } from "../lib/useUndo";
 import { DerivativeChoice } from "./DerivativeChoice";
 import { Loaded } from "./Loaded";
@@ -27,13 +27,13 @@ interface Props {
   /** Whether there is an earlier run whose estimates can be the start. */
   fromRun: boolean;
   onChange: (draft: RunDraft) => void;
-  /** What stands below: count of runs, problems. */
+  /** Content below the form: number of runs, problems. */
   footer: ReactNode;
   submitting: boolean;
   onSubmit: () => void;
 }
 
-/** Every choice of a run on one page, with defaults that can be sent as they are. */
+/** All settings of a run on one page, with defaults that can be submitted. */
 export function RunForm({ maneuver, tables, predictions, draft, onChange, ...props }: Props) {
   const set = (part: Partial<RunDraft>) => {
     onChange({ ...draft, ...part });
@@ -64,7 +64,7 @@ export function RunForm({ maneuver, tables, predictions, draft, onChange, ...pro
       }}
     >
       <Stack gap="md">
-        <Section title="Method" note="Each ticked method becomes a run of its own.">
+        <Section title="Method" note="One run per selected method.">
           <MethodPicker
             value={draft.methods}
             onChange={(methods) => {
@@ -122,10 +122,7 @@ export function RunForm({ maneuver, tables, predictions, draft, onChange, ...pro
             onChange={set}
           />
         </div>
-        <Section
-          title="Derivatives"
-          note="Free ones are estimated, absent ones are zero, fixed ones are held."
-        >
+        <Section title="Derivatives" note="Free: estimated. Fixed: held at a value. Absent: zero.">
           <StructureGrid
             modes={draft.modes}
             inputs={inputs}
@@ -147,7 +144,7 @@ export function RunForm({ maneuver, tables, predictions, draft, onChange, ...pro
             />
           )}
         </Section>
-        <AdvancedChoices draft={draft} outputs={props.outputs} onChange={set} />
+        <AdvancedSettings draft={draft} outputs={props.outputs} onChange={set} />
         {props.footer}
         <Group gap="md">
           <Button

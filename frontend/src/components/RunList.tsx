@@ -81,7 +81,7 @@ const columns: Column<RunItem>[] = [
   },
   {
     key: "warnings",
-    header: "Doubts",
+    header: "Warnings",
     numeric: true,
     render: (run) => run.n_warnings ?? "",
   },
@@ -109,7 +109,7 @@ const columns: Column<RunItem>[] = [
   },
 ];
 
-/** Runs with what they were asked and how well they went. */
+/** Runs with their request, state and quality of fit. */
 export function RunList({ runs, selected, onSelect, sort, onSort }: Props) {
   const select = selectColumn(runs, selected, onSelect, (run) => `${run.method} run ${run.id}`);
   return (

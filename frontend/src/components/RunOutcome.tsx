@@ -3,7 +3,7 @@ import type { Fit, Run } from "../api/types";
 import { fixed, significant } from "../lib/format";
 import { Facts } from "./ConditionFacts";
 
-/** How the estimation ended, in a sentence, with its key figures. */
+/** Outcome of the estimation and its key figures. */
 export function RunOutcome({ run, fit }: { run: Run; fit: Fit }) {
   const values = Object.values(fit.r_squared).filter((value) => Number.isFinite(value));
   const sorted = [...values].sort((a, b) => a - b);
@@ -20,7 +20,7 @@ export function RunOutcome({ run, fit }: { run: Run; fit: Fit }) {
           ["Cost", significant(fit.cost, 6)],
           ["Iterations", fit.iterations.at(-1)?.iteration ?? 0],
           ["Parameters", fit.n_parameters],
-          ["Frequency lines", fit.n_lines],
+          ["Frequencies", fit.n_lines],
           ["Modes", run.structure.modes.join(", ") || "rigid"],
           ["Start", fit.start.replaceAll("-", " ")],
           ["Computing time", fixed(fit.seconds, 2), "s"],

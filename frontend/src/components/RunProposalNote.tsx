@@ -9,7 +9,7 @@ interface Props {
   modes: readonly number[];
 }
 
-/** The excited band, what lies in it, and what the proposed model asks of the data. */
+/** Excited band, modes in the band, and data per parameter of the proposed model. */
 export function RunProposalNote({ proposal, modes }: Props) {
   const [low = 0, high = 0] = proposal.basis.band_hz;
   const above = proposal.modes.filter((mode) => modes.includes(mode.number) && !mode.in_band);
@@ -23,7 +23,7 @@ export function RunProposalNote({ proposal, modes }: Props) {
       {above.length > 0 && (
         <Alert color="orange" variant="light" mt="sm" data-testid="above-band">
           {above.map((mode) => mode.name).join(", ")} not below the upper limit of the excited band:
-          the data hold little of that dynamics, and standard errors may be too small.
+          little information on these modes; standard errors may be too small.
         </Alert>
       )}
       {proposal.warnings.map((warning) => (

@@ -2,18 +2,18 @@ import { Button, CloseButton, Group, Popover, Stack, Text, TextInput } from "@ma
 import { useQuery } from "@tanstack/react-query";
 import { useNavigate, useRouterState } from "@tanstack/react-router";
 import { useState, type SubmitEvent } from "react";
-import { useForgetView, useSaveView } from "../api/commands";
+import { useDeleteView, useSaveView } from "../api/commands";
 import { savedViewsQuery } from "../api/queries";
 import type { SavedViewRequest } from "../api/types";
 import { ProblemAlert } from "./ProblemAlert";
 
-/** Views of this page under names, the same for everybody who uses the workbench. */
+/** Named views of this page, shared by all analysts. */
 export function SavedViews({ page }: { page: SavedViewRequest["page"] }) {
   const [open, setOpen] = useState(false);
   const [name, setName] = useState("");
   const views = useQuery(savedViewsQuery(page));
   const save = useSaveView();
-  const forget = useForgetView();
+  const remove = useDeleteView();
   const navigate = useNavigate();
   const here = useRouterState({ select: (state) => state.location });
   const submit = (event: SubmitEvent) => {
@@ -70,9 +70,9 @@ export function SavedViews({ page }: { page: SavedViewRequest["page"] }) {
                 {view.name}
               </a>
               <CloseButton
-                aria-label={`Forget the view ${view.name}`}
+                aria-label={`Delete view ${view.name}`}
                 onClick={() => {
-                  forget.mutate(view.id);
+                  remove.mutate(view.id);
                 }}
               />
             </Group>
@@ -80,7 +80,7 @@ export function SavedViews({ page }: { page: SavedViewRequest["page"] }) {
           <form onSubmit={submit}>
             <Group gap="xs" align="flex-end" wrap="nowrap">
               <TextInput
-                label="Save what is shown as"
+                label="Save current view as"
                 required
                 withAsterisk={false}
                 maxLength={200}

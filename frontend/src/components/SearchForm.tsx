@@ -16,7 +16,7 @@ interface Props {
 const USUAL_F = 20;
 const USUAL = { pse_noise: 25, draws: 30, max_iterations: 100, noise: "diagonal" } as const;
 
-/** What is searched: maneuvers, modes, method and what a term must show. */
+/** Form of a search: maneuvers, modes, method and thresholds. */
 export function SearchForm({ view, onChange }: Props) {
   const request = useRequestSearch();
   const earlier = useQuery(searchesQuery);
@@ -39,7 +39,7 @@ export function SearchForm({ view, onChange }: Props) {
           inputs: [],
           outputs: [],
           free_delays: false,
-          also_free: [],
+          extra_parameters: [],
           axis: "longitudinal",
           absent: [],
         },
@@ -68,8 +68,8 @@ export function SearchForm({ view, onChange }: Props) {
     >
       <Stack gap="md">
         <Select
-          label="Earlier searches"
-          placeholder={earlier.data?.length === 0 ? "none yet" : "open one"}
+          label="Previous searches"
+          placeholder={earlier.data?.length === 0 ? "none yet" : "select"}
           clearable
           searchable
           data-testid="earlier-searches"
@@ -82,8 +82,8 @@ export function SearchForm({ view, onChange }: Props) {
             onChange({ id: integer(id), group: undefined });
           }}
         />
-        <Chosen
-          label="Maneuvers searched together"
+        <ManeuverTags
+          label="Maneuvers"
           ids={maneuvers}
           onChange={(ids) => {
             onChange({ maneuvers: integers(ids) });
@@ -91,7 +91,7 @@ export function SearchForm({ view, onChange }: Props) {
         />
         <MultiSelect
           label="Modes"
-          description={maneuvers.length === 0 ? "Choose a maneuver first" : table?.name}
+          description={maneuvers.length === 0 ? "Select a maneuver first" : table?.name}
           data={(table?.numbers ?? [])
             .map((number, place) => ({
               value: String(number),
@@ -126,11 +126,11 @@ export function SearchForm({ view, onChange }: Props) {
           />
         ) : (
           <Select
-            label="Begin with"
+            label="Start from"
             allowDeselect={false}
             data={[
               { value: "all", label: "all terms" },
-              { value: "equation error", label: "the terms that equation error chooses" },
+              { value: "equation error", label: "terms selected by equation error" },
             ]}
             value={view.begin ?? "all"}
             onChange={(value) => {
@@ -160,8 +160,8 @@ export function SearchForm({ view, onChange }: Props) {
           4 is 95 % for one term; 20, four and a half standard errors, leaves no chance term among a
           hundred.
         </Text>
-        <Chosen
-          label="Maneuvers only predicted"
+        <ManeuverTags
+          label="Validation maneuvers"
           ids={view.unseen ?? []}
           onChange={(ids) => {
             onChange({ unseen: integers(ids) });
@@ -181,14 +181,14 @@ export function SearchForm({ view, onChange }: Props) {
   );
 }
 
-interface ChosenProps {
+interface ManeuverTagsProps {
   label: string;
   ids: number[];
   onChange: (ids: number[]) => void;
 }
 
 /** Maneuvers by their labels, one added at a time. */
-function Chosen({ label, ids, onChange }: ChosenProps) {
+function ManeuverTags({ label, ids, onChange }: ManeuverTagsProps) {
   const known = useQueries({ queries: ids.map((id) => maneuverQuery(id)) });
   return (
     <div>

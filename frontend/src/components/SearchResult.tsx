@@ -15,14 +15,14 @@ interface Props {
   onGroup: (group: string) => void;
 }
 
-/** A search: how far it is, or what it found. */
+/** Progress or result of a search. */
 export function SearchResult({ search, group, onGroup }: Props) {
   const result = search.result;
   if (!isOver(search.state)) return <Under search={search} />;
   if (result === null) {
     return (
       <Alert color="red.9" variant="filled" role="alert" title={`The search has ${search.state}`}>
-        {search.error?.message ?? "It found nothing."}
+        {search.error?.message ?? "No candidates."}
       </Alert>
     );
   }
@@ -61,7 +61,7 @@ function Under({ search }: { search: StructureSearch }) {
     <div className="panel" style={{ padding: 16 }} data-testid="search-progress">
       <Group justify="space-between" mb={6}>
         <Text size="sm" aria-live="polite">
-          {search.state === "queued" ? "Waiting for the search before" : progress?.message}
+          {search.state === "queued" ? "Queued" : progress?.message}
         </Text>
         <Button
           variant="default"
@@ -103,8 +103,8 @@ function Candidates({ search, result }: CandidatesProps) {
         note: `${result.sentence} Candidate: ${one.why}`,
       },
       {
-        onSuccess: (kept) =>
-          void navigate({ to: "/model-structures/$id", params: { id: kept.id } }),
+        onSuccess: (stored) =>
+          void navigate({ to: "/model-structures/$id", params: { id: stored.id } }),
       },
     );
   };
@@ -134,7 +134,7 @@ function Candidates({ search, result }: CandidatesProps) {
     { key: "terms", header: "Terms", numeric: true, render: ({ one }) => one.n_terms },
     {
       key: "predictive",
-      header: "Predicts worse by",
+      header: "Predictive loss",
       unit: "−ln L",
       numeric: true,
       render: ({ one }) =>
@@ -143,12 +143,12 @@ function Candidates({ search, result }: CandidatesProps) {
     { key: "bic", header: "BIC", numeric: true, render: ({ one }) => significant(one.bic, 7) },
     {
       key: "ratio",
-      header: "Likelihood ratio (foretold)",
+      header: "Likelihood ratio (predicted)",
       numeric: true,
       render: ({ one }) =>
         one.likelihood_ratio === null
           ? "–"
-          : `${fixed(one.likelihood_ratio, 1)} (${fixed(one.foretold, 1)})`,
+          : `${fixed(one.likelihood_ratio, 1)} (${fixed(one.predicted_ratio, 1)})`,
     },
     {
       key: "flutter",
@@ -158,7 +158,7 @@ function Candidates({ search, result }: CandidatesProps) {
       render: ({ one }) => (
         <span title={one.flutter}>
           {one.flutter_m_s === null
-            ? "none in sight"
+            ? "none"
             : `${fixed(one.flutter_m_s, 2)} ± ${fixed(2 * (one.flutter_std_m_s ?? 0), 2)}`}
         </span>
       ),
@@ -184,23 +184,20 @@ function Candidates({ search, result }: CandidatesProps) {
           <Button
             size="compact-xs"
             variant="default"
-            data-testid={`keep-candidate-${String(place)}`}
+            data-testid={`open-candidate-${String(place)}`}
             loading={add.isPending}
             onClick={() => {
               makeStructure(one);
             }}
           >
-            Make a structure of it
+            Create model structure
           </Button>
         </Group>
       ),
     },
   ];
   return (
-    <Section
-      title="Candidates"
-      note="In the order of their likelihood on lines they were not fitted to"
-    >
+    <Section title="Candidates" note="Ordered by likelihood at validation frequencies">
       <DataTable
         label="Candidates"
         testId="candidates"
@@ -233,7 +230,7 @@ function Shown({ search, group }: { search: StructureSearch; group: TermGroup })
       </div>
       <Section
         title={`Terms of ${group.name}`}
-        note={`R² ${fixed(group.r_squared, 4)}, predicted squared error ${significant(group.pse, 4)} noise variances, BIC ${significant(group.bic, 7)}. A term that was not chosen shows the value it would take as the next to enter.`}
+        note={`R² ${fixed(group.r_squared, 4)}, predicted squared error ${significant(group.pse, 4)} noise variances, BIC ${significant(group.bic, 7)}. An unselected term shows its value if entered next.`}
       >
         <DataTable
           label={`Terms of ${group.name}`}
@@ -241,12 +238,12 @@ function Shown({ search, group }: { search: StructureSearch; group: TermGroup })
           columns={TERM_COLUMNS}
           rows={group.terms}
           rowKey={(term) => term.name}
-          isSelected={(term) => term.chosen}
+          isSelected={(term) => term.selected}
           maxHeight={520}
         />
       </Section>
       <Section
-        title="Path step by step"
+        title="Selection path"
         note={`F to enter ${fixed(search.settings.f_in, 1)}, to stay ${fixed(search.settings.f_out, 1)}`}
       >
         <DataTable
@@ -261,7 +258,7 @@ function Shown({ search, group }: { search: StructureSearch; group: TermGroup })
       {group.dependencies.length > 0 && (
         <Section
           title="Nearly dependent terms"
-          note="Condition index of a direction in which terms nearly cancel, and the share of each term's variance that it makes; from 30 on it is strong"
+          note="Condition index and variance proportions of each near dependency; strong from 30"
         >
           <DataTable
             label="Nearly dependent terms"
@@ -278,7 +275,7 @@ function Shown({ search, group }: { search: StructureSearch; group: TermGroup })
 
 const TERM_COLUMNS: Column<TermGroup["terms"][number]>[] = [
   { key: "name", header: "Term", render: (term) => <DerivativeName name={term.name} /> },
-  { key: "chosen", header: "Chosen", render: (term) => (term.chosen ? "yes" : "no") },
+  { key: "selected", header: "Selected", render: (term) => (term.selected ? "yes" : "no") },
   {
     key: "value",
     header: "Value",

@@ -8,7 +8,7 @@ interface Props {
   children: ReactNode;
 }
 
-/** A titled sheet. */
+/** Panel with a title. */
 export function Section({ title, note, actions, children }: Props) {
   return (
     <section className="panel" style={{ padding: "12px 16px 16px" }} aria-label={title}>

@@ -100,7 +100,7 @@ export function ShapeCanvas({ shape, scale, playing, camera, onCamera, height = 
     event.preventDefault();
     onCamera({ ...camera, ...change });
   };
-  const told = hover === null ? undefined : shape.sensors[hover.sensor];
+  const sensor = hover === null ? undefined : shape.sensors[hover.sensor];
   return (
     <div style={{ position: "relative" }}>
       <canvas
@@ -127,7 +127,7 @@ export function ShapeCanvas({ shape, scale, playing, camera, onCamera, height = 
         }}
         onKeyDown={turn}
       />
-      {told !== undefined && hover !== null && (
+      {sensor !== undefined && hover !== null && (
         <div
           className="panel"
           role="status"
@@ -140,9 +140,9 @@ export function ShapeCanvas({ shape, scale, playing, camera, onCamera, height = 
             pointerEvents: "none",
           }}
         >
-          <strong>{told.sensor}</strong> {told.kind}, {told.axis}
-          <div>φ = ({told.phi_m.map(short).join(", ")}) m</div>
-          <div>ν = ({told.nu_rad.map(short).join(", ")}) rad</div>
+          <strong>{sensor.sensor}</strong> {sensor.kind}, {sensor.axis}
+          <div>φ = ({sensor.phi_m.map(short).join(", ")}) m</div>
+          <div>ν = ({sensor.nu_rad.map(short).join(", ")}) rad</div>
         </div>
       )}
     </div>

@@ -2,17 +2,22 @@ import { Kbd, Modal, Table } from "@mantine/core";
 import { VIEWS } from "../views";
 
 const SHORTCUTS: readonly (readonly [readonly string[], string])[] = [
-  [["Ctrl", "K"], "Find a view, maneuver, run or symbol"],
+  [["Ctrl", "K"], "Find a page, maneuver, run or symbol"],
   [["?"], "Show these shortcuts"],
   [["/"], "Search in the list of the page"],
   [["Esc"], "Close a dialog or menu"],
   ...VIEWS.map((view) => [["g", view.key], `Open ${view.label}`] as const),
 ];
 
-/** What the keyboard does. */
+/** Table of keyboard shortcuts. */
 export default function Shortcuts({ onClose }: { onClose: () => void }) {
   return (
-    <Modal opened onClose={onClose} title="Keyboard" closeButtonProps={{ "aria-label": "Close" }}>
+    <Modal
+      opened
+      onClose={onClose}
+      title="Keyboard shortcuts"
+      closeButtonProps={{ "aria-label": "Close" }}
+    >
       <Table data-testid="shortcuts">
         <Table.Tbody>
           {SHORTCUTS.map(([keys, what]) => (

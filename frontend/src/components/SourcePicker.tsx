@@ -19,7 +19,7 @@ const BASELINE = "baseline";
 
 const without = (ids: number[] | undefined, id: number) => (ids ?? []).filter((one) => one !== id);
 
-/** What is compared: predictions, and runs of any maneuver. */
+/** Selection of the compared sources: predictions, and runs of any maneuver. */
 export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
   const predictions = useQuery(predictionsQuery());
   const baselines = useInfiniteQuery(runListQuery({ tag: BASELINE, state: "succeeded" }, "-id"));
@@ -36,7 +36,7 @@ export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
         </Text>
         {sources.length === 0 && (
           <Text size="xs" className="quiet">
-            Nothing yet
+            None selected
           </Text>
         )}
         {sources.map((source) => (
@@ -49,7 +49,7 @@ export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
             {(source.run_id === null || source.prediction_id === null) && (
               <CloseButton
                 size="md"
-                aria-label={`Take out ${source.label}`}
+                aria-label={`Remove ${source.label}`}
                 onClick={() => {
                   if (source.run_id !== null) toggle("runs", source.run_id, false);
                   if (source.prediction_id !== null) {
@@ -115,7 +115,7 @@ export function SourcePicker({ view, sources, maneuverIds, onChange }: Props) {
   );
 }
 
-/** A pinned run is offered in every comparison; the tag says so in the list of runs too. */
+/** Pin of a run: offered in every comparison, and shown as a tag in the list of runs. */
 function Pin({ runId, pinned }: { runId: number; pinned: boolean }) {
   const change = useChangeMany("runs");
   return (
@@ -176,19 +176,19 @@ function ManeuverSelect({ value, onChange }: SelectProps) {
   const options = (found.data?.pages ?? []).flatMap((page) =>
     page.items.map((one) => ({ value: String(one.id), label: one.label })),
   );
-  const chosen = value === undefined ? null : String(value);
-  if (chosen !== null && !options.some((option) => option.value === chosen)) {
-    options.push({ value: chosen, label: `Maneuver ${chosen}` });
+  const selected = value === undefined ? null : String(value);
+  if (selected !== null && !options.some((option) => option.value === selected)) {
+    options.push({ value: selected, label: `Maneuver ${selected}` });
   }
   return (
     <Select
       label="Runs of"
-      placeholder="Choose a maneuver"
+      placeholder="Select a maneuver"
       searchable
       data={options}
-      value={chosen}
+      value={selected}
       onSearchChange={(text) => {
-        // Mantine reports the chosen label too; that is not a search.
+        // Mantine also reports the selected label; that is not a search.
         setTyped(options.some((option) => option.label === text) ? "" : text);
       }}
       onChange={(id) => {

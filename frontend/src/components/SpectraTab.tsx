@@ -8,7 +8,7 @@ import { Figure } from "./Figure";
 import { useOfferedChannels } from "./useOfferedChannels";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 
-/** Fourier magnitudes, each line colored by the input that owns its frequency. */
+/** Fourier magnitudes, colored by the excited input of each harmonic. */
 export function SpectraTab({ maneuver, view, onChange }: ManeuverTabProps) {
   const offered = useOfferedChannels(maneuver);
   const inputs = excitedInputs(maneuver).slice(0, 1);
@@ -39,7 +39,7 @@ export function SpectraTab({ maneuver, view, onChange }: ManeuverTabProps) {
       </Stack>
       <div className="panel" style={{ padding: 12 }}>
         {channels.length === 0 ? (
-          <Empty title="No channel picked">Tick one or more on the left.</Empty>
+          <Empty title="No channel selected">Select one or more on the left.</Empty>
         ) : (
           <>
             <BandBar

@@ -8,23 +8,23 @@ interface Props {
   stale: StaleStructure;
   mine: Structure;
   surfaces: readonly string[];
-  /** Goes on with this structure on top of the newest version. */
+  /** Continues with this structure on top of the newest version. */
   onResolve: (structure: Structure) => void;
 }
 
-/** A colleague saved first: both changes side by side, and three ways on. */
+/** Conflict of two edits: both changes side by side, and three resolutions. */
 export function StructureConflict({ stale, mine, surfaces, onResolve }: Props) {
   const { base, current } = stale;
   const theirs = differences(base.structure, current.structure, surfaces);
   const own = differences(base.structure, mine, surfaces);
   const both = merged(base.structure, current.structure, mine, surfaces);
   return (
-    <Alert color="yellow" variant="light" title="Changed by somebody else" data-testid="conflict">
+    <Alert color="yellow" variant="light" title="Changed by another analyst" data-testid="conflict">
       <Text size="sm" mb="sm">
         You edited version {base.version}; {current.author || "somebody"} saved version{" "}
         {current.version} at {dateTime(current.created_at)}
-        {current.note !== "" && <> (“{current.note}”)</>}. Nothing of yours is lost: choose how to
-        go on, look at the result, and save.
+        {current.note !== "" && <> (“{current.note}”)</>}. Your changes are preserved. Select a
+        resolution, check the result, and save.
       </Text>
       <div className="halves">
         <Stack gap={4}>
@@ -46,7 +46,7 @@ export function StructureConflict({ stale, mine, surfaces, onResolve }: Props) {
       </div>
       {both.clashes.length > 0 && (
         <Text size="sm" mt="sm" c="var(--page-warn)">
-          Both changed {both.clashes.join(", ")}; together, yours stands there.
+          Both changed {both.clashes.join(", ")}; in a merge, yours is used.
         </Text>
       )}
       <Group mt="sm" gap="sm">
@@ -56,7 +56,7 @@ export function StructureConflict({ stale, mine, surfaces, onResolve }: Props) {
             onResolve(both.structure);
           }}
         >
-          Both together
+          Merge both
         </Button>
         <Button
           variant="default"
@@ -65,7 +65,7 @@ export function StructureConflict({ stale, mine, surfaces, onResolve }: Props) {
             onResolve(mine);
           }}
         >
-          Only mine
+          Mine only
         </Button>
         <Button
           variant="default"
@@ -74,7 +74,7 @@ export function StructureConflict({ stale, mine, surfaces, onResolve }: Props) {
             onResolve(current.structure);
           }}
         >
-          Only theirs
+          Theirs only
         </Button>
       </Group>
     </Alert>

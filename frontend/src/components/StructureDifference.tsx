@@ -15,14 +15,14 @@ export function StructureDifference({ found, before, after }: Props) {
   if (found.length === 0) {
     return (
       <Text size="sm" className="quiet" data-testid="structure-difference">
-        {before} and {after} say the same.
+        {before} and {after} are identical.
       </Text>
     );
   }
   const columns: Column<Difference>[] = [
     {
       key: "what",
-      header: "What",
+      header: "Item",
       render: (one) =>
         parseDerivative(one.what) === null ? one.what : <DerivativeName name={one.what} />,
     },

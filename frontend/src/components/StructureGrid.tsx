@@ -140,14 +140,14 @@ export function StructureGrid(props: Props) {
                   const name = `${row}_${column}`;
                   const state = stateOf(states, name);
                   const was = before?.(name);
-                  const said = `${name}: ${stateText(states, name)}`;
+                  const text = `${name}: ${stateText(states, name)}`;
                   return (
                     <td key={column} role="gridcell" aria-selected={name === current}>
                       <button
                         type="button"
                         className="cell"
-                        aria-label={was === undefined ? said : `${said}, before: ${was}`}
-                        title={was === undefined ? said : `${said}\nbefore: ${was}`}
+                        aria-label={was === undefined ? text : `${text}, before: ${was}`}
+                        title={was === undefined ? text : `${text}\nbefore: ${was}`}
                         data-name={name}
                         data-state={state}
                         data-differs={was !== undefined}

@@ -46,8 +46,8 @@ export function StructureParts({ structure, aircraft, tables, readOnly, onChange
           readOnly={readOnly}
           data={numbers.map((mode) => ({ value: String(mode), label: nameOf(mode) }))}
           value={structure.modes.map(String)}
-          onChange={(chosen) => {
-            const modes = numbers.filter((mode) => chosen.includes(String(mode)));
+          onChange={(value) => {
+            const modes = numbers.filter((mode) => value.includes(String(mode)));
             onChange(resized(structure, { modes }, surfaces));
           }}
         />
@@ -76,12 +76,14 @@ export function StructureParts({ structure, aircraft, tables, readOnly, onChange
       <div className="stack">
         <TagsInput
           size="xs"
-          label="Further free quantities"
+          label="Extra parameters"
           readOnly={readOnly}
-          placeholder={structure.also_free.length === 0 ? "none, e.g. delay_q, omega_7" : undefined}
-          value={structure.also_free}
-          onChange={(also_free) => {
-            set({ also_free });
+          placeholder={
+            structure.extra_parameters.length === 0 ? "none, e.g. delay_q, omega_7" : undefined
+          }
+          value={structure.extra_parameters}
+          onChange={(extra_parameters) => {
+            set({ extra_parameters });
           }}
         />
         <Switch
@@ -138,14 +140,14 @@ function Instruments({ structure, channels, instruments, readOnly, onChange }: I
             value={
               channel in structure.instruments ? (structure.instruments[channel] ?? NONE) : AS_USUAL
             }
-            onChange={(chosen) => {
+            onChange={(value) => {
               const others = without(structure.instruments, channel);
               onChange({
                 instruments:
-                  chosen === AS_USUAL
+                  value === AS_USUAL
                     ? others
-                    : { ...others, [channel]: chosen === NONE ? null : chosen },
-                // The channel stays listed until it is taken away.
+                    : { ...others, [channel]: value === NONE ? null : value },
+                // The channel remains listed until it is removed.
                 delays: { [channel]: 0, ...structure.delays },
               });
             }}

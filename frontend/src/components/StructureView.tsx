@@ -29,7 +29,7 @@ interface Props {
   aircraft: Aircraft;
   tables: ModalTable[];
   structure: Structure;
-  /** What is shown, in words: `version 2`, `your draft`. */
+  /** Name of the displayed version: `version 2`, `your draft`. */
   title: string;
   readOnly: boolean;
   onChange: (structure: Structure) => void;
@@ -71,13 +71,13 @@ export function StructureView(props: Props) {
         title="Derivatives"
         note={
           run.data === undefined
-            ? "Free ones are estimated, absent ones are zero, fixed ones are held."
+            ? "Free: estimated. Fixed: held at a value. Absent: zero."
             : `Value, σ, σ in percent and partial F of ${run.data.method} run ${run.data.id}.`
         }
         actions={
           <Group gap="sm">
             <Select
-              aria-label="Run whose numbers are shown"
+              aria-label="Run of the displayed numbers"
               placeholder="No run of this structure yet"
               w={230}
               data={runOptions(done, run.data)}
@@ -144,7 +144,7 @@ export function StructureView(props: Props) {
       >
         {other === undefined ? (
           <Text size="sm" className="quiet">
-            Choose another structure or version to compare with.
+            Select another structure or version to compare with.
           </Text>
         ) : (
           <StructureDifference
@@ -213,8 +213,8 @@ function OtherSelect({ record, versions, view, onChange }: OtherProps) {
           ? null
           : `${view.against} ${view.against_version ?? versions.at(-1)?.version ?? 1}`
       }
-      onChange={(chosen) => {
-        const [against, version] = (chosen ?? "").split(" ");
+      onChange={(value) => {
+        const [against, version] = (value ?? "").split(" ");
         onChange({ against: integer(against), against_version: integer(version) });
       }}
     />

@@ -26,7 +26,7 @@ const COLUMNS: Column<TargetMode>[] = [
 
 interface Props {
   design: Design;
-  /** Whose modes; the first aircraft where undefined. */
+  /** Aircraft of the modes; the first one where undefined. */
   aircraft: number | undefined;
   onChange: (aircraft: number | undefined) => void;
 }
@@ -34,8 +34,8 @@ interface Props {
 /** The band of a design against the structural modes that it is to excite. */
 export function TargetModesPart({ design, aircraft, onChange }: Props) {
   const known = useQuery(aircraftQuery);
-  const chosen = aircraft ?? known.data?.[0]?.id;
-  const targets = useQuery(targetModesQuery(design.id, chosen));
+  const selected = aircraft ?? known.data?.[0]?.id;
+  const targets = useQuery(targetModesQuery(design.id, selected));
   return (
     <Section title="Target modes" note="Frequencies of the modal table, over all fuel weights">
       {known.data?.length === 0 ? (
@@ -48,7 +48,7 @@ export function TargetModesPart({ design, aircraft, onChange }: Props) {
             w={300}
             allowDeselect={false}
             data={(known.data ?? []).map((one) => ({ value: String(one.id), label: one.name }))}
-            value={chosen === undefined ? null : String(chosen)}
+            value={selected === undefined ? null : String(selected)}
             onChange={(id) => {
               onChange(id === null ? undefined : Number(id));
             }}

@@ -8,18 +8,18 @@ import { ProblemAlert } from "./ProblemAlert";
 
 interface Props {
   task: Task;
-  /** Called once with the id of what was made. */
+  /** Called once with the id of the created record. */
   onMade?: (made: number) => void;
-  /** Called once when the task is done, whether it made something or not. */
+  /** Called once when the task is done, with or without a created record. */
   onDone?: () => void;
 }
 
-/** Follows a task to its end; it can be cancelled. */
+/** Progress of a task, with a button to cancel it. */
 export function TaskProgress({ task, onMade, onDone }: Props) {
   const now = useQuery(taskQuery(task));
   const cancel = useCancelTask();
   const state = now.data.state;
-  const made = now.data.made;
+  const made = now.data.result_id;
   const goesOn = state === "waiting" || state === "running";
   useEffect(() => {
     if (state !== "done") return;
@@ -32,20 +32,20 @@ export function TaskProgress({ task, onMade, onDone }: Props) {
     <div data-testid="task-progress">
       {now.isError && <ProblemAlert error={now.error} />}
       {state === "failed" && (
-        <Alert color="red" variant="light" title="Nothing was kept">
+        <Alert color="red" variant="light" title="Nothing was stored">
           {now.data.message}
         </Alert>
       )}
       {state === "cancelled" && (
         <Alert color="yellow" variant="light">
-          Cancelled; nothing was kept.
+          Cancelled; nothing was stored.
         </Alert>
       )}
       {goesOn && !now.isError && (
         <>
           <Group justify="space-between" mb={6}>
             <Text size="sm" className="numbers" aria-live="polite">
-              {state === "waiting" ? "Waiting for what is under way" : now.data.message}
+              {state === "waiting" ? "Queued" : now.data.message}
             </Text>
             <Button
               variant="default"

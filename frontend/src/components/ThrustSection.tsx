@@ -20,7 +20,7 @@ export function ThrustSection({ aircraft }: { aircraft: Aircraft }) {
       note={
         thrust
           ? `Of one engine, in N; channels ${thrust.engines.join(", ")}. ${thrust.source}`
-          : "Without a table, thrust is what was recorded, or balances the drag."
+          : "Without a table, thrust is the recorded thrust, or equals the drag."
       }
       actions={
         <Button
@@ -82,7 +82,7 @@ function ThrustRows({ table }: { table: ThrustTable }) {
 
 function ThrustForm({ aircraft, onDone }: { aircraft: Aircraft; onDone: () => void }) {
   const known = aircraft.thrust;
-  const keep = useSetThrust();
+  const save = useSetThrust();
   const remove = useRemoveThrust();
   const [text, setText] = useState(known ? asText(known) : "");
   const [engines, setEngines] = useState(known?.engines.join(", ") ?? "engine_speed");
@@ -92,7 +92,7 @@ function ThrustForm({ aircraft, onDone }: { aircraft: Aircraft; onDone: () => vo
     <form
       onSubmit={(event) => {
         event.preventDefault();
-        keep.mutate(
+        save.mutate(
           {
             id: aircraft.id,
             table: {
@@ -155,16 +155,16 @@ function ThrustForm({ aircraft, onDone }: { aircraft: Aircraft; onDone: () => vo
           }}
         />
         <Text size="xs" className="quiet">
-          What is cut or imported from now on takes its thrust from it; maneuvers keep theirs.
+          Applied to maneuvers cut or imported from now on; existing maneuvers are unchanged.
         </Text>
-        {keep.isError && <ProblemAlert error={keep.error} />}
+        {save.isError && <ProblemAlert error={save.error} />}
         {remove.isError && <ProblemAlert error={remove.error} />}
         <Group>
-          <Button type="submit" loading={keep.isPending}>
-            Keep it
+          <Button type="submit" loading={save.isPending}>
+            Save
           </Button>
           <Button variant="default" onClick={onDone}>
-            Leave it
+            Cancel
           </Button>
           {known && (
             <Button
@@ -175,7 +175,7 @@ function ThrustForm({ aircraft, onDone }: { aircraft: Aircraft; onDone: () => vo
                 remove.mutate(aircraft.id, { onSuccess: onDone });
               }}
             >
-              Take the table away
+              Delete table
             </Button>
           )}
         </Group>
@@ -184,7 +184,7 @@ function ThrustForm({ aircraft, onDone }: { aircraft: Aircraft; onDone: () => vo
   );
 }
 
-/** A kept table as it could have been written. */
+/** A stored table as text of the form. */
 function asText(table: ThrustTable): string {
   const head = ["rpm", ...table.total_temperature_k.map((kelvin) => String(kelvin))];
   const rows = table.engine_speed_rad_s.map((speed, row) => [

@@ -28,7 +28,7 @@ export function TimeHistoryTab({ maneuver, view, onChange }: ManeuverTabProps) {
       />
       <div className="panel" style={{ padding: 12 }}>
         {channels.length === 0 ? (
-          <Empty title="No channel picked">Tick one or more on the left.</Empty>
+          <Empty title="No channel selected">Select one or more on the left.</Empty>
         ) : (
           <Figure
             kind="time-history"

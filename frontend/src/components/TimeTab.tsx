@@ -14,7 +14,7 @@ export function TimeTab({ run, view, onChange }: RunTabProps) {
   const maneuvers = (all.data?.pages ?? [])
     .flatMap((page) => page.items)
     .filter((one) => one.aircraft_id === own.data?.aircraft_id);
-  // Equation error keeps coefficients, not outputs: its model has the usual ones.
+  // Equation error stores coefficients, not outputs: its model has the usual outputs.
   const outputs = run.method === "EE" ? [] : (run.blocks[0]?.outputs ?? []);
   const shared = overTime(view, onChange);
   return (
@@ -22,7 +22,7 @@ export function TimeTab({ run, view, onChange }: RunTabProps) {
       <Stack gap="sm">
         <Select
           label="Recording"
-          description="Any maneuver of the aircraft; another one cross-checks the model"
+          description="Maneuver of the aircraft; select another one for validation"
           data={maneuvers.map((one) => ({ value: String(one.id), label: one.label }))}
           value={String(view.against ?? run.maneuver_id)}
           allowDeselect={false}
@@ -46,8 +46,8 @@ export function TimeTab({ run, view, onChange }: RunTabProps) {
           />
         )}
         <Text size="xs" className="quiet">
-          The whole recorded band is compared, also above the lines that were fitted. Beyond flutter
-          the response shown is the one that stays bounded, as the closed loop flew it.
+          The whole recorded band is compared, also above the fitted band. Beyond flutter the
+          bounded response of the closed loop is shown.
         </Text>
       </Stack>
       <div className="panel" style={{ padding: 12 }}>

@@ -4,14 +4,14 @@ import { tint } from "../lib/tint";
 
 export const VERDICT_COLORS: Record<Verdict, string> = {
   good: "green",
-  doubtful: "yellow",
+  questionable: "yellow",
   bad: "red",
   unchecked: "gray",
 };
 
-/** Whether a maneuver may be estimated from; the word says it, the color only helps. */
+/** Verdict on the data quality of a maneuver. */
 export function VerdictBadge({ verdict }: { verdict: Verdict | null }) {
-  if (verdict === null) return <span className="quiet">not looked at</span>;
+  if (verdict === null) return <span className="quiet">not checked</span>;
   return (
     <Badge
       bg={tint(VERDICT_COLORS[verdict])}

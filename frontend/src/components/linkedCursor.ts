@@ -7,7 +7,7 @@ interface Axis {
   p2d: (pixels: number) => number;
 }
 
-/** What plotly keeps of a drawn figure. */
+/** Layout of a drawn plotly figure. */
 type Drawn = HTMLElement & {
   _fullLayout?: { xaxis?: Axis; _size?: { t: number; h: number } };
 };

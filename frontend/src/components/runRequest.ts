@@ -21,40 +21,40 @@ import {
 } from "../lib/runDraft";
 import { stateOf, type Structure } from "../lib/structure";
 
-interface Circumstances {
+interface RunContext {
   like?: Run;
-  /** Kept structure that the run names instead of one of its own. */
+  /** Stored structure that the run refers to. */
   origin?: Origin;
   together?: number[];
-  carried?: number[];
+  outOfBand?: number[];
 }
 
-/** The draft as the API takes it; what the form does not show is kept from the earlier run. */
+/** Request of a draft; settings that the form does not show are those of the earlier run. */
 export function runRequest(
   draft: RunDraft,
   method: RunRequest["method"],
   maneuver: number,
   excited: string[],
-  { like, origin, together, carried = [] }: Circumstances,
+  { like, origin, together, outOfBand = [] }: RunContext,
 ): RunRequest {
   const band = bandOf(draft);
   const inputs = draft.inputs.length > 0 ? draft.inputs : excited;
   const structure = structureOf(draft, excited);
-  const kept = carried.length === 0 ? origin : undefined;
+  const stored = outOfBand.length === 0 ? origin : undefined;
   const { free } = structure;
   return {
     author: "",
     priority: 0,
     maneuver_id: maneuver,
     method,
-    ...(kept !== undefined
-      ? { structure_id: kept.structure_id, structure_version: kept.version }
+    ...(stored !== undefined
+      ? { structure_id: stored.structure_id, structure_version: stored.version }
       : {
           structure: {
             ...structure,
             axis: "longitudinal" as const,
-            modes: [...draft.modes, ...carried],
-            free: carried.length > 0 ? (free ?? freeNames(structure, inputs)) : free,
+            modes: [...draft.modes, ...outOfBand],
+            free: outOfBand.length > 0 ? (free ?? freeNames(structure, inputs)) : free,
           },
         }),
     settings: {
@@ -70,7 +70,7 @@ export function runRequest(
         ]),
       ),
       prior_spread: draft.priorSpread,
-      together_with: together ?? like?.settings.together_with ?? [],
+      additional_maneuver_ids: together ?? like?.settings.additional_maneuver_ids ?? [],
     },
     modal_table_id: draft.modalTable,
     damping_table_id: draft.dampingTable,
@@ -115,11 +115,11 @@ interface Beginning {
 /** The choices of an earlier run, or defaults that suit the maneuver. */
 export function firstDraft(beginning: Beginning): RunDraft {
   const { band } = beginning;
-  const draft = chosenBefore(beginning);
+  const draft = draftOfOrigin(beginning);
   return band === undefined ? draft : { ...draft, band: [String(band[0]), String(band[1])] };
 }
 
-function chosenBefore(beginning: Beginning): RunDraft {
+function draftOfOrigin(beginning: Beginning): RunDraft {
   const { maneuver, tables, predictions, like, origin, methods, proposal } = beginning;
   const modal = tables.find((one) => one.kind === "FEM");
   const excited = excitedInputs(maneuver);
@@ -153,13 +153,13 @@ function chosenBefore(beginning: Beginning): RunDraft {
   return withStructure(draft, excited, structure);
 }
 
-/** Whether the draft still says what the kept structure says that it began with. */
+/** Whether the draft still equals the stored structure that it started from. */
 export function isUnchanged(draft: RunDraft, excited: string[], origin?: Origin): boolean {
   if (origin === undefined) return false;
   const same = (structure: Structure) =>
     JSON.stringify(structureOf(draft, excited)) ===
     JSON.stringify(structureOf(withStructure(draft, excited, structure), excited));
-  return same(origin.structure) && !draft.carryModes;
+  return same(origin.structure) && !draft.outOfBandModes;
 }
 
 function freeNames(structure: Structure, inputs: readonly string[]): string[] {

@@ -4,12 +4,12 @@ import type { Baseline, StructureVersion } from "../api/types";
 
 const MOST_ASKED = 200;
 
-/** The kept structure that a new run begins with. */
+/** The stored structure that a new run starts from. */
 export interface RunOrigin {
   structure: StructureVersion;
-  /** Where it is what was approved for the condition. */
+  /** Baseline of the condition, if the structure is one. */
   baseline?: Baseline;
-  /** What was approved for the condition of a further maneuver, where it is another one. */
+  /** Baselines of further maneuvers, where they differ. */
   ofOthers: Map<number, StructureVersion>;
   /** All maneuvers that were asked for have an approved structure. */
   everywhere: boolean;

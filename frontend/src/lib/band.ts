@@ -1,4 +1,4 @@
-/** The window over frequency that figures of a page share, as its address keeps it. */
+/** Window over frequency that figures of a page share, as stored in its address. */
 
 export interface Band {
   low?: number;

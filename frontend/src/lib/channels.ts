@@ -38,7 +38,7 @@ export function combined(
 export const named = (channels: readonly ChannelLike[], role: ChannelLike["role"]): string[] =>
   channels.filter((channel) => channel.role === role).map((channel) => channel.name);
 
-/** Inputs that carry an excitation of their own come first; without one, all that were measured. */
+/** Inputs with an excitation of their own; without one, all measured inputs. */
 export function excitedInputs(maneuver: {
   channels: readonly ChannelLike[];
   excitation: { harmonics: Record<string, number[]> } | null;
@@ -47,7 +47,7 @@ export function excitedInputs(maneuver: {
   return excited.length > 0 ? excited : named(maneuver.channels, "input");
 }
 
-/** A first look: two inputs, then rigid-body motion, then whatever outputs follow. */
+/** Default channels: two inputs, then rigid-body motion, then further outputs. */
 export function firstLook(channels: readonly ChannelLike[]): string[] {
   const outputs = named(channels, "output");
   const rigid = ["alpha", "q", "az_egi"].filter((name) => outputs.includes(name));

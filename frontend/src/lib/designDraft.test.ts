@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { EMPTY_DRAFT, inputsOf, requestOf } from "./designDraft";
 
-describe("a design of one's own", () => {
+describe("a custom design", () => {
   it("moves surfaces together, against each other, or each by itself", () => {
     const names = (axis: "symmetric" | "antisymmetric" | "independent") =>
       inputsOf({ ...EMPTY_DRAFT, surfaces: "bf, wf1", axis }).map((own) => own.name);
@@ -21,7 +21,7 @@ describe("a design of one's own", () => {
     expect(next.map((own) => [own.name, own.high])).toEqual([["wf1s", 5]]);
   });
 
-  it("becomes a request in radians, or says what cannot be read", () => {
+  it("becomes a request in radians, or a message", () => {
     const draft = { ...EMPTY_DRAFT, name: "own", inputs: inputsOf(EMPTY_DRAFT).slice(0, 1) };
     const first = draft.inputs[0];
     if (first === undefined) throw new Error("no input");

@@ -1,4 +1,4 @@
-/** What is typed of a design of one's own, and the request that it becomes. */
+/** Draft of a custom design, and its conversion to a request. */
 import { significant } from "./format";
 
 export const AXES = ["symmetric", "antisymmetric", "independent"] as const;
@@ -45,7 +45,7 @@ const SUFFIXES: Record<Axis, readonly string[]> = {
   independent: ["l", "r"],
 };
 
-/** Inputs of surfaces moved together, against each other, or left and right by themselves. */
+/** Inputs of surfaces moved symmetrically, antisymmetrically, or left and right separately. */
 export function inputsOf(draft: DesignDraft): DraftInput[] {
   const last = draft.inputs.at(-1);
   const known = new Set(draft.inputs.map((own) => own.name));
@@ -68,18 +68,20 @@ export function inputsOf(draft: DesignDraft): DraftInput[] {
 
 /** Lowest to highest frequency of any input of a design [Hz]. */
 export function bandOf({
-  wish,
+  specification,
 }: {
-  wish: { duration_s: number; inputs: { harmonics: number[] }[] };
+  specification: { duration_s: number; inputs: { harmonics: number[] }[] };
 }): string {
-  const every = wish.inputs.flatMap((own) => own.harmonics);
-  const [low, high] = [Math.min(...every), Math.max(...every)].map((k) => k / wish.duration_s);
+  const every = specification.inputs.flatMap((own) => own.harmonics);
+  const [low, high] = [Math.min(...every), Math.max(...every)].map(
+    (k) => k / specification.duration_s,
+  );
   return `${significant(low, 2)}–${significant(high, 3)}`;
 }
 
 const RADIAN = Math.PI / 180;
 
-/** The request, or what cannot be read. */
+/** The request, or a message about the entry that cannot be read. */
 export function requestOf(draft: DesignDraft) {
   const bands = [];
   for (const own of draft.inputs) {
@@ -88,9 +90,10 @@ export function requestOf(draft: DesignDraft) {
       .split(",")
       .filter((part) => part.trim() !== "")
       .map((part) => part.split(":").map(Number));
-    if (targets === undefined) return `The targets of ${own.name} are no frequencies in Hz`;
+    if (targets === undefined)
+      return `The targets of ${own.name} are not frequencies in Hz; enter numbers separated by commas`;
     if (spectrum.some((point) => point.length !== 2 || !point.every((x) => x > 0))) {
-      return `The power of ${own.name} is not like 0.3:1, 12:0.01`;
+      return `The power of ${own.name} has the wrong form; enter points such as 0.3:1, 12:0.01`;
     }
     bands.push({
       name: own.name,

@@ -13,7 +13,7 @@ it("adds the theme without overruling the server", () => {
   expect(layout.yaxis2).toMatchObject({ title: { text: "q", standoff: 8 } });
 });
 
-it("keeps points of a dark scale visible on the dark page", () => {
+it("shows points of a dark scale on the dark page", () => {
   const points = { type: "scatter", marker: { colorscale: "Cividis", size: 7 } };
   const area = { type: "heatmap", colorscale: "Cividis" };
   expect(themedData([points, area], "light")).toEqual([points, area]);

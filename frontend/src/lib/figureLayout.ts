@@ -1,4 +1,4 @@
-/** What the browser adds to a figure that the server built: theme, size, memory of zoom. */
+/** Theme, size and stored zoom of a figure from the server. */
 
 type Layout = Record<string, unknown>;
 
@@ -35,7 +35,7 @@ function under(defaults: Layout, own: unknown): Layout {
   return merged;
 }
 
-/** Height that keeps every row of panels readable; the server counts them in `meta.rows`. [px] */
+/** Height with readable rows of panels; the server counts them in `meta.rows`. [px] */
 export function figureHeight(layout: Layout): number {
   const meta = layout.meta;
   const rows = isObject(meta) && typeof meta.rows === "number" ? Math.max(1, meta.rows) : 1;
@@ -45,7 +45,7 @@ export function figureHeight(layout: Layout): number {
 
 const isLogarithmic = (layout: Layout) => isObject(layout.xaxis) && layout.xaxis.type === "log";
 
-/** Plotly tells the range of a logarithmic axis in powers of ten. */
+/** Plotly gives the range of a logarithmic axis in powers of ten. */
 export function inUnits(layout: Layout, range: [number, number]): [number, number] {
   const unit = isLogarithmic(layout) ? (power: number) => 10 ** power : (value: number) => value;
   return [rounded(unit(range[0])), rounded(unit(range[1]))];
@@ -72,7 +72,7 @@ const BRIGHT: Record<string, [number, string][]> = {
   ],
 };
 
-/** Points colored by a scale, visible on either page; areas keep their scale. */
+/** Points colored by a scale, visible on either page; areas retain their scale. */
 export function themedData(data: Layout[], scheme: "light" | "dark"): Layout[] {
   if (scheme === "light") return data;
   return data.map((trace) => {

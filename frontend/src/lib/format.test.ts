@@ -9,7 +9,7 @@ describe("numbers", () => {
     }
   });
 
-  it("keeps significant digits over powers of ten", () => {
+  it("writes significant digits over powers of ten", () => {
     expect(significant(0.00012346)).toBe("0.0001235");
     expect(significant(12.346)).toBe("12.35");
     expect(significant(-0.5)).toBe("−0.5000");
@@ -30,7 +30,7 @@ describe("numbers", () => {
     expect(relativeError(1, null)).toBeNull();
   });
 
-  it("tells how long something took", () => {
+  it("formats durations", () => {
     const at = (seconds: number) => new Date(1e12 + 1000 * seconds).toISOString();
     expect(elapsed(at(0), at(0.41))).toBe("0.41 s");
     expect(elapsed(at(0), at(125))).toBe("2 min 05 s");
@@ -38,7 +38,7 @@ describe("numbers", () => {
   });
 });
 
-it("writes what rounds to nothing without a sign", () => {
+it("writes values that round to zero without a sign", () => {
   expect(fixed(-0.0004, 3)).toBe("0.000");
   expect(fixed(-0.0006, 3)).toBe("−0.001");
 });

@@ -1,11 +1,11 @@
-/** Numbers as an engineer reads them. */
+/** Text of numbers, dates and durations. */
 
 const MINUS = "\u2212";
 const NONE = "\u2013";
 
 type Maybe = number | null | undefined;
 
-// What rounds to nothing has no sign.
+// A value that rounds to zero has no sign.
 const signed = (text: string) =>
   Number(text) === 0 ? text.replace("-", "") : text.replace("-", MINUS);
 
@@ -27,7 +27,7 @@ export function significant(value: Maybe, digits = 4): string {
   return signed(value.toFixed(Math.max(0, digits - 1 - exponent)));
 }
 
-/** A value with as many decimals as two digits of its standard error carry. */
+/** A value rounded to two significant digits of its standard error. */
 export function withError(value: number, stdError: Maybe): { value: string; error: string } {
   if (stdError === null || stdError === undefined || !(stdError > 0)) {
     return { value: significant(value), error: NONE };
@@ -65,12 +65,12 @@ export function dateTime(iso: string | null | undefined): string {
 /** Local date and time to the minute, for lists. */
 export const dateMinute = (iso: string | null | undefined): string => dateTime(iso).slice(0, 16);
 
-/** A flight's number in a list; rehearsals are kept under flight 0, which nobody flew. */
-export const flightNumber = (number: number): string => (number === 0 ? "rehearsed" : `${number}`);
+/** Flight number in a list; pre-flight simulations are stored as flight 0. */
+export const flightNumber = (number: number): string => (number === 0 ? "simulated" : `${number}`);
 
-/** A flight by its name. */
+/** Name of a flight. */
 export const flightName = (number: number): string =>
-  number === 0 ? "Rehearsals" : `Flight ${number}`;
+  number === 0 ? "Pre-flight simulations" : `Flight ${number}`;
 
 /** Time between two moments. */
 export function elapsed(from: string | null | undefined, to: string | null | undefined): string {

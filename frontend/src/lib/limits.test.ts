@@ -3,14 +3,17 @@ import { limitsText, readLimits, typed } from "./limits";
 
 describe("limits of conditions", () => {
   it("come back as they were typed", () => {
-    const kept = readLimits({ fuel_fraction: ["0", "62,5"], dynamic_pressure_pa: ["100", "400"] });
-    expect(kept).toEqual({
+    const limits = readLimits({
+      fuel_fraction: ["0", "62,5"],
+      dynamic_pressure_pa: ["100", "400"],
+    });
+    expect(limits).toEqual({
       limits: { fuel_fraction: [0, 0.625], dynamic_pressure_pa: [100, 400] },
     });
     expect(typed({ fuel_fraction: [0, 0.625] })).toEqual({ fuel_fraction: ["0", "62.5"] });
   });
 
-  it("say what is wrong with them", () => {
+  it("report faults", () => {
     expect(readLimits({ airspeed_m_s: ["", "3"] })).toHaveProperty("fault");
     expect(readLimits({ airspeed_m_s: ["3", "3"] })).toHaveProperty("fault");
   });

@@ -1,4 +1,4 @@
-/** Ranges of conditions: as they are kept (SI), typed and read. */
+/** Ranges of conditions: stored (SI), typed and parsed. */
 import { fixed } from "./format";
 
 export const QUANTITIES = [
@@ -50,7 +50,7 @@ export function readLimits(
       text.trim() === "" ? NaN : Number(text.trim().replace(",", ".")) / factor,
     );
     if (low === undefined || high === undefined || !Number.isFinite(low + high)) {
-      return { fault: `Give both limits of ${label.toLowerCase()} as numbers, or take it out.` };
+      return { fault: `Give both limits of ${label.toLowerCase()} as numbers, or remove it.` };
     }
     if (low >= high) {
       const shown = [low, high].map((value) => fixed(value * factor, 2)).join(" and ");

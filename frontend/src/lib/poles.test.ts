@@ -16,7 +16,7 @@ it("reads frequency and damping off a pole", () => {
   expect(dampingStd).toBeCloseTo(Math.hypot((16 / 125) * 0.1, (12 / 125) * 0.2));
 });
 
-it("keeps one pole of each pair, slowest first", () => {
+it("selects one pole of each pair, slowest first", () => {
   const poles = [
     { real: -1, imag: 20 },
     { real: -1, imag: -20 },

@@ -10,7 +10,7 @@ describe("projection", () => {
     }
   });
 
-  it("keeps lengths when seen from above", () => {
+  it("preserves lengths in the view from above", () => {
     const [right, down] = turned([3, 4, 0], { azimuth: 0.7, elevation: Math.PI / 2, zoom: 1 });
     expect(Math.hypot(right, down)).toBeCloseTo(5);
   });

@@ -5,10 +5,10 @@ import {
   mergedProposal,
   proposalDifferences,
   proposalOf,
-  type KeptProposal,
+  type StoredProposal,
 } from "./proposal";
 
-const KEPT: KeptProposal = {
+const STORED: StoredProposal = {
   title: "SP at low speed",
   structure: { id: 1, version: 1 },
   changes: null,
@@ -20,22 +20,24 @@ const KEPT: KeptProposal = {
 };
 
 describe("a proposal", () => {
-  it("comes back from its draft as it was kept, with new figures", () => {
-    expect(proposalOf(draftOf(KEPT), [5])).toEqual({ proposal: { ...KEPT, figure_ids: [5] } });
+  it("is unchanged by its draft, with new figures added", () => {
+    expect(proposalOf(draftOf(STORED), [5])).toEqual({ proposal: { ...STORED, figure_ids: [5] } });
   });
 
-  it("says what it lacks", () => {
+  it("reports missing parts", () => {
     expect(proposalOf(EMPTY_PROPOSAL, [])).toHaveProperty("fault");
-    expect(proposalOf({ ...draftOf(KEPT), reasoning: " " }, [])).toEqual({ fault: "Say why." });
+    expect(proposalOf({ ...draftOf(STORED), reasoning: " " }, [])).toEqual({
+      fault: "Give the reasoning.",
+    });
   });
 
-  it("puts my changes on top of a colleague's", () => {
-    const theirs = { ...KEPT, title: "SP", structure: { id: 1, version: 2 } };
-    const mine = { ...KEPT, title: "SP + SW1B", run_ids: [1, 2] };
-    const { proposal, clashes } = mergedProposal(KEPT, theirs, mine);
+  it("merges two edits", () => {
+    const theirs = { ...STORED, title: "SP", structure: { id: 1, version: 2 } };
+    const mine = { ...STORED, title: "SP + SW1B", run_ids: [1, 2] };
+    const { proposal, clashes } = mergedProposal(STORED, theirs, mine);
     expect(clashes).toEqual(["Title"]);
     expect(proposal).toEqual({ ...mine, structure: { id: 1, version: 2 } });
-    expect(proposalDifferences(KEPT, theirs).map((one) => one.what)).toEqual([
+    expect(proposalDifferences(STORED, theirs).map((one) => one.what)).toEqual([
       "Title",
       "Structure",
     ]);

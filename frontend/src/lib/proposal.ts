@@ -13,8 +13,8 @@ export interface Comparison {
   coefficient: string | null;
 }
 
-/** A proposal as it is kept. */
-export interface KeptProposal {
+/** A stored proposal. */
+export interface StoredProposal {
   title: string;
   structure: Reference;
   changes: Reference | null;
@@ -26,7 +26,7 @@ export interface KeptProposal {
 }
 
 /** A figure that is to be frozen when the proposal is sent. */
-export interface FigureWish {
+export interface FigureRequest {
   kind: string;
   query: string;
   title: string;
@@ -42,7 +42,7 @@ export interface ProposalDraft {
   comparisons: Comparison[];
   /** Frozen already. */
   figures: number[];
-  wishes: FigureWish[];
+  requests: FigureRequest[];
 }
 
 export const EMPTY_PROPOSAL: ProposalDraft = {
@@ -54,10 +54,10 @@ export const EMPTY_PROPOSAL: ProposalDraft = {
   runs: [],
   comparisons: [],
   figures: [],
-  wishes: [],
+  requests: [],
 };
 
-export function draftOf(proposal: KeptProposal): ProposalDraft {
+export function draftOf(proposal: StoredProposal): ProposalDraft {
   return {
     title: proposal.title,
     structure: proposal.structure,
@@ -67,17 +67,17 @@ export function draftOf(proposal: KeptProposal): ProposalDraft {
     runs: proposal.run_ids,
     comparisons: proposal.comparisons,
     figures: proposal.figure_ids,
-    wishes: [],
+    requests: [],
   };
 }
 
-/** What is sent, once the wished figures are frozen; or why it cannot be sent. */
+/** The proposal to send once the requested figures are frozen, or its fault. */
 export function proposalOf(draft: ProposalDraft, frozen: number[]) {
   const read = readLimits(draft.limits);
   if ("fault" in read) return read;
-  if (draft.structure === null) return { fault: "Choose the structure that is proposed." };
+  if (draft.structure === null) return { fault: "Select the proposed structure." };
   if (draft.title.trim() === "") return { fault: "Give the decision a title." };
-  if (draft.reasoning.trim() === "") return { fault: "Say why." };
+  if (draft.reasoning.trim() === "") return { fault: "Give the reasoning." };
   return {
     proposal: {
       title: draft.title,
@@ -93,7 +93,7 @@ export function proposalOf(draft: ProposalDraft, frozen: number[]) {
 }
 
 /** Figures of runs that can be frozen. */
-export function figuresOf(runs: readonly { id: number; method: string }[]): FigureWish[] {
+export function figuresOf(runs: readonly { id: number; method: string }[]): FigureRequest[] {
   const each = runs.flatMap(({ id, method }) =>
     [
       ["fit", "Fit"],
@@ -127,7 +127,7 @@ export const PROPOSAL_PARTS = [
 ] as const;
 export type ProposalPart = (typeof PROPOSAL_PARTS)[number];
 
-const SAID: Record<ProposalPart, string> = {
+const PART_NAMES: Record<ProposalPart, string> = {
   title: "Title",
   structure: "Structure",
   changes: "Changes",
@@ -138,7 +138,7 @@ const SAID: Record<ProposalPart, string> = {
   figure_ids: "Figures",
 };
 
-function said(proposal: KeptProposal, part: ProposalPart): string {
+function partText(proposal: StoredProposal, part: ProposalPart): string {
   const reference = (one: Reference | null) =>
     one === null ? "none" : `structure ${one.id}, version ${one.version}`;
   switch (part) {
@@ -157,17 +157,17 @@ function said(proposal: KeptProposal, part: ProposalPart): string {
   }
 }
 
-export function proposalDifferences(before: KeptProposal, after: KeptProposal) {
+export function proposalDifferences(before: StoredProposal, after: StoredProposal) {
   return PROPOSAL_PARTS.map((part) => ({
     part,
-    what: SAID[part],
-    before: said(before, part),
-    after: said(after, part),
+    what: PART_NAMES[part],
+    before: partText(before, part),
+    after: partText(after, part),
   })).filter((one) => one.before !== one.after);
 }
 
-/** My parts on top of theirs; where both changed one otherwise, mine stands and is named. */
-export function mergedProposal(base: KeptProposal, theirs: KeptProposal, mine: KeptProposal) {
+/** My parts merged into theirs; where both changed one, mine is used and listed. */
+export function mergedProposal(base: StoredProposal, theirs: StoredProposal, mine: StoredProposal) {
   const own = proposalDifferences(base, mine);
   const other = new Map(proposalDifferences(base, theirs).map((one) => [one.part, one.after]));
   const clashes = own

@@ -14,7 +14,7 @@ import { EMPTY_STATES } from "./structure";
 const draft = { ...EMPTY_DRAFT, modes: [7] };
 
 describe("a new run", () => {
-  it("frees every derivative unless told otherwise", () => {
+  it("frees every derivative by default", () => {
     expect(statesOf(draft, ["bfs"])).toEqual(EMPTY_STATES);
   });
 
@@ -57,7 +57,7 @@ describe("a new run", () => {
       inputs: [],
       outputs: ["q"],
       free_delays: false,
-      also_free: ["delay_q"],
+      extra_parameters: ["delay_q"],
       axis: "longitudinal",
       delays: { q: 0.01 },
       instruments: { q: null },
@@ -72,7 +72,7 @@ describe("a new run", () => {
     expect(bandOf({ ...draft, band: ["6", "0.5"] })).toHaveProperty("fault");
   });
 
-  it("cannot start from a prediction that is not chosen", () => {
+  it("cannot start without a selected prediction", () => {
     expect(draftFault(draft)).toBeNull();
     expect(draftFault({ ...draft, start: "prediction" })).toMatch(/prediction/);
     expect(draftFault({ ...draft, methods: [] })).toMatch(/method/);

@@ -1,4 +1,4 @@
-/** What an analyst has chosen for a new run, before it is sent. */
+/** Draft of a new run. */
 import { derivativeNames } from "./derivatives";
 import { heldAt, stateOf, type FixedTo, type States, type Structure } from "./structure";
 
@@ -18,7 +18,7 @@ export interface RunDraft {
   inputs: string[];
   outputs: string[];
   /**
-   * Derivatives that are not estimated. Kept instead of the free ones, so that a
+   * Derivatives that are not estimated. Stored instead of the free ones, so that a
    * mode or input added later comes with all its derivatives free.
    */
   held: string[];
@@ -33,8 +33,8 @@ export interface RunDraft {
   /** Limits in Hz as they are typed; empty: the whole excited band. */
   band: [string, string];
   freeDelays: boolean;
-  /** The other predicted modes move too, with their derivatives held. */
-  carryModes: boolean;
+  /** Include the other predicted modes, with their derivatives fixed. */
+  outOfBandModes: boolean;
   /** Quantities beyond the derivatives: `delay_q`, `scale_alpha`, `omega_7`, `zeta_7`. */
   alsoFree: string[];
   noise: "diagonal" | "full";
@@ -60,7 +60,7 @@ export const EMPTY_DRAFT: RunDraft = {
   start: "best",
   band: ["", ""],
   freeDelays: false,
-  carryModes: false,
+  outOfBandModes: false,
   alsoFree: [],
   noise: "diagonal",
   priorSpread: null,
@@ -70,7 +70,7 @@ export const EMPTY_DRAFT: RunDraft = {
   prediction: null,
 };
 
-/** What each derivative of the chosen modes and inputs is. */
+/** State of each derivative of the selected modes and inputs. */
 export function statesOf(draft: RunDraft, inputs: readonly string[]): States {
   const all = derivativeNames(draft.modes, inputs);
   const known = <T>(record: Record<string, T>) =>
@@ -111,10 +111,10 @@ export function withStructure(
     inputs: structure.inputs,
     outputs: structure.outputs,
     freeDelays: structure.free_delays,
-    alsoFree: structure.also_free,
+    alsoFree: structure.extra_parameters,
     delays: structure.delays,
     instruments: structure.instruments,
-    carryModes: false, // the structure names them among its modes
+    outOfBandModes: false, // the structure names them among its modes
   };
   return withStates(changed, structure.inputs.length > 0 ? structure.inputs : excited, structure);
 }
@@ -128,20 +128,20 @@ export function structureOf(draft: RunDraft, excited: readonly string[]): Struct
     inputs: draft.inputs,
     outputs: draft.outputs,
     free_delays: draft.freeDelays,
-    also_free: draft.alsoFree,
+    extra_parameters: draft.alsoFree,
     axis: "longitudinal",
     delays: draft.delays,
     instruments: draft.instruments,
   };
 }
 
-/** Modes that a prediction knows and a draft does not estimate. */
-export function carriedModes(
+/** Modes of the prediction that a draft does not estimate. */
+export function listOutOfBandModes(
   draft: RunDraft,
   symmetric: readonly number[],
   predicted: readonly string[],
 ): number[] {
-  if (!draft.carryModes) return [];
+  if (!draft.outOfBandModes) return [];
   return symmetric.filter(
     (mode) => !draft.modes.includes(mode) && predicted.includes(`CQ${String(mode)}_alpha`),
   );
@@ -162,14 +162,14 @@ export function bandOf(draft: RunDraft): { band: [number, number] | null } | { f
 
 /** Why the draft cannot be sent yet; null when it can. */
 export function draftFault(draft: RunDraft): string | null {
-  if (draft.methods.length === 0) return "Choose at least one method.";
+  if (draft.methods.length === 0) return "Select at least one method.";
   const band = bandOf(draft);
   if ("fault" in band) return band.fault;
   if (/prediction/.test(draft.start) && draft.prediction === null) {
-    return "Choose the prediction to start from.";
+    return "Select the prediction to start from.";
   }
   if (draft.priorSpread !== null && draft.prediction === null) {
-    return "Choose the prediction that the priors stand at.";
+    return "Select the prediction of the priors.";
   }
   return null;
 }

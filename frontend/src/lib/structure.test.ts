@@ -21,7 +21,7 @@ const PLAIN: Structure = {
   inputs: [],
   outputs: [],
   free_delays: false,
-  also_free: [],
+  extra_parameters: [],
   axis: "longitudinal",
   delays: {},
   instruments: {},
@@ -33,7 +33,7 @@ const edited = (...edits: [string, "free" | "fixed" | "absent"][]): Structure =>
   );
 
 describe("states of derivatives", () => {
-  it("frees all until told otherwise", () => {
+  it("frees all by default", () => {
     expect(counts(PLAIN, ALL)).toEqual({ free: ALL.length, fixed: 0, absent: 0 });
   });
 
@@ -55,7 +55,7 @@ describe("states of derivatives", () => {
     expect(stateOf(withState(also, ALL, ["CZ_q"], "free"), "CZ_q")).toBe("free");
   });
 
-  it("frees what a new mode brings, and keeps the rest", () => {
+  it("frees the derivatives of a new mode only", () => {
     const wider = resized(
       edited(["Cm_q", "fixed"], ["CZ_q", "absent"]),
       { modes: [7, 9] },
@@ -99,7 +99,7 @@ describe("differences and merging", () => {
     expect(stateOf(structure, "Cm_q")).toBe("fixed");
   });
 
-  it("keeps a mode that they added", () => {
+  it("retains a mode added in their version", () => {
     const theirs = resized(PLAIN, { modes: [7, 9] }, SURFACES);
     const { structure } = merged(PLAIN, theirs, edited(["Cm_q", "absent"]), SURFACES);
     expect(structure.modes).toEqual([7, 9]);

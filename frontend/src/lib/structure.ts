@@ -9,7 +9,7 @@ export interface FixedTo {
   id: number;
 }
 
-/** The part of a structure that says what each derivative is. */
+/** States of the derivatives in a structure. */
 export interface States {
   /** Null frees all that is neither absent nor fixed. */
   free: string[] | null;
@@ -26,7 +26,7 @@ export interface Structure extends States {
   inputs: string[];
   outputs: string[];
   free_delays: boolean;
-  also_free: string[];
+  extra_parameters: string[];
   axis: string;
   delays: Record<string, number>;
   instruments: Record<string, string | null>;
@@ -46,7 +46,7 @@ export function heldAt(states: States, name: string): Held {
   return states.fixed_to[name] ?? { source: "start" };
 }
 
-/** Put some derivatives of all into one state; what is fixed goes to the start unless said. */
+/** Set the state of some derivatives; fixed ones are held at the start by default. */
 export function withState(
   states: States,
   all: readonly string[],
@@ -76,7 +76,7 @@ export function withState(
   };
 }
 
-/** The structure with other modes or inputs; what comes new is free. */
+/** The structure with other modes or inputs; new derivatives are free. */
 export function resized(
   structure: Structure,
   part: Partial<Pick<Structure, "modes" | "inputs">>,
@@ -113,7 +113,7 @@ export function heldText(held: Held): string {
   return `${held.source} ${held.id}`;
 }
 
-/** What one says of a derivative: `free`, `absent`, `fixed to prediction 2`. */
+/** Text of a derivative's state: `free`, `absent`, `fixed to prediction 2`. */
 export function stateText(states: States, name: string): string {
   const state = stateOf(states, name);
   return state === "fixed" ? `fixed to ${heldText(heldAt(states, name))}` : state;
@@ -135,12 +135,12 @@ export function differences(
   const names = (one: Structure) =>
     derivativeNames(one.modes, one.inputs.length > 0 ? one.inputs : surfaces);
   const [old, now] = [names(before), names(after)];
-  const said = (one: Structure, known: string[], name: string) =>
+  const stateIn = (one: Structure, known: string[], name: string) =>
     known.includes(name) ? stateText(one, name) : "not in the model";
   const derivatives = [...new Set([...now, ...old])].map((name) => ({
     what: name,
-    before: said(before, old, name),
-    after: said(after, now, name),
+    before: stateIn(before, old, name),
+    after: stateIn(after, now, name),
   }));
   const listed = (items: readonly (string | number)[], none: string) =>
     items.length > 0 ? items.join(", ") : none;
@@ -149,7 +149,7 @@ export function differences(
     inputs: listed(one.inputs, "all of the maneuver"),
     outputs: listed(one.outputs, "all suitable"),
     "time delays": one.free_delays ? "estimated" : "held",
-    "also free": listed(one.also_free, "nothing"),
+    "extra parameters": listed(one.extra_parameters, "nothing"),
     delays: listed(
       Object.entries(one.delays).map(([name, value]) => `${name} ${value} s`),
       "none",
@@ -170,7 +170,7 @@ export function differences(
 
 /**
  * My changes on top of theirs, both made from the same base; where both changed the
- * same derivative or part otherwise, mine stands and is named.
+ * same derivative or part, mine is used and listed.
  */
 export function merged(
   base: Structure,
@@ -205,7 +205,7 @@ export function merged(
       ...result,
       ...(changed("outputs") ? { outputs: mine.outputs } : {}),
       ...(changed("time delays") ? { free_delays: mine.free_delays } : {}),
-      ...(changed("also free") ? { also_free: mine.also_free } : {}),
+      ...(changed("extra parameters") ? { extra_parameters: mine.extra_parameters } : {}),
       ...(changed("delays") ? { delays: mine.delays } : {}),
       ...(changed("instruments") ? { instruments: mine.instruments } : {}),
     },

@@ -11,7 +11,7 @@ describe("the view in the address", () => {
     expect(compareView(through(view))).toEqual(view);
   });
 
-  it("carries any text", () => {
+  it("encodes any text", () => {
     const view = campaignView({ search: "F17 & 50 % / µ?" });
     expect(campaignView(through(view)).search).toBe("F17 & 50 % / µ?");
   });
@@ -25,7 +25,7 @@ describe("the view in the address", () => {
     expect(view).toMatchObject({ tab: undefined, from: undefined, to: 4.5, models: [1, 2] });
   });
 
-  it("keeps text that looks like a number as text", () => {
+  it("reads text that looks like a number as text", () => {
     expect(campaignView(parseSearch("?search=506")).search).toBe("506");
   });
 });

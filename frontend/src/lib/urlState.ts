@@ -43,13 +43,13 @@ export function integer(value: unknown): number | undefined {
 
 export function words(value: unknown): string[] | undefined {
   const items = Array.isArray(value) ? value.map(String) : text(value)?.split(",");
-  const kept = items?.map((item) => item.trim()).filter((item) => item !== "");
-  return kept !== undefined && kept.length > 0 ? [...new Set(kept)] : undefined;
+  const texts = items?.map((item) => item.trim()).filter((item) => item !== "");
+  return texts !== undefined && texts.length > 0 ? [...new Set(texts)] : undefined;
 }
 
 export function integers(value: unknown): number[] | undefined {
-  const kept = words(value)?.flatMap((item) => integer(item) ?? []);
-  return kept !== undefined && kept.length > 0 ? kept : undefined;
+  const numbers = words(value)?.flatMap((item) => integer(item) ?? []);
+  return numbers !== undefined && numbers.length > 0 ? numbers : undefined;
 }
 
 export function oneOf<T extends string>(value: unknown, choices: readonly T[]): T | undefined {

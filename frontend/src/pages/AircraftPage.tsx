@@ -1,6 +1,7 @@
 import { Stack, Tabs, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
-import { Link } from "@tanstack/react-router";
+import { Link, useLocation } from "@tanstack/react-router";
+import { useEffect, useRef } from "react";
 import { aircraftQuery, modalTablesQuery, predictionsQuery } from "../api/queries";
 import type { Aircraft } from "../api/types";
 import { Facts } from "../components/ConditionFacts";
@@ -14,7 +15,7 @@ import { ThrustSection } from "../components/ThrustSection";
 import { fixed, percent } from "../lib/format";
 import { someFuels } from "../lib/modes";
 
-/** What is known about the airframe before any maneuver: mass, sensors, modes, predictions. */
+/** Data of the aircraft: mass, sensors, modes, predictions. */
 export function AircraftPage() {
   const aircraft = useQuery(aircraftQuery);
   return (
@@ -33,7 +34,7 @@ export function AircraftPage() {
           if (first === undefined) {
             return (
               <Empty title="No aircraft yet">
-                The first import, or <code>flexsid demo</code>, brings one.
+                Import recorded data, or run <code>flexsid demo</code>.
               </Empty>
             );
           }
@@ -65,6 +66,11 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
   const tables = useQuery(modalTablesQuery(aircraft.id));
   const predictions = useQuery(predictionsQuery(aircraft.id));
   const { geometry, mass, flutter } = aircraft;
+  const predictionsPanel = useRef<HTMLDivElement>(null);
+  const { hash } = useLocation();
+  useEffect(() => {
+    if (hash === "predictions") predictionsPanel.current?.scrollIntoView();
+  }, [hash, predictions.isSuccess]);
   return (
     <Stack gap="md">
       <Section title={aircraft.name} note={aircraft.description}>
@@ -130,6 +136,46 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
         </div>
       </Section>
       <ThrustSection aircraft={aircraft} />
+      <div id="predictions" ref={predictionsPanel}>
+        <Section title="Predictions" note="Derivatives from sources other than flight">
+          <Loaded query={predictions}>
+            {(all) =>
+              all.length === 0 ? (
+                <Text size="sm" className="quiet">
+                  None stored
+                </Text>
+              ) : (
+                <DataTable
+                  label="Predictions"
+                  columns={[
+                    { key: "source", header: "Source", render: (one) => one.source },
+                    { key: "kind", header: "Kind", render: (one) => one.kind },
+                    {
+                      key: "n",
+                      header: "Derivatives",
+                      numeric: true,
+                      render: (one) => one.names.length,
+                    },
+                    {
+                      key: "fuel",
+                      header: "Fuel",
+                      unit: "%",
+                      numeric: true,
+                      render: (one) =>
+                        [...new Set([one.fuel[0], one.fuel.at(-1)])]
+                          .map((fuel) => percent(fuel))
+                          .join(" to "),
+                    },
+                    { key: "note", header: "Note", wraps: true, render: (one) => one.note },
+                  ]}
+                  rows={all}
+                  rowKey={(one) => one.id}
+                />
+              )
+            }
+          </Loaded>
+        </Section>
+      </div>
       <Loaded query={tables}>
         {(all) =>
           all.length === 0 ? (
@@ -139,44 +185,6 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
           )
         }
       </Loaded>
-      <Section title="Predictions" note="Derivatives from sources other than flight.">
-        <Loaded query={predictions}>
-          {(all) =>
-            all.length === 0 ? (
-              <Text size="sm" className="quiet">
-                None stored
-              </Text>
-            ) : (
-              <DataTable
-                label="Predictions"
-                columns={[
-                  { key: "source", header: "Source", render: (one) => one.source },
-                  { key: "kind", header: "Kind", render: (one) => one.kind },
-                  {
-                    key: "n",
-                    header: "Derivatives",
-                    numeric: true,
-                    render: (one) => one.names.length,
-                  },
-                  {
-                    key: "fuel",
-                    header: "Fuel",
-                    unit: "%",
-                    numeric: true,
-                    render: (one) =>
-                      [...new Set([one.fuel[0], one.fuel.at(-1)])]
-                        .map((fuel) => percent(fuel))
-                        .join(" to "),
-                  },
-                  { key: "note", header: "Note", wraps: true, render: (one) => one.note },
-                ]}
-                rows={all}
-                rowKey={(one) => one.id}
-              />
-            )
-          }
-        </Loaded>
-      </Section>
     </Stack>
   );
 }

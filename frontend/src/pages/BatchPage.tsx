@@ -16,7 +16,7 @@ import { dateTime, elapsed } from "../lib/format";
 
 const route = getRouteApi("/batches/$id");
 
-/** Runs that were asked for together: how far they are, and what came out so far. */
+/** Progress and results of the runs of a batch. */
 export function BatchPage() {
   const { id } = route.useParams();
   const { state } = route.useSearch();
@@ -87,14 +87,14 @@ export function BatchPage() {
                     ? "not started"
                     : data.finished_at === null
                       ? `started ${dateTime(data.started_at)}`
-                      : `took ${elapsed(data.started_at, data.finished_at)}`
+                      : `duration ${elapsed(data.started_at, data.finished_at)}`
                 }
               >
                 <BatchBar batch={data} words />
               </Section>
               <Section
                 title="Runs"
-                note={total(data) > 100 ? "the newest 100 of those chosen" : undefined}
+                note={total(data) > 100 ? "Newest 100 in this state" : undefined}
                 actions={
                   <Select
                     aria-label="State"
@@ -103,8 +103,8 @@ export function BatchPage() {
                     w={140}
                     data={[...STATES]}
                     value={state ?? null}
-                    onChange={(chosen) =>
-                      void navigate({ search: { state: STATES.find((one) => one === chosen) } })
+                    onChange={(value) =>
+                      void navigate({ search: { state: STATES.find((one) => one === value) } })
                     }
                   />
                 }
@@ -112,7 +112,7 @@ export function BatchPage() {
                 <Loaded query={jobs} rows={8}>
                   {(rows) =>
                     rows.length === 0 ? (
-                      <Empty title="No run of this batch is in that state" />
+                      <Empty title="No runs in this state" />
                     ) : (
                       <JobTable jobs={rows} />
                     )
@@ -120,8 +120,7 @@ export function BatchPage() {
                 </Loaded>
               </Section>
               <Text size="xs" className="quiet">
-                Runs that had been asked for before are the same runs here; they are not computed
-                twice.
+                Runs requested before are reused; they are not computed twice.
               </Text>
             </Stack>
           </>

@@ -19,7 +19,7 @@ import type { CampaignView } from "../views";
 
 const route = getRouteApi("/campaign");
 
-/** Every maneuver of the campaign, where it lies in the envelope and where it stands. */
+/** Maneuvers of the campaign in a table and in the flight envelope. */
 export function CampaignPage() {
   const view = route.useSearch();
   const navigate = route.useNavigate();
@@ -44,7 +44,7 @@ export function CampaignPage() {
           <>
             {selected.length > 0 && (
               <BulkActions
-                what="maneuvers"
+                records="maneuvers"
                 ids={selected}
                 tags={(facets.data?.choices.tag ?? []).map((tag) => tag.value)}
                 deleted={view.deleted === true}
@@ -130,8 +130,7 @@ function Nothing({ filtered }: { filtered: boolean }) {
     <Empty title="No maneuver matches these filters">Widen or clear them.</Empty>
   ) : (
     <Empty title="No maneuvers yet">
-      Import recorded data with the button above, or fill the workbench with the demonstration
-      campaign: <code>flexsid demo</code>.
+      Import recorded data, or load the demonstration campaign: <code>flexsid demo</code>.
     </Empty>
   );
 }

@@ -3,8 +3,8 @@ import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useState } from "react";
 import { closedLoopQuery, closedLoopTaskQuery, controllersQuery, runsQuery } from "../api/queries";
-import type { ClosedLoopAnswer, MarginRow } from "../api/types";
-import { CarrySwitch } from "../components/CarrySwitch";
+import type { ClosedLoopStability, MarginRow } from "../api/types";
+import { OutOfBandSwitch } from "../components/OutOfBandSwitch";
 import { NewController } from "../components/NewController";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
@@ -20,7 +20,7 @@ import type { ClosedLoopView } from "../views";
 
 const route = getRouteApi("/closed-loop");
 
-/** More runs than these take seconds: their answer is found as a task. */
+/** Above this number of runs the result is computed as a job. */
 const FEW = 6;
 
 /** Decibels of a factor e. */
@@ -37,7 +37,7 @@ const MARGINS: Column<MarginRow>[] = [
     numeric: true,
     render: (row) => fixed(row.airspeed_m_s, 1),
   },
-  { key: "surface", header: "Loop of", render: (row) => row.surface },
+  { key: "surface", header: "Loop", render: (row) => row.surface },
   {
     key: "gain",
     header: "Gain margin ± 2σ",
@@ -70,7 +70,7 @@ const MARGINS: Column<MarginRow>[] = [
   },
 ];
 
-/** A controller around what runs identified: where it loses the aircraft, and its margins. */
+/** Closed-loop stability of identified models with a controller, and its margins. */
 export function ClosedLoopPage() {
   const view = route.useSearch();
   const navigate = route.useNavigate();
@@ -78,20 +78,20 @@ export function ClosedLoopPage() {
   const controllers = useQuery(controllersQuery);
   const known = controllers.data ?? [];
   const controller = view.controller ?? known[0]?.id;
-  const question = {
+  const query = {
     run_ids: (view.runs ?? []).join(","),
     fuel: view.fuel === undefined ? undefined : view.fuel / 100,
     altitude_m: view.altitude,
     others: view.others,
   };
   const many = (view.runs ?? []).length > FEW;
-  const task = useQuery(closedLoopTaskQuery(question, controller, many));
+  const task = useQuery(closedLoopTaskQuery(query, controller, many));
   const [found, setFound] = useState("");
   const ready = !many || found === task.data?.id;
-  const answer = useQuery(closedLoopQuery(question, controller, ready));
+  const result = useQuery(closedLoopQuery(query, controller, ready));
   const change = (part: Partial<ClosedLoopView>) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }) });
-  const params = { ...question, controller_id: controller };
+  const params = { ...query, controller_id: controller };
   return (
     <>
       <PageHead
@@ -116,7 +116,7 @@ export function ClosedLoopPage() {
         <Stack gap="md">
           <MultiSelect
             label="Runs"
-            description="Fused as for flutter"
+            description="Fused as for flutter prediction"
             searchable
             clearable
             hidePickedOptions
@@ -134,7 +134,7 @@ export function ClosedLoopPage() {
           <Select
             label="Controller"
             allowDeselect={false}
-            placeholder="None known yet"
+            placeholder="No controllers yet"
             data={known.map((one) => ({ value: String(one.id), label: one.name }))}
             value={controller === undefined ? null : String(controller)}
             onChange={(id) => {
@@ -143,7 +143,7 @@ export function ClosedLoopPage() {
           />
           <NumberInput
             label="Fuel [%]"
-            placeholder="the fastest point's"
+            placeholder="fastest point"
             min={0}
             max={100}
             value={view.fuel ?? ""}
@@ -153,7 +153,7 @@ export function ClosedLoopPage() {
           />
           <NumberInput
             label="Altitude [m]"
-            placeholder="the fastest point's air"
+            placeholder="density of the fastest point"
             min={-1000}
             max={11000}
             value={view.altitude ?? ""}
@@ -161,23 +161,23 @@ export function ClosedLoopPage() {
               change({ altitude: typeof value === "number" ? value : undefined });
             }}
           />
-          <CarrySwitch
+          <OutOfBandSwitch
             others={view.others}
             onChange={(others) => {
               change({ others });
             }}
           />
           <NewController
-            onKept={(id) => {
+            onSaved={(id) => {
               change({ controller: id });
             }}
           />
         </Stack>
         {view.runs === undefined || controller === undefined ? (
           <div className="panel">
-            <Empty title={view.runs === undefined ? "No runs chosen" : "No controller known"}>
-              Choose runs that succeeded, best over several airspeeds, and a controller; its law is
-              taken as u = K y with the sign in K.
+            <Empty title={view.runs === undefined ? "No runs selected" : "No controllers yet"}>
+              Select succeeded runs, preferably at several airspeeds, and a controller with the law
+              u = K y, sign included in K.
             </Empty>
           </div>
         ) : (
@@ -194,28 +194,28 @@ export function ClosedLoopPage() {
             )}
             {ready && (
               <>
-                <Loaded query={answer} rows={6}>
-                  {(data) => <Answer answer={data} />}
+                <Loaded query={result} rows={6}>
+                  {(data) => <Stability result={data} />}
                 </Loaded>
                 <div className="panel" style={{ padding: 12 }}>
                   <Figure
                     kind="closed-loop-margins"
-                    title="Margins of every loop, the others closed, ± 2σ"
+                    title="Margins of each loop with the others closed, ± 2σ"
                     params={params}
                   />
                 </div>
                 <div className="panel" style={{ padding: 12 }}>
                   <Figure
                     kind="closed-loop-roots"
-                    title="Roots without and with the controller"
+                    title="Open-loop and closed-loop roots"
                     params={params}
                   />
                 </div>
-                <Loaded query={answer} rows={6}>
+                <Loaded query={result} rows={6}>
                   {(data) => (
                     <Section
                       title="Margins"
-                      note="Actuators and delays included; empty where the closed loop is unstable or nothing is crossed"
+                      note="Actuators and delays included; empty where the closed loop is unstable or has no crossover"
                     >
                       <DataTable
                         label="Margins"
@@ -237,19 +237,19 @@ export function ClosedLoopPage() {
   );
 }
 
-function Answer({ answer }: { answer: ClosedLoopAnswer }) {
+function Stability({ result }: { result: ClosedLoopStability }) {
   return (
     <Alert
       variant="light"
-      color={answer.lost_m_s === null ? "green" : "yellow"}
+      color={result.lost_m_s === null ? "green" : "yellow"}
       role="status"
-      title={answer.sentence}
+      title={result.sentence}
       styles={{ title: { color: "var(--mantine-color-text)" } }}
-      data-testid="closed-loop-answer"
+      data-testid="closed-loop-result"
     >
-      {answer.controller}, fuel {fixed(100 * answer.fuel_fraction, 0)} %, fastest point flown{" "}
-      {fixed(answer.tested_m_s, 1)} m/s. The interval and the errors of the margins hold what the
-      runs&apos; covariance makes of them and the spread between model structures.
+      {result.controller}, fuel {fixed(100 * result.fuel_fraction, 0)} %, fastest point flown{" "}
+      {fixed(result.tested_m_s, 1)} m/s. The interval and the margin errors include the covariance
+      of the runs and the spread between model structures.
     </Alert>
   );
 }

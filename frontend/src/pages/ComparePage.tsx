@@ -20,14 +20,14 @@ import { COMPARE_TABS, type CompareView } from "../views";
 
 const route = getRouteApi("/compare");
 
-/** The same derivatives by method, condition and prediction, side by side. */
+/** Comparison of derivatives by method, condition and prediction. */
 export function ComparePage() {
   const view = route.useSearch();
   const navigate = route.useNavigate();
   const runs = view.runs ?? [];
   const predictions = view.predictions ?? [];
   const comparison = useQuery(comparisonQuery(runs, predictions));
-  const any = runs.length > 0; // a run tells the condition at which predictions are taken
+  const any = runs.length > 0; // predictions are evaluated at the condition of a run
   const shown = any ? comparison.data : undefined;
   const change = (part: Partial<CompareView>) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }) });
@@ -76,8 +76,8 @@ export function ComparePage() {
           </Loaded>
         ) : (
           <div className="panel">
-            <Empty title="Nothing to compare yet">
-              Choose a maneuver and tick one or more of its runs, or use Compare on a run.
+            <Empty title="No runs selected">
+              Select a maneuver and one or more of its runs, or use Compare on a run.
             </Empty>
           </div>
         )}
@@ -92,7 +92,7 @@ const TABS: Record<(typeof COMPARE_TABS)[number], string> = {
   trends: "Trends",
   responses: "Responses",
   poles: "Poles and fits",
-  setup: "Set-up",
+  setup: "Setup",
 };
 
 const CONTENT: Record<(typeof COMPARE_TABS)[number], ComponentType<CompareTabProps>> = {

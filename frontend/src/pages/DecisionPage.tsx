@@ -21,7 +21,7 @@ import type { DecisionView } from "../views";
 
 const route = getRouteApi("/decisions/$id");
 
-/** One decision: what is proposed, what is said of it, and what was decided. */
+/** One decision: proposal, discussion and result. */
 export function DecisionPage() {
   const { id } = route.useParams();
   const decision = useQuery(decisionQuery(id));
@@ -38,7 +38,7 @@ function OneDecision({ decision }: { decision: Decision }) {
   const structures = useQuery(structuresQuery(decision.aircraft_id));
   const change = (part: Partial<DecisionView>) =>
     void navigate({ search: (before) => ({ ...before, ...part }), replace: true });
-  // What was read, not what has arrived since: a vote counts for this only.
+  // A vote applies to the revision that was read.
   const [read, setRead] = useState(decision.revision);
   useSeen(decision);
   const open = isOpen(decision.state);
@@ -100,7 +100,7 @@ function OneDecision({ decision }: { decision: Decision }) {
         <aside>
           <Section
             title="Discussion"
-            note="Nothing that was said is ever changed or taken away."
+            note="Comments are never changed or deleted."
             actions={
               view.derivative !== undefined && (
                 <Button
@@ -111,7 +111,7 @@ function OneDecision({ decision }: { decision: Decision }) {
                     change({ derivative: undefined });
                   }}
                 >
-                  On the whole
+                  Whole proposal
                 </Button>
               )
             }
@@ -125,7 +125,7 @@ function OneDecision({ decision }: { decision: Decision }) {
   );
 }
 
-/** Notes that this was looked at, as it stands and each time that something is added. */
+/** Marks the decision as read, on opening and after each addition. */
 function useSeen({ id, version }: Decision) {
   const name = useAnalyst();
   const { mutate } = useMarkSeen();
@@ -140,7 +140,7 @@ interface NotesProps {
   onRead: (revision: number) => void;
 }
 
-/** What has changed around the proposal since it was made or read. */
+/** Changes around the proposal since it was made or read. */
 function Notes({ decision, read, onRead }: NotesProps) {
   const { proposal, structure, newest_version, superseded_by, events } = decision;
   const before = events.findLast((one) => one.proposal !== null && one.revision <= read)?.proposal;
@@ -175,7 +175,7 @@ function Notes({ decision, read, onRead }: NotesProps) {
           <Link to="/decisions/$id" params={{ id: superseded_by }} className="link">
             later decision
           </Link>{" "}
-          holds for the whole of its range. What was decided here stays readable.
+          covers the whole range. This decision remains readable.
         </Alert>
       )}
       {newest_version > structure.version && isOpen(decision.state) && (
@@ -187,7 +187,7 @@ function Notes({ decision, read, onRead }: NotesProps) {
             search={{ against: structure.structure_id, against_version: structure.version }}
             className="link"
           >
-            What differs
+            Differences
           </Link>
           ; a revision can propose it.
         </Text>

@@ -19,7 +19,7 @@ import { integer } from "../lib/urlState";
 
 const route = getRouteApi("/decisions");
 
-/** What the team has decided, what is open, and what holds where. */
+/** Decisions, baselines and review rules. */
 export function DecisionsPage() {
   const view = route.useSearch();
   const navigate = route.useNavigate();
@@ -42,7 +42,7 @@ export function DecisionsPage() {
           <>
             {craft !== undefined && <TrailMenu aircraftId={craft} />}
             <ButtonLink to="/decisions/new" search={{}} data-testid="propose">
-              Propose a structure
+              Propose model structure
             </ButtonLink>
           </>
         }
@@ -85,11 +85,11 @@ export function DecisionsPage() {
           <div className="halves">
             <Section
               title="Baselines"
-              note="What new runs take; where ranges overlap, the one approved last."
+              note="Defaults of new runs; where ranges overlap, the latest approval applies."
             >
               <Baselines aircraftId={craft} />
             </Section>
-            <Section title="Rules" note="They are asked at every vote.">
+            <Section title="Rules" note="Applied to every vote.">
               <ReviewRules aircraftId={craft} />
             </Section>
           </div>
@@ -102,9 +102,9 @@ export function DecisionsPage() {
 function Listed({ items }: { items: DecisionItem[] }) {
   if (items.length === 0) {
     return (
-      <Empty title="Nothing to decide">
-        A decision proposes a model structure for a range of conditions. Once colleagues approve it,
-        new runs there take it.
+      <Empty title="No decisions yet">
+        A decision proposes a model structure for a range of conditions. Once approved, it is the
+        default of new runs there.
       </Empty>
     );
   }
@@ -176,7 +176,7 @@ function Baselines({ aircraftId }: { aircraftId: number }) {
     },
     {
       key: "decision",
-      header: "Decided in",
+      header: "Decision",
       render: (one) => (
         <Link to="/decisions/$id" params={{ id: one.decision_id }} className="link">
           {one.title}
@@ -188,7 +188,7 @@ function Baselines({ aircraftId }: { aircraftId: number }) {
     <Loaded query={baselines} rows={2}>
       {(items) =>
         items.length === 0 ? (
-          <Empty title="No structure was approved yet" />
+          <Empty title="No baselines yet" />
         ) : (
           <DataTable
             label="Baselines"

@@ -5,17 +5,17 @@ import type { ReactNode } from "react";
 import { useRedesign } from "../api/commands";
 import { designQuery, runsQuery } from "../api/queries";
 import type { Design } from "../api/types";
-import { AllocationPart } from "../components/AllocationPart";
+import { AmplitudesPart } from "../components/AmplitudesPart";
 import { ClassicInputsPart } from "../components/ClassicInputsPart";
 import { Facts } from "../components/ConditionFacts";
 import { Checks } from "../components/DesignChecks";
 import { Empty } from "../components/Empty";
-import { ExpectedPart } from "../components/ExpectedPart";
+import { PredictedAccuracyPart } from "../components/PredictedAccuracyPart";
 import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
-import { RehearsalPart } from "../components/RehearsalPart";
+import { PreflightPart } from "../components/PreflightPart";
 import { Section } from "../components/Section";
 import { TargetModesPart } from "../components/TargetModesPart";
 import { TaskProgress } from "../components/TaskProgress";
@@ -30,15 +30,15 @@ const LEVELS = ["Low", "Medium", "High"];
 const FORMS = ["csv", "mat", "h", "json"] as const;
 const TAB_NAMES: Record<(typeof DESIGN_TABS)[number], string> = {
   excitation: "Excitation",
-  told: "What it would tell",
-  amplitudes: "Amplitudes",
+  accuracy: "Predicted accuracy",
+  amplitudes: "Amplitude optimisation",
   classic: "Classic inputs",
-  rehearsal: "Rehearsal",
+  "preflight-simulation": "Pre-flight simulation",
 };
 
 type Change = (part: Partial<DesignView>) => void;
 
-/** One designed excitation: what it commands, what the surfaces make of it, what it would tell. */
+/** One excitation design: commands, surface motion, predicted accuracy, simulation. */
 export function DesignPage() {
   const { id } = route.useParams();
   const design = useQuery(designQuery(id));
@@ -86,10 +86,10 @@ function OneDesign({ design }: { design: Design }) {
               size="xs"
               loading={redesign.isPending}
               onClick={() => {
-                redesign.mutate(`${design.name}, phases anew`);
+                redesign.mutate(`${design.name}, new phases`);
               }}
             >
-              Search its phases anew
+              Re-optimise phases
             </Button>
           </Group>
         }
@@ -105,11 +105,14 @@ function OneDesign({ design }: { design: Design }) {
       <Group align="end" gap="xl">
         <Facts
           facts={[
-            ["Duration", fixed(design.wish.duration_s, 1), "s"],
-            ["Rate", fixed(design.wish.rate_hz, 0), "Hz"],
+            ["Duration", fixed(design.specification.duration_s, 1), "s"],
+            ["Rate", fixed(design.specification.rate_hz, 0), "Hz"],
             ["Band", bandOf(design), "Hz"],
-            ["Inputs", design.wish.inputs.length],
-            ["Harmonics", design.wish.inputs.reduce((sum, own) => sum + own.harmonics.length, 0)],
+            ["Inputs", design.specification.inputs.length],
+            [
+              "Harmonics",
+              design.specification.inputs.reduce((sum, own) => sum + own.harmonics.length, 0),
+            ],
             ["Highest RPF", fixed(Math.max(...Object.values(design.peak_factors)), 3)],
           ]}
         />
@@ -148,22 +151,22 @@ function OneDesign({ design }: { design: Design }) {
             />
             <Checks design={design} level={level} view={view} onChange={change} />
             <div className="panel" style={{ padding: 12 }}>
-              <Figure kind="design-history" title="One period as commanded" params={params} />
+              <Figure kind="design-history" title="Commands over one period" params={params} />
             </div>
             <div className="panel" style={{ padding: 12 }}>
               <Figure
                 {...overFrequency(view, change)}
                 kind="design-spectrum"
-                title="Lines by the input that owns them"
+                title="Harmonics by input"
                 params={params}
               />
             </div>
           </Stack>
         </Tabs.Panel>
-        <Tabs.Panel value="told" pt="md">
+        <Tabs.Panel value="accuracy" pt="md">
           <ForRun view={view} onChange={change}>
             {(run) => (
-              <ExpectedPart
+              <PredictedAccuracyPart
                 design={design}
                 level={level}
                 run={run}
@@ -176,10 +179,10 @@ function OneDesign({ design }: { design: Design }) {
           <ForRun view={view} onChange={change}>
             {(run) => (
               <Section
-                title="Amplitudes that would tell more"
-                note="Same lines and phases; surfaces and load factor with feedback, within limits"
+                title="Amplitude optimisation"
+                note="Same harmonics and phases; surface and load factor limits include feedback"
               >
-                <AllocationPart
+                <AmplitudesPart
                   design={design}
                   level={level}
                   run={run}
@@ -195,17 +198,17 @@ function OneDesign({ design }: { design: Design }) {
           <ForRun view={view} onChange={change}>
             {(run) => (
               <Section
-                title="Against classic inputs"
-                note="Surfaces one after the other, in the same time and band, as large as the design's deflection and load factor allow; pulses as long as tells most"
+                title="Comparison with classic inputs"
+                note="Surfaces in sequence, same duration and band, within the deflection and load factor of the design; pulse length of most information"
               >
                 <ClassicInputsPart design={design} level={level} run={run} />
               </Section>
             )}
           </ForRun>
         </Tabs.Panel>
-        <Tabs.Panel value="rehearsal" pt="md">
+        <Tabs.Panel value="preflight-simulation" pt="md">
           <ForRun view={view} onChange={change}>
-            {(run) => <RehearsalPart design={design} level={level} run={run} />}
+            {(run) => <PreflightPart design={design} level={level} run={run} />}
           </ForRun>
         </Tabs.Panel>
       </Tabs>
@@ -219,13 +222,13 @@ interface ForRunProps {
   children: (run: number) => ReactNode;
 }
 
-/** Whatever needs a model: the run is chosen first. */
+/** Run selection, and the content that requires a run. */
 function ForRun({ view, onChange, children }: ForRunProps) {
   const runs = useQuery(runsQuery({ method: "OE", state: "succeeded" }));
   return (
     <Stack gap="md">
       <Select
-        label="Model, condition and noise of the output-error run"
+        label="Output-error run (model, condition and noise)"
         clearable
         searchable
         w={420}
@@ -239,9 +242,9 @@ function ForRun({ view, onChange, children }: ForRunProps) {
         }}
       />
       {view.run === undefined ? (
-        <Empty title="No run chosen">
-          Choose an output-error run: its model, its noise and how its surfaces moved are what this
-          design is judged by.
+        <Empty title="No run selected">
+          Select an output-error run. Its model, noise and surface motion are used to evaluate this
+          design.
         </Empty>
       ) : (
         children(view.run)

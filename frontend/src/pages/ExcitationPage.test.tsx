@@ -17,21 +17,21 @@ const ROW = {
   inputs: ["bfs", "throttle"],
 };
 
-const answer = (content: unknown) =>
+const respond = (content: unknown) =>
   new Response(JSON.stringify(content), { headers: { "Content-Type": "application/json" } });
 
 afterEach(() => {
   vi.unstubAllGlobals();
 });
 
-it("designs a row of Table 1 for its own duration, in radians", async () => {
+it("designs a row of the catalogue for its duration, in radians", async () => {
   const posted: unknown[] = [];
   vi.stubGlobal("fetch", async (request: Request) => {
     if (request.method === "POST") {
       posted.push(await request.json());
-      return answer({ id: "t0123456789abcdef", kind: "design", state: "running", fraction: 0.2 });
+      return respond({ id: "t0123456789abcdef", kind: "design", state: "running", fraction: 0.2 });
     }
-    return answer({ items: request.url.endsWith("/catalogue") ? [ROW] : [], next: null });
+    return respond({ items: request.url.endsWith("/catalogue") ? [ROW] : [], next: null });
   });
   await show(<ExcitationPage />);
   expect(await screen.findByText("No designs yet")).toBeInTheDocument();

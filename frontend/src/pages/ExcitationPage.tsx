@@ -6,9 +6,9 @@ import { aircraftQuery, catalogueQuery, designsQuery } from "../api/queries";
 import type { CatalogueRow, Design, DesignRequest } from "../api/types";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
-import { FlownDesignForm } from "../components/FlownDesignForm";
+import { ImportDesignForm } from "../components/ImportDesignForm";
 import { Loaded } from "../components/Loaded";
-import { OwnDesignForm } from "../components/OwnDesignForm";
+import { CustomDesignForm } from "../components/CustomDesignForm";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
@@ -38,21 +38,21 @@ const DESIGN_COLUMNS: Column<Design>[] = [
     header: "Duration",
     unit: "s",
     numeric: true,
-    render: (design) => fixed(design.wish.duration_s, 1),
+    render: (design) => fixed(design.specification.duration_s, 1),
   },
   {
     key: "rate",
     header: "Rate",
     unit: "Hz",
     numeric: true,
-    render: (design) => fixed(design.wish.rate_hz, 0),
+    render: (design) => fixed(design.specification.rate_hz, 0),
   },
   { key: "band", header: "Band", unit: "Hz", numeric: true, render: bandOf },
   {
     key: "inputs",
     header: "Inputs",
     wraps: true,
-    render: (design) => design.wish.inputs.map((own) => own.name).join(", "),
+    render: (design) => design.specification.inputs.map((own) => own.name).join(", "),
   },
   {
     key: "rpf",
@@ -62,7 +62,7 @@ const DESIGN_COLUMNS: Column<Design>[] = [
   },
   {
     key: "at",
-    header: "Made",
+    header: "Created",
     numeric: true,
     render: (design) => dateTime(design.created_at),
   },
@@ -86,7 +86,7 @@ const DESIGN_COLUMNS: Column<Design>[] = [
   },
 ];
 
-/** Multisines that were designed, and Table 1 to design from. */
+/** Multisine designs, and the catalogue of flight test articles to design from. */
 export function ExcitationPage() {
   const view: ExcitationView = useSearch({ strict: false });
   const navigate = useNavigate({ from: "/excitation" });
@@ -104,19 +104,19 @@ export function ExcitationPage() {
   });
   const { period, rate, first, peak } = draft;
   const known = (aircraft.data ?? []).map((one) => ({ value: String(one.id), label: one.name }));
-  // One aircraft needs no choice; a row is stretched to the modes of none but by choice.
-  const owner = draft.aircraft === "" ? (known[0]?.value ?? NONE) : draft.aircraft;
+  // The first aircraft is the default; without an aircraft the band of the catalogue is used.
+  const aircraftId = draft.aircraft === "" ? (known[0]?.value ?? NONE) : draft.aircraft;
   const set = (key: "period" | "rate" | "first" | "peak") => (value: number) => {
     setDraft((previous) => ({ ...previous, [key]: value }));
   };
 
-  const make = (wanted: DesignRequest) => {
-    search.mutate(wanted);
+  const make = (request: DesignRequest) => {
+    search.mutate(request);
   };
   const fromRow = (row: CatalogueRow): DesignRequest => ({
     name: `FTA ${row.number}`,
     fta: row.number,
-    aircraft_id: owner === NONE ? null : Number(owner),
+    aircraft_id: aircraftId === NONE ? null : Number(aircraftId),
     duration_s: period * row.periods,
     rate_hz: rate,
     first_harmonic: first,
@@ -185,11 +185,11 @@ export function ExcitationPage() {
             onMade={() => void cache.invalidateQueries({ queryKey: ["designs"], exact: true })}
           />
         )}
-        <Section title="Designs" note="RPF is judged with peaks between samples; one sine has 1">
+        <Section title="Designs" note="RPF includes peaks between samples; a single sine has RPF 1">
           <Loaded query={designs}>
             {(rows) =>
               rows.length === 0 ? (
-                <Empty title="No designs yet">Design one below.</Empty>
+                <Empty title="No designs yet">Create one below.</Empty>
               ) : (
                 <DataTable
                   label="Designs"
@@ -208,36 +208,40 @@ export function ExcitationPage() {
             void navigate({ search: { from: DESIGN_SOURCES.find((one) => one === next) } })
           }
         >
-          <Tabs.List aria-label="Where a design comes from">
-            <Tabs.Tab value="table">Table 1</Tabs.Tab>
-            <Tabs.Tab value="own">Of your own</Tabs.Tab>
-            <Tabs.Tab value="flown">Already flown</Tabs.Tab>
+          <Tabs.List aria-label="Design source">
+            <Tabs.Tab value="table">FTA catalogue</Tabs.Tab>
+            <Tabs.Tab value="own">Custom design</Tabs.Tab>
+            <Tabs.Tab value="flown">Import flown multisine</Tabs.Tab>
           </Tabs.List>
           <Tabs.Panel value="table" pt="md">
             <Section
-              title="Table 1"
-              note="Amplitudes low and high are half and twice the medium one"
+              title="FTA catalogue"
+              note="Low and high amplitudes are half and twice the medium amplitude"
             >
               <Group mb="sm">
-                <Wanted label="T [s]" value={period} onChange={set("period")} />
-                <Wanted label="Rate [Hz]" value={rate} onChange={set("rate")} />
-                <Wanted label="First harmonic" value={first} onChange={set("first")} />
+                <PositiveInput label="T [s]" value={period} onChange={set("period")} />
+                <PositiveInput label="Rate [Hz]" value={rate} onChange={set("rate")} />
+                <PositiveInput label="First harmonic" value={first} onChange={set("first")} />
                 <Select
-                  label="Reach the target modes of"
+                  label="Target modes of"
                   w={220}
                   allowDeselect={false}
-                  data={[...known, { value: NONE, label: "no aircraft: Table 1" }]}
-                  value={owner}
+                  data={[...known, { value: NONE, label: "none: band of the catalogue" }]}
+                  value={aircraftId}
                   onChange={(next) => {
                     if (next !== null) setDraft((previous) => ({ ...previous, aircraft: next }));
                   }}
                 />
-                <Wanted label="Body flap, medium [deg]" value={peak} onChange={set("peak")} />
+                <PositiveInput
+                  label="Body flap, medium [deg]"
+                  value={peak}
+                  onChange={set("peak")}
+                />
               </Group>
               <Loaded query={catalogue} rows={24}>
                 {(rows) => (
                   <DataTable
-                    label="Table 1"
+                    label="FTA catalogue"
                     testId="catalogue-table"
                     columns={columns}
                     rows={rows}
@@ -249,18 +253,18 @@ export function ExcitationPage() {
           </Tabs.Panel>
           <Tabs.Panel value="own" pt="md">
             <Section
-              title="A design of your own"
-              note="Lines are disjoint; inputs with one band interleave in the order of the table"
+              title="Custom design"
+              note="Disjoint harmonics; inputs with the same band are interleaved in the order of the table"
             >
-              <OwnDesignForm busy={search.isPending} onDesign={make} />
+              <CustomDesignForm busy={search.isPending} onDesign={make} />
             </Section>
           </Tabs.Panel>
           <Tabs.Panel value="flown" pt="md">
             <Section
-              title="Multisines that were flown"
-              note="Every column is an input; harmonics, amplitudes and phases are recognised"
+              title="Import flown multisine"
+              note="One column per input; harmonics, amplitudes and phases are identified"
             >
-              <FlownDesignForm />
+              <ImportDesignForm />
             </Section>
           </Tabs.Panel>
         </Tabs>
@@ -269,13 +273,13 @@ export function ExcitationPage() {
   );
 }
 
-interface WantedProps {
+interface PositiveInputProps {
   label: string;
   value: number;
   onChange: (value: number) => void;
 }
 
-function Wanted({ label, value, onChange }: WantedProps) {
+function PositiveInput({ label, value, onChange }: PositiveInputProps) {
   return (
     <NumberInput
       label={label}

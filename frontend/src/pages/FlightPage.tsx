@@ -26,7 +26,7 @@ import type { FlightView } from "../views";
 
 const route = getRouteApi("/flights/$id");
 
-/** One flight: its maneuvers, and its recording from which maneuvers are cut. */
+/** One flight: its maneuvers, and its recording, from which maneuvers are cut. */
 export function FlightPage() {
   const { id } = route.useParams();
   const flight = useQuery(flightQuery(id));
@@ -130,7 +130,7 @@ function Maneuvers({ flight }: { flight: Flight }) {
         {(data) =>
           itemsOf(data).length === 0 ? (
             <Text size="sm" className="quiet">
-              None was cut or imported yet.
+              No maneuvers yet.
             </Text>
           ) : (
             <DataTable
@@ -167,8 +167,8 @@ function Recording({ flight, channels }: { flight: Flight; channels: FlightChann
   return (
     <>
       <Section
-        title="Maneuvers found"
-        note="By the recorded excitation, a marker, or the motion of the surfaces; with trim before and decay after"
+        title="Detected maneuvers"
+        note="From the recorded excitation, a marker, or the surface motion; including trim before and decay after"
       >
         {found.isError ? (
           <ProblemAlert error={found.error} />
@@ -195,7 +195,7 @@ function Recording({ flight, channels }: { flight: Flight; channels: FlightChann
         title="Recording"
         note={
           window === undefined
-            ? "Drag over the figure to choose the window of a maneuver"
+            ? "Drag over the figure to select the window of a maneuver"
             : `Window from ${fixed(window[0], 2)} to ${fixed(window[1], 2)} s: drag again to narrow it`
         }
         actions={
@@ -245,7 +245,7 @@ function Recording({ flight, channels }: { flight: Flight; channels: FlightChann
             />
           </Stack>
           {shown.length === 0 ? (
-            <Empty title="No channel picked">Tick one or more on the left.</Empty>
+            <Empty title="No channel selected">Select one or more on the left.</Empty>
           ) : (
             <Figure
               kind="flight-history"

@@ -12,11 +12,11 @@ import {
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useState } from "react";
-import { flutterQuery, flutterTaskQuery, runsQuery, type FlutterQuestion } from "../api/queries";
+import { flutterQuery, flutterTaskQuery, runsQuery, type FlutterParams } from "../api/queries";
 import type { QueryValue } from "../api/client";
 import type { Flutter } from "../api/types";
 import { ButtonLink } from "../components/ButtonLink";
-import { CarrySwitch } from "../components/CarrySwitch";
+import { OutOfBandSwitch } from "../components/OutOfBandSwitch";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
@@ -30,7 +30,7 @@ import type { FlutterView } from "../views";
 
 const route = getRouteApi("/flutter");
 
-/** More runs than these take seconds: their answer is found as a task. */
+/** Above this number of runs the prediction is computed as a job. */
 const FEW = 6;
 
 const ALONG = [
@@ -39,12 +39,12 @@ const ALONG = [
   { value: "fuel", label: "Fuel" },
 ];
 
-/** What the identified models say of the next test point. */
+/** Flutter prediction of the identified models, and the margin of the next test point. */
 export function FlutterPage() {
   const view = route.useSearch();
   const navigate = route.useNavigate();
   const runs = view.runs ?? [];
-  const question = {
+  const query = {
     run_ids: runs.join(","),
     fuel: view.fuel === undefined ? undefined : view.fuel / 100,
     altitude_m: view.altitude,
@@ -53,10 +53,10 @@ export function FlutterPage() {
     trend: view.trend,
   };
   const many = runs.length > FEW;
-  const task = useQuery(flutterTaskQuery(question, many));
+  const task = useQuery(flutterTaskQuery(query, many));
   const [found, setFound] = useState("");
   const ready = !many || found === task.data?.id;
-  const answer = useQuery(flutterQuery(question, ready));
+  const result = useQuery(flutterQuery(query, ready));
   const change = (part: Partial<FlutterView>) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }) });
   return (
@@ -79,17 +79,17 @@ export function FlutterPage() {
               others: view.others,
             }}
           >
-            With a controller
+            Closed loop
           </ButtonLink>
         }
       />
       <div className="split">
-        <Choices view={view} answer={answer.data} onChange={change} />
+        <Choices view={view} result={result.data} onChange={change} />
         {runs.length === 0 ? (
           <div className="panel">
-            <Empty title="No runs chosen">
-              Choose runs that succeeded, best over several airspeeds. Runs of one model structure
-              are fused; other structures tell how much the structure matters.
+            <Empty title="No runs selected">
+              Select succeeded runs, preferably at several airspeeds. Runs of one model structure
+              are fused; other structures show the sensitivity to the structure.
             </Empty>
           </div>
         ) : (
@@ -105,22 +105,20 @@ export function FlutterPage() {
               />
             )}
             {ready && (
-              <Loaded query={answer} rows={6}>
-                {(data) => <Answer answer={data} />}
+              <Loaded query={result} rows={6}>
+                {(data) => <Prediction result={data} />}
               </Loaded>
             )}
             {ready && (
               <Figures
-                question={question}
+                query={query}
                 along={view.along}
                 onAlong={(along) => {
                   change({ along });
                 }}
               />
             )}
-            {ready && answer.data !== undefined && (
-              <Details answer={answer.data} shown={question} />
-            )}
+            {ready && result.data !== undefined && <Details result={result.data} shown={query} />}
           </Stack>
         )}
       </div>
@@ -129,22 +127,22 @@ export function FlutterPage() {
 }
 
 interface FiguresProps {
-  question: FlutterQuestion;
+  query: FlutterParams;
   along: FlutterView["along"];
   onAlong: (along: FlutterView["along"]) => void;
 }
 
-function Figures({ question, along, onAlong }: FiguresProps) {
-  const shown = { ...question };
-  const roots = { ...question, along };
+function Figures({ query, along, onAlong }: FiguresProps) {
+  const shown = { ...query };
+  const roots = { ...query, along };
   return (
     <>
       <div className="panel" style={{ padding: 12 }}>
         <Group gap="xs" mb="xs">
-          <Text size="sm">Roots along</Text>
+          <Text size="sm">Roots over</Text>
           <SegmentedControl
             size="xs"
-            aria-label="Roots along"
+            aria-label="Roots over"
             data-testid="flutter-along"
             data={ALONG}
             value={along ?? "airspeed"}
@@ -174,11 +172,11 @@ function Figures({ question, along, onAlong }: FiguresProps) {
 
 interface ChoicesProps {
   view: FlutterView;
-  answer: Flutter | undefined;
+  result: Flutter | undefined;
   onChange: (change: Partial<FlutterView>) => void;
 }
 
-function Choices({ view, answer, onChange }: ChoicesProps) {
+function Choices({ view, result, onChange }: ChoicesProps) {
   const runs = useQuery(runsQuery({ state: "succeeded" }));
   const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
   return (
@@ -205,24 +203,24 @@ function Choices({ view, answer, onChange }: ChoicesProps) {
         }}
       />
       <NumberInput
-        label="Next point [m/s]"
-        description="3 % above the fastest flown by default"
-        placeholder={answer && fixed(answer.next_m_s, 1)}
+        label="Next test point [m/s]"
+        description="Default: 3 % above the highest airspeed flown"
+        placeholder={result && fixed(result.next_m_s, 1)}
         min={1}
         value={view.next ?? ""}
         onChange={(value) => {
           onChange({ next: typed(value) });
         }}
       />
-      <CarrySwitch
+      <OutOfBandSwitch
         others={view.others}
         onChange={(others) => {
           onChange({ others });
         }}
       />
       <Switch
-        label="Derivatives drift with dynamic pressure"
-        description="For structures that leave modes out; a line takes three dynamic pressures and costs precision"
+        label="Linear trend over dynamic pressure"
+        description="For structures with unmodelled modes; requires three dynamic pressures and increases the standard errors"
         checked={view.trend === true}
         onChange={(event) => {
           onChange({ trend: event.currentTarget.checked ? true : undefined });
@@ -230,7 +228,7 @@ function Choices({ view, answer, onChange }: ChoicesProps) {
       />
       <NumberInput
         label="Fuel [%]"
-        placeholder={answer && percent(answer.fuel_fraction)}
+        placeholder={result && percent(result.fuel_fraction)}
         min={0}
         max={100}
         value={view.fuel ?? ""}
@@ -240,7 +238,7 @@ function Choices({ view, answer, onChange }: ChoicesProps) {
       />
       <NumberInput
         label="Altitude [m]"
-        description="Standard atmosphere; the air of the fastest point by default"
+        description="Standard atmosphere; default: density of the fastest point"
         min={-1000}
         max={11000}
         value={view.altitude ?? ""}
@@ -252,67 +250,67 @@ function Choices({ view, answer, onChange }: ChoicesProps) {
   );
 }
 
-/** Margin of the fastest point, and the motions that take part in the mechanism. */
-function whatMoves(answer: Flutter): string {
-  if (answer.margin === null) return "";
-  const parts = answer.participation
+/** Margin of the fastest point, and the mode participation of the mechanism. */
+function marginText(result: Flutter): string {
+  if (result.margin === null) return "";
+  const parts = result.participation
     .filter((one) => one.share >= 0.01)
     .map((one) => `${one.name} ${percent(one.share)} %`);
-  return ` The fastest point flown, ${fixed(answer.tested_m_s, 1)} m/s, has a margin of ${fixed(100 * answer.margin, 1)} %. What moves: ${parts.join(", ")}.`;
+  return ` The fastest point flown, ${fixed(result.tested_m_s, 1)} m/s, has a margin of ${fixed(100 * result.margin, 1)} %. Mode participation: ${parts.join(", ")}.`;
 }
 
-function Answer({ answer }: { answer: Flutter }) {
-  const safe = answer.safe;
+function Prediction({ result }: { result: Flutter }) {
+  const safe = result.safe;
   return (
     <>
       <Alert
         color={safe ? "green" : "red.9"}
         variant={safe ? "light" : "filled"}
         role={safe ? "status" : "alert"}
-        title={answer.next_point}
+        title={result.test_point_margin}
         data-testid="next-point"
         styles={{ title: safe ? { color: "var(--mantine-color-text)" } : {} }}
       >
-        {answer.sentence} At {percent(answer.fuel_fraction)} % fuel and an air density of{" "}
-        {fixed(answer.density_kg_m3, 3)} kg/m³.{whatMoves(answer)}
+        {result.sentence} At {percent(result.fuel_fraction)} % fuel and an air density of{" "}
+        {fixed(result.density_kg_m3, 3)} kg/m³.{marginText(result)}
       </Alert>
       <Section
         title="Model structures"
-        note="Bold is preferred; how the others differ widens the interval"
+        note="Preferred structure in bold; the spread of the others widens the interval"
       >
-        <Structures answer={answer} />
+        <Structures result={result} />
       </Section>
     </>
   );
 }
 
 interface DetailsProps {
-  answer: Flutter;
+  result: Flutter;
   shown: Record<string, QueryValue>;
 }
 
-/** What else the runs say: trackers, each run alone, modes in air and without. */
-function Details({ answer, shown }: DetailsProps) {
+/** Each run alone, classical flutter prediction methods, modes in air and in vacuo. */
+function Details({ result, shown }: DetailsProps) {
   return (
     <>
       <Section
         title="Runs"
-        note="Each alone; elastic over short-period frequency, of which five counts as decoupled"
+        note="Each run alone; separation is elastic over short-period frequency, decoupled from 5"
       >
-        <Runs answer={answer} />
+        <Runs result={result} />
       </Section>
       <Section
-        title="Classical trackers"
-        note="From the same runs, without a model of the structure"
+        title="Flutter prediction methods"
+        note="Classical methods from the same runs, without a structural model"
       >
-        <Trackers answer={answer} />
+        <Methods result={result} />
       </Section>
-      {answer.equivalents.length > 0 && (
+      {result.equivalents.length > 0 && (
         <Section
-          title="Modes without air"
-          note="Straight lines through equivalent modes over dynamic pressure, ±2σ"
+          title="In-vacuo modes"
+          note="Linear fits of equivalent modes over dynamic pressure, ±2σ"
         >
-          <Equivalents answer={answer} />
+          <Equivalents result={result} />
         </Section>
       )}
       <div className="panel" style={{ padding: 12 }}>
@@ -328,16 +326,16 @@ function Details({ answer, shown }: DetailsProps) {
 
 function othersOf(one: Flutter["structures"][number]): string {
   const held = one.held_modes.join(" ");
-  const from = one.source === null ? "as the runs hold them" : `as predicted by ${one.source}`;
-  const told = [
+  const from = one.source === null ? "fixed as in the runs" : `predicted by ${one.source}`;
+  const parts = [
     held && `${held} ${from}`,
-    one.left_out_modes.length > 0 && `${one.left_out_modes.join(" ")} left out`,
-    one.check && "one mode fewer, in a second fit",
+    one.unmodelled_modes.length > 0 && `${one.unmodelled_modes.join(" ")} unmodelled`,
+    one.check && "one mode fewer, second fit",
   ];
-  return told.filter(Boolean).join(", ") || "–";
+  return parts.filter(Boolean).join(", ") || "–";
 }
 
-function Structures({ answer }: { answer: Flutter }) {
+function Structures({ result }: { result: Flutter }) {
   return (
     <Table className="numbers" fz="sm" data-testid="structures">
       <Table.Thead>
@@ -350,12 +348,12 @@ function Structures({ answer }: { answer: Flutter }) {
         </Table.Tr>
       </Table.Thead>
       <Table.Tbody>
-        {answer.structures.map((one) => (
+        {result.structures.map((one) => (
           <Table.Tr
             key={[one.run_ids, one.modes, one.held_modes, one.source].join("; ")}
             fw={one.preferred ? 600 : undefined}
           >
-            <Table.Td>{one.modes.join(" ") || "rigid only"}</Table.Td>
+            <Table.Td>{one.modes.join(" ") || "rigid body only"}</Table.Td>
             <Table.Td>{othersOf(one)}</Table.Td>
             <Table.Td ta="right">{one.run_ids.length}</Table.Td>
             <Table.Td ta="right">
@@ -371,7 +369,7 @@ function Structures({ answer }: { answer: Flutter }) {
   );
 }
 
-function Runs({ answer }: { answer: Flutter }) {
+function Runs({ result }: { result: Flutter }) {
   return (
     <Table.ScrollContainer minWidth={420} mah={360} type="native">
       <Table className="numbers" fz="sm" data-testid="flutter-each-run">
@@ -379,13 +377,13 @@ function Runs({ answer }: { answer: Flutter }) {
           <Table.Tr>
             <Table.Th>Run</Table.Th>
             <Table.Th>Maneuver</Table.Th>
-            <Table.Th ta="right">Flown [m/s]</Table.Th>
+            <Table.Th ta="right">Airspeed [m/s]</Table.Th>
             <Table.Th ta="right">Flutter ±2σ [m/s]</Table.Th>
             <Table.Th ta="right">Separation</Table.Th>
           </Table.Tr>
         </Table.Thead>
         <Table.Tbody>
-          {answer.runs.map((run) => (
+          {result.runs.map((run) => (
             <Table.Tr key={run.run_id}>
               <Table.Td>
                 <Link to="/runs/$id" params={{ id: run.run_id }} className="link">
@@ -411,7 +409,7 @@ function Runs({ answer }: { answer: Flutter }) {
 const plusMinus = (value: number, std: number, decimals: number, scale = 1) =>
   `${fixed(scale * value, decimals)} ± ${fixed(2 * scale * std, decimals)}`;
 
-function Equivalents({ answer }: { answer: Flutter }) {
+function Equivalents({ result }: { result: Flutter }) {
   return (
     <>
       <Table className="numbers" fz="sm" data-testid="equivalents">
@@ -426,7 +424,7 @@ function Equivalents({ answer }: { answer: Flutter }) {
           </Table.Tr>
         </Table.Thead>
         <Table.Tbody>
-          {answer.equivalents.map((line) => (
+          {result.equivalents.map((line) => (
             <Table.Tr key={line.mode}>
               <Table.Td>{line.name}</Table.Td>
               <Table.Td ta="right">{fixed(line.table_hz, 3)}</Table.Td>
@@ -448,18 +446,18 @@ function Equivalents({ answer }: { answer: Flutter }) {
   );
 }
 
-function Trackers({ answer }: { answer: Flutter }) {
+function Methods({ result }: { result: Flutter }) {
   return (
     <Table className="numbers" fz="sm">
       <Table.Thead>
         <Table.Tr>
-          <Table.Th>Tracker</Table.Th>
+          <Table.Th>Method</Table.Th>
           <Table.Th ta="right">Flutter [m/s]</Table.Th>
-          <Table.Th>How</Table.Th>
+          <Table.Th>Basis</Table.Th>
         </Table.Tr>
       </Table.Thead>
       <Table.Tbody>
-        {answer.trackers.map((tracker) => (
+        {result.trackers.map((tracker) => (
           <Table.Tr key={tracker.name}>
             <Table.Td>{tracker.name}</Table.Td>
             <Table.Td ta="right">{fixed(tracker.airspeed_m_s, 2)}</Table.Td>
@@ -471,8 +469,8 @@ function Trackers({ answer }: { answer: Flutter }) {
           </Table.Tr>
         ))}
         <Table.Tr>
-          <Table.Td>Predicted before flight</Table.Td>
-          <Table.Td ta="right">{fixed(answer.known_m_s, 2)}</Table.Td>
+          <Table.Td>Prediction before flight</Table.Td>
+          <Table.Td ta="right">{fixed(result.predicted_flutter_m_s, 2)}</Table.Td>
           <Table.Td />
         </Table.Tr>
       </Table.Tbody>

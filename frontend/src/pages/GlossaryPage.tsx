@@ -31,7 +31,7 @@ export function GlossaryPage() {
   const { search = "" } = route.useSearch();
   const navigate = route.useNavigate();
   const glossary = useQuery(glossaryQuery);
-  const wanted = search.toLowerCase();
+  const query = search.toLowerCase();
   return (
     <>
       <PageHead
@@ -54,7 +54,7 @@ export function GlossaryPage() {
         <Loaded query={glossary} rows={12}>
           {(entries) => {
             const shown = entries.filter((one) =>
-              `${one.symbol} ${one.meaning} ${one.unit}`.toLowerCase().includes(wanted),
+              `${one.symbol} ${one.meaning} ${one.unit}`.toLowerCase().includes(query),
             );
             return shown.length === 0 ? (
               <Empty title="No such symbol">Clear the search to see all of them.</Empty>

@@ -13,7 +13,7 @@ import { Section } from "../components/Section";
 
 const route = getRouteApi("/import");
 
-/** Files are dropped, what was found is described by a mapping, and then it is imported. */
+/** Import page: upload of files, mapping of their columns, import. */
 export function ImportPage() {
   const { upload } = route.useSearch();
   return (
@@ -53,9 +53,9 @@ function DropFiles() {
   const chooser = useRef<HTMLInputElement>(null);
   const [over, setOver] = useState(false);
 
-  const take = async (chosen: File[]) => {
-    const mapping = chosen.find((file) => file.name.toLowerCase().endsWith(".toml"));
-    const files = chosen.filter((file) => file !== mapping);
+  const take = async (selected: File[]) => {
+    const mapping = selected.find((file) => file.name.toLowerCase().endsWith(".toml"));
+    const files = selected.filter((file) => file !== mapping);
     if (files.length === 0) return;
     const text = await mapping?.text();
     send.mutate(files, {
@@ -76,7 +76,7 @@ function DropFiles() {
   return (
     <Section
       title="Recorder files"
-      note="CSV, TSV and fixed-width text, MATLAB, HDF5, NumPy, Parquet and MDF4. Nothing is stored before you have seen what was found."
+      note="CSV, TSV and fixed-width text, MATLAB, HDF5, NumPy, Parquet and MDF4. Nothing is stored before you confirm the contents."
     >
       <Stack gap="md">
         <div
@@ -105,7 +105,7 @@ function DropFiles() {
           />
           <Text fw={600}>Drop the files of one flight or maneuver here</Text>
           <Text size="sm" className="quiet">
-            Several recorders together are welcome, and a mapping (.toml) with them.
+            Files of several recorders and a mapping (.toml) can be imported together.
           </Text>
           <Group justify="center" mt="sm">
             <Button
@@ -113,7 +113,7 @@ function DropFiles() {
               onClick={() => chooser.current?.click()}
               data-testid="choose-files"
             >
-              Choose files
+              Select files
             </Button>
           </Group>
         </div>

@@ -15,12 +15,12 @@ const route = getRouteApi("/jobs/$id");
 
 const COLUMNS: Column<RunEvent>[] = [
   { key: "at", header: "When", render: (line) => dateTime(line.at) },
-  { key: "kind", header: "What", render: (line) => line.kind },
+  { key: "kind", header: "Event", render: (line) => line.kind },
   { key: "attempt", header: "Attempt", numeric: true, render: (line) => line.attempt || "–" },
   { key: "message", header: "Detail", wraps: true, render: (line) => line.message },
 ];
 
-/** What happened to a job, line by line. */
+/** Log of a job. */
 export function JobPage() {
   const { id } = route.useParams();
   const job = useQuery(jobQuery(id));

@@ -5,7 +5,7 @@ import { useCancelSearch } from "../api/commands";
 import { batchesQuery, jobsQuery, queueQuery, searchesQuery } from "../api/queries";
 import { isOver, STATES, type Batch, type SearchItem } from "../api/types";
 import { BatchBar, left, total } from "../components/BatchBar";
-import { BesideTable } from "../components/BesideTable";
+import { TaskTable } from "../components/TaskTable";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { JobTable } from "../components/JobTable";
@@ -29,7 +29,7 @@ const BATCHES: Column<Batch>[] = [
     ),
   },
   { key: "runs", header: "Runs", numeric: true, render: total },
-  { key: "left", header: "To do", numeric: true, render: left },
+  { key: "left", header: "Remaining", numeric: true, render: left },
   { key: "failed", header: "Failed", numeric: true, render: ({ states }) => states.failed ?? 0 },
   {
     key: "bar",
@@ -42,7 +42,7 @@ const BATCHES: Column<Batch>[] = [
   },
   {
     key: "took",
-    header: "Took",
+    header: "Duration",
     numeric: true,
     render: (batch) => elapsed(batch.started_at, batch.finished_at),
   },
@@ -95,7 +95,7 @@ function Stop({ id }: { id: number }) {
   );
 }
 
-/** What runs, what waits, what is over. */
+/** Queue, batches, searches and jobs. */
 export function JobsPage() {
   const { state } = route.useSearch();
   const navigate = route.useNavigate();
@@ -125,7 +125,7 @@ export function JobsPage() {
           </Section>
         )}
         {searches.data !== undefined && searches.data.length > 0 && (
-          <Section title="Searches for structure">
+          <Section title="Structure searches">
             <DataTable
               label="Searches"
               testId="searches-table"
@@ -136,10 +136,10 @@ export function JobsPage() {
             />
           </Section>
         )}
-        <BesideTable />
+        <TaskTable />
         <Section
           title="Jobs"
-          note="the newest 100"
+          note="Newest 100"
           actions={
             <Select
               aria-label="State"
@@ -148,8 +148,8 @@ export function JobsPage() {
               w={140}
               data={[...STATES]}
               value={state ?? null}
-              onChange={(chosen) =>
-                void navigate({ search: { state: STATES.find((one) => one === chosen) } })
+              onChange={(value) =>
+                void navigate({ search: { state: STATES.find((one) => one === value) } })
               }
             />
           }
@@ -157,8 +157,8 @@ export function JobsPage() {
           <Loaded query={jobs} rows={10}>
             {(rows) =>
               rows.length === 0 ? (
-                <Empty title={state ? `No job is ${state}` : "No jobs yet"}>
-                  A job appears here when a run is submitted from a maneuver.
+                <Empty title={state ? `No jobs in state ${state}` : "No jobs yet"}>
+                  Submit a run from a maneuver.
                 </Empty>
               ) : (
                 <JobTable jobs={rows} />

@@ -29,7 +29,7 @@ const TAB_NAMES: Record<(typeof MANEUVER_TABS)[number], string> = {
   runs: "Runs",
 };
 
-/** One maneuver: what was flown, what was measured, what was estimated from it. */
+/** One maneuver: time histories, quality, spectra, responses and runs. */
 export function ManeuverPage() {
   const { id } = route.useParams();
   const maneuver = useQuery(maneuverQuery(id));

@@ -3,6 +3,8 @@ import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { groundTestQuery, groundTestsQuery } from "../api/queries";
 import type { GroundTest } from "../api/types";
+import { Empty } from "../components/Empty";
+import { GroundTestAlarm } from "../components/GroundTestAlarm";
 import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
@@ -12,12 +14,23 @@ import { fixed, percent } from "../lib/format";
 const route = getRouteApi("/flights/$id/mini-gvt");
 
 const LOOKS = {
-  healthy: { color: "green", title: "Nothing but fuel changed" },
-  watch: { color: "yellow", title: "An amplitude changed" },
-  alarm: { color: "red.9", title: "The structure changed: do not fly" },
+  healthy: { color: "green", title: "Change explained by fuel" },
+  watch: { color: "yellow", title: "Amplitude change" },
+  alarm: { color: "red.9", title: "Structural change: do not fly" },
 } as const;
 
-/** The records on the runway before and after a flight, and what they say of the structure. */
+/** Frequency changes of every flight that has a mini-GVT. */
+export function GroundTestsPage() {
+  return (
+    <>
+      <PageHead title="Mini-GVT" />
+      <GroundTestAlarm />
+      <Tracked />
+    </>
+  );
+}
+
+/** Peaks on the runway before and after a flight, and the verdict on the structure. */
 export function MiniGvtPage() {
   const { id } = route.useParams();
   const test = useQuery(groundTestQuery(id));
@@ -82,10 +95,10 @@ function PeakTable({ test }: { test: GroundTest }) {
           <Table.Th ta="right">Before [Hz]</Table.Th>
           <Table.Th ta="right">After [Hz]</Table.Th>
           <Table.Th ta="right">Change [%]</Table.Th>
-          <Table.Th ta="right">Fuel explains [%]</Table.Th>
-          <Table.Th ta="right">Left over ±2σ [%]</Table.Th>
+          <Table.Th ta="right">Explained by fuel [%]</Table.Th>
+          <Table.Th ta="right">Residual ±2σ [%]</Table.Th>
           <Table.Th ta="right">Amplitude [%]</Table.Th>
-          <Table.Th ta="right">Damping explains [%]</Table.Th>
+          <Table.Th ta="right">Explained by damping [%]</Table.Th>
         </Table.Tr>
       </Table.Thead>
       <Table.Tbody>
@@ -111,44 +124,50 @@ function PeakTable({ test }: { test: GroundTest }) {
   );
 }
 
-/** Every flight of the campaign in one glance. */
+/** Frequency change of each mode that fuel does not explain, by flight. */
 function Tracked() {
   const tests = useQuery(groundTestsQuery);
   return (
-    <Section title="All flights" note="What fuel does not explain [%], by mode">
+    <Section title="All flights" note="Frequency change not explained by fuel [%], by mode">
       <Loaded query={tests}>
-        {(items) => (
-          <Table className="numbers" fz="sm">
-            <Table.Thead>
-              <Table.Tr>
-                <Table.Th>Flight</Table.Th>
-                <Table.Th>Mode</Table.Th>
-                <Table.Th ta="right">Left over [%]</Table.Th>
-                <Table.Th>Verdict</Table.Th>
-              </Table.Tr>
-            </Table.Thead>
-            <Table.Tbody>
-              {items.flatMap((test) =>
-                test.peaks.map((peak) => (
-                  <Table.Tr key={`${test.flight_id} ${peak.mode}`}>
-                    <Table.Td>
-                      <Link
-                        to="/flights/$id/mini-gvt"
-                        params={{ id: test.flight_id }}
-                        className="link"
-                      >
-                        Flight {test.flight_number}
-                      </Link>
-                    </Table.Td>
-                    <Table.Td>{peak.name}</Table.Td>
-                    <Table.Td ta="right">{percent(peak.unexplained, 2)}</Table.Td>
-                    <Table.Td>{peak.verdict}</Table.Td>
-                  </Table.Tr>
-                )),
-              )}
-            </Table.Tbody>
-          </Table>
-        )}
+        {(items) =>
+          items.length === 0 ? (
+            <Empty title="No mini-GVT yet">
+              Import a flight with records on the runway before and after it.
+            </Empty>
+          ) : (
+            <Table className="numbers" fz="sm">
+              <Table.Thead>
+                <Table.Tr>
+                  <Table.Th>Flight</Table.Th>
+                  <Table.Th>Mode</Table.Th>
+                  <Table.Th ta="right">Residual [%]</Table.Th>
+                  <Table.Th>Verdict</Table.Th>
+                </Table.Tr>
+              </Table.Thead>
+              <Table.Tbody>
+                {items.flatMap((test) =>
+                  test.peaks.map((peak) => (
+                    <Table.Tr key={`${test.flight_id} ${peak.mode}`}>
+                      <Table.Td>
+                        <Link
+                          to="/flights/$id/mini-gvt"
+                          params={{ id: test.flight_id }}
+                          className="link"
+                        >
+                          Flight {test.flight_number}
+                        </Link>
+                      </Table.Td>
+                      <Table.Td>{peak.name}</Table.Td>
+                      <Table.Td ta="right">{percent(peak.unexplained, 2)}</Table.Td>
+                      <Table.Td>{peak.verdict}</Table.Td>
+                    </Table.Tr>
+                  )),
+                )}
+              </Table.Tbody>
+            </Table>
+          )
+        }
       </Loaded>
     </Section>
   );

@@ -33,7 +33,7 @@ import { useUndo } from "../lib/useUndo";
 
 const route = getRouteApi("/model-structures/$id");
 
-/** One model structure: its newest version to be changed, older ones to be read. */
+/** One model structure: the newest version is editable, older ones are read-only. */
 export function ModelStructurePage() {
   const { id } = route.useParams();
   const record = useQuery(structureQuery(id));
@@ -94,7 +94,7 @@ function Old({ old, ...parts }: Parts & { old: StructureVersion }) {
         <Text size="sm" className="quiet">
           Version {old.version} of {parts.record.version}, saved {dateTime(old.created_at)}
           {old.author !== "" && ` by ${old.author}`}
-          {old.note !== "" && `: ${old.note}`}. It can be read and run, not changed.
+          {old.note !== "" && `: ${old.note}`}. Read-only; runs can use it.
         </Text>
         <StructureView
           {...parts}
@@ -126,15 +126,15 @@ function Editor(parts: Parts) {
     note: "",
     version: record.version,
   };
-  const kept = useDraft<Draft>(`flexsid.structure.${record.id}`, newest);
-  const base = versions.find((one) => one.version === kept.draft.version);
+  const stored = useDraft<Draft>(`flexsid.structure.${record.id}`, newest);
+  const base = versions.find((one) => one.version === stored.draft.version);
   const changed =
     base === undefined ||
-    base.name !== kept.draft.name ||
-    differences(base.structure, kept.draft.structure, surfaces).length > 0;
-  // A draft that changes nothing follows what colleagues save.
-  const draft = changed ? kept.draft : { ...newest, note: kept.draft.note };
-  const { set, undo, redo, canUndo } = useUndo(draft, kept.setDraft);
+    base.name !== stored.draft.name ||
+    differences(base.structure, stored.draft.structure, surfaces).length > 0;
+  // A draft without changes follows the versions that others save.
+  const draft = changed ? stored.draft : { ...newest, note: stored.draft.note };
+  const { set, undo, redo, canUndo } = useUndo(draft, stored.setDraft);
   const stale = staleOf(edit.error);
 
   const save = () => {
@@ -147,7 +147,7 @@ function Editor(parts: Parts) {
       },
       {
         onSuccess: ({ structure, name, version }) => {
-          kept.setDraft({ structure, name, version, note: "" });
+          stored.setDraft({ structure, name, version, note: "" });
         },
       },
     );
@@ -196,12 +196,12 @@ function Editor(parts: Parts) {
                   }}
                 />
                 <TextInput
-                  label="Why this version"
-                  placeholder="What the evidence says"
+                  label="Reason for this version"
+                  placeholder="Evidence"
                   style={{ flex: 1, minWidth: 200 }}
                   value={draft.note}
                   onChange={(event) => {
-                    kept.setDraft({ ...draft, note: event.currentTarget.value });
+                    stored.setDraft({ ...draft, note: event.currentTarget.value });
                   }}
                 />
                 <Button variant="default" disabled={!canUndo} onClick={undo}>
@@ -262,8 +262,8 @@ function Head({ record, versions, shown, unsaved }: HeadProps) {
               label: `Version ${one.version}${one.author === "" ? "" : `, ${one.author}`}`,
             }))}
             value={String(shown?.version ?? record.version)}
-            onChange={(chosen) => {
-              const version = integer(chosen);
+            onChange={(value) => {
+              const version = integer(value);
               void navigate({
                 search: (previous) => ({
                   ...previous,
@@ -293,7 +293,8 @@ function Head({ record, versions, shown, unsaved }: HeadProps) {
             variant="default"
             data-testid="propose-structure"
           >
-            Propose
+            {" "}
+            Propose model structure{" "}
           </ButtonLink>
           <ManeuverSelect
             label="New run with this structure"
@@ -319,7 +320,7 @@ function staleOf(error: unknown): StaleStructure | null {
     : null;
 }
 
-/** Without delays of nothing, which the form lists until it is saved. */
+/** The structure without empty delays, which the form lists until it is saved. */
 function cleaned(structure: Structure): Structure {
   const delays = Object.entries(structure.delays).filter(([, value]) => value !== 0);
   return { ...structure, delays: Object.fromEntries(delays) };

@@ -20,7 +20,7 @@ import { integer } from "../lib/urlState";
 
 const route = getRouteApi("/model-structures");
 
-/** The model structures that runs share, and a new one. */
+/** List of model structures, and the form of a new one. */
 export function ModelStructuresPage() {
   const view = route.useSearch();
   const structures = useQuery(structuresQuery(view.aircraft));
@@ -36,7 +36,7 @@ export function ModelStructuresPage() {
         ]}
         actions={
           <ButtonLink to="/search" variant="default">
-            Search for terms
+            Structure search
           </ButtonLink>
         }
       />
@@ -66,7 +66,8 @@ function Listed({ structures, aircraft }: Props) {
     return (
       <div className="panel">
         <Empty title="No model structure yet">
-          A structure says which modes, inputs, outputs and derivatives a model has. Make one below.
+          A model structure lists the modes, inputs, outputs and derivatives of a model. Create one
+          below.
         </Empty>
       </div>
     );
@@ -118,7 +119,7 @@ function Listed({ structures, aircraft }: Props) {
 function NewStructure({ structures, aircraft }: Props) {
   const navigate = route.useNavigate();
   const add = useAddStructure();
-  const { draft, setDraft, forget } = useDraft("flexsid.new-structure", { name: "" });
+  const { draft, setDraft, discard } = useDraft("flexsid.new-structure", { name: "" });
   const { name } = draft;
   const [craft, setCraft] = useState(aircraft[0]?.id);
   const [copied, setCopied] = useState<number>();
@@ -127,7 +128,7 @@ function NewStructure({ structures, aircraft }: Props) {
   const modal = tables.data?.find((one) => one.kind === "FEM");
   const symmetric = modal?.numbers.filter((_, place) => modal.symmetric[place]) ?? [];
   return (
-    <Section title="New structure" note="It can be changed afterwards; every version is kept.">
+    <Section title="New model structure" note="Editable later; every version is stored.">
       <form
         onSubmit={(event) => {
           event.preventDefault();
@@ -143,16 +144,20 @@ function NewStructure({ structures, aircraft }: Props) {
               note: origin === undefined ? "" : `from ${origin.name}, version ${origin.version}`,
               structure: {
                 free_delays: false,
-                also_free: [],
+                extra_parameters: [],
                 absent: [],
                 ...structure,
                 axis: "longitudinal",
               },
             },
             {
-              onSuccess: (kept) => {
-                forget();
-                void navigate({ to: "/model-structures/$id", params: { id: kept.id }, search: {} });
+              onSuccess: (stored) => {
+                discard();
+                void navigate({
+                  to: "/model-structures/$id",
+                  params: { id: stored.id },
+                  search: {},
+                });
               },
             },
           );
@@ -179,7 +184,7 @@ function NewStructure({ structures, aircraft }: Props) {
           <Select
             label="Copy of"
             w={260}
-            placeholder="nothing: all derivatives free"
+            placeholder="none: all derivatives free"
             clearable
             data={structures
               .filter((one) => one.aircraft_id === craft)
@@ -195,7 +200,7 @@ function NewStructure({ structures, aircraft }: Props) {
             disabled={name.trim() === "" || craft === undefined || !tables.isSuccess}
             data-testid="add-structure"
           >
-            Make structure
+            Create model structure
           </Button>
         </Group>
         {add.isError && <ProblemAlert error={add.error} />}

@@ -19,7 +19,7 @@ export function NewDecisionPage() {
   return (
     <>
       <PageHead
-        title="Propose a structure"
+        title="Propose model structure"
         trail={[
           <Link to="/decisions" className="link" key="decisions">
             Decisions
@@ -41,7 +41,7 @@ function Form({ structures }: { structures: ModelStructure[] }) {
     const found = structures.find((one) => one.id === id);
     return found === undefined ? null : { id: found.id, version: version ?? found.version };
   };
-  const { draft, setDraft, forget } = useDraft<ProposalDraft>(
+  const { draft, setDraft, discard } = useDraft<ProposalDraft>(
     `flexsid.proposal.${JSON.stringify(view)}`,
     {
       ...EMPTY_PROPOSAL,
@@ -56,12 +56,12 @@ function Form({ structures }: { structures: ModelStructure[] }) {
       draft={draft}
       onChange={setDraft}
       sending={propose.isPending}
-      label="Propose"
+      label="Propose model structure"
       footer={propose.isError && <ProblemAlert error={propose.error} />}
       onSend={(proposal) => {
         propose.mutate(proposal, {
           onSuccess: ({ id }) => {
-            forget();
+            discard();
             void navigate({ to: "/decisions/$id", params: { id }, search: {} });
           },
         });

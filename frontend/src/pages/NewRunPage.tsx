@@ -23,12 +23,12 @@ import { windowOf } from "../lib/band";
 import { limitsText } from "../lib/limits";
 import { excitedInputs, named } from "../lib/channels";
 import type { RunDraft } from "../lib/runDraft";
-import { carriedModes } from "../lib/runDraft";
+import { listOutOfBandModes } from "../lib/runDraft";
 import { useDraft } from "../lib/useDraft";
 
 const route = getRouteApi("/maneuvers/$id/new-run");
 
-/** Choose what to estimate, how, and from which data. */
+/** Form of new runs: model structure, methods, data and settings. */
 export function NewRunPage() {
   const { id } = route.useParams();
   const { like, structure, version } = route.useSearch();
@@ -101,7 +101,7 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin, proposal 
   const submit = useSubmitRuns();
   const all = useSubmitBatch();
   const band = windowOf(view);
-  const { draft, setDraft, forget } = useDraft<RunDraft>(
+  const { draft, setDraft, discard } = useDraft<RunDraft>(
     `flexsid.new-run.${maneuver.id}.${like?.id ?? ""}.${origin?.structure.id ?? ""}.${band?.join() ?? ""}`,
     firstDraft({
       maneuver,
@@ -138,17 +138,17 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin, proposal 
         runRequest(draft, method, id, excitedInputs(maneuver), {
           like,
           origin: unchanged ? origin?.structure : undefined,
-          carried: carriedModes(draft, symmetric, predicted),
+          outOfBand: listOutOfBandModes(draft, symmetric, predicted),
           together: view.together === true ? others : undefined,
         }),
       ),
     );
     const [likeAll] = requests;
     if (separate.length > 1 && likeAll !== undefined) {
-      const wanted = batchRequest(draft, separate, likeAll);
-      all.mutate(eachItsOwn ? { ...wanted, structures: [] } : wanted, {
+      const request = batchRequest(draft, separate, likeAll);
+      all.mutate(eachItsOwn ? { ...request, structures: [] } : request, {
         onSuccess: (batch) => {
-          forget();
+          discard();
           void navigate({ to: "/batches/$id", params: { id: batch.id }, search: {} });
         },
       });
@@ -156,7 +156,7 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin, proposal 
     }
     submit.mutate(requests, {
       onSuccess: (runs) => {
-        forget();
+        discard();
         const [run] = runs;
         if (run !== undefined && runs.length === 1) {
           void navigate({ to: "/runs/$id", params: { id: run.id }, search: {} });
@@ -192,8 +192,8 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin, proposal 
               <SegmentedControl
                 aria-label="Runs for several maneuvers"
                 data={[
-                  { value: "each", label: "A run each" },
-                  { value: "together", label: "One run over all" },
+                  { value: "each", label: "One run per maneuver" },
+                  { value: "together", label: "One run over all maneuvers" },
                 ]}
                 value={view.together === true ? "together" : "each"}
                 onChange={(choice) =>
@@ -239,7 +239,7 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin, proposal 
 interface OriginProps {
   origin: RunOrigin;
   unchanged: boolean;
-  /** Every maneuver takes what was approved for its own condition. */
+  /** Every maneuver uses the baseline of its own condition. */
   eachItsOwn: boolean;
 }
 
@@ -247,7 +247,7 @@ function OriginNote({ origin, unchanged, eachItsOwn }: OriginProps) {
   const { structure, baseline, ofOthers } = origin;
   return (
     <Text size="sm" mb="md" data-testid="run-origin">
-      {unchanged ? "With" : "Changed from"}{" "}
+      {unchanged ? "Model structure" : "Changed from"}{" "}
       <StructureLink
         name={structure.name}
         id={structure.structure_id}
@@ -263,7 +263,7 @@ function OriginNote({ origin, unchanged, eachItsOwn }: OriginProps) {
       )}
       {ofOthers.size > 0 &&
         (eachItsOwn
-          ? `. ${ofOthers.size} of the further maneuvers take another one: each that of its condition.`
+          ? `. ${ofOthers.size} of the further maneuvers use the baselines of their own conditions.`
           : `. ${ofOthers.size} of the further maneuvers have another baseline.`)}
     </Text>
   );

@@ -6,10 +6,10 @@ export function NotFoundPage() {
   return (
     <>
       <PageHead title="No such page" />
-      <Empty title="This address leads nowhere">
+      <Empty title="No page at this address">
         It may have been mistyped.{" "}
         <Link to="/" className="link">
-          Go to the start
+          Open the start page
         </Link>
         .
       </Empty>

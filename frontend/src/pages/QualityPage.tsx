@@ -62,7 +62,7 @@ const columns: Column<QualityItem>[] = [
   {
     key: "signal",
     onlyIf: (one) => one.figures?.signal_to_noise_db != null,
-    header: <span title="Median of all outputs over all lines">Signal/noise</span>,
+    header: <span title="Median of all outputs over all frequencies">Signal/noise</span>,
     unit: "dB",
     sort: "signal_to_noise_db",
     numeric: true,
@@ -71,7 +71,7 @@ const columns: Column<QualityItem>[] = [
   {
     key: "coherence",
     onlyIf: (one) => one.figures?.least_coherence != null,
-    header: <span title="Least coherence of a sensor with the others">Coherence</span>,
+    header: <span title="Lowest coherence of a sensor with the others">Coherence</span>,
     sort: "least_coherence",
     numeric: true,
     render: (one) => fixed(one.figures?.least_coherence, 2),
@@ -89,9 +89,9 @@ const columns: Column<QualityItem>[] = [
         : `${fixed(1e3 * one.figures.largest_skew_s, 1)} ${one.figures.largest_skew_channel ?? ""}`,
   },
   {
-    key: "artefacts",
+    key: "spikes",
     onlyIf: (one) => one.figures?.n_stretches != null,
-    header: <span title="Spikes, dropouts and saturated stretches">Artefacts</span>,
+    header: <span title="Spikes, dropouts and saturated intervals">Spikes</span>,
     sort: "n_stretches",
     numeric: true,
     render: (one) => one.figures?.n_stretches ?? "–",
@@ -116,7 +116,7 @@ const columns: Column<QualityItem>[] = [
   {
     key: "summary",
     onlyIf: (one) => one.summary != null,
-    header: "In words",
+    header: "Summary",
     wraps: true,
     render: (one) => (
       <span style={{ display: "block", maxWidth: 460, whiteSpace: "normal" }}>
@@ -126,7 +126,7 @@ const columns: Column<QualityItem>[] = [
   },
 ];
 
-/** The quality of a whole campaign, the worst maneuvers first. */
+/** Quality of all maneuvers of the campaign, the worst first. */
 export function QualityPage() {
   const view = route.useSearch();
   const navigate = route.useNavigate();
@@ -152,7 +152,7 @@ export function QualityPage() {
         <Group gap="sm" align="flex-end">
           <FilterInput
             label="Search"
-            placeholder="maneuver or finding"
+            placeholder="maneuver or warning"
             value={view.search ?? ""}
             onCommit={(text) => {
               change({ search: text || undefined });
@@ -191,7 +191,7 @@ export function QualityPage() {
           <Loaded query={list} rows={12}>
             {() =>
               items.length === 0 ? (
-                <Empty title="No maneuver here">Widen or clear the filters, or import some.</Empty>
+                <Empty title="No maneuvers">Widen or clear the filters, or import some.</Empty>
               ) : (
                 <DataTable
                   label="Quality of maneuvers"
@@ -234,7 +234,7 @@ interface AssessProps {
   assessing: { running: boolean; done: number; total: number; failed: number };
 }
 
-/** Looks at what is new; everything found is kept, so that each maneuver costs its second once. */
+/** Quality check of new maneuvers; results are stored, so that each is computed once. */
 function Assess({ missing, assessing }: AssessProps) {
   const assess = useAssess();
   if (assess.isError) return <ProblemAlert error={assess.error} />;
@@ -244,7 +244,7 @@ function Assess({ missing, assessing }: AssessProps) {
         <Progress
           w={160}
           value={(100 * assessing.done) / Math.max(1, assessing.total)}
-          aria-label="Maneuvers looked at"
+          aria-label="Checked maneuvers"
         />
         <Text size="sm" className="numbers">
           {assessing.done} of {assessing.total}
@@ -270,7 +270,7 @@ function Assess({ missing, assessing }: AssessProps) {
         assess.mutate("begin");
       }}
     >
-      {missing === 0 ? "All looked at" : `Look at ${count(missing, "maneuver")}`}
+      {missing === 0 ? "All checked" : `Check ${count(missing, "maneuver")}`}
     </Button>
   );
 }

@@ -17,7 +17,7 @@ import type { RunsView } from "../views";
 
 const route = getRouteApi("/runs");
 
-/** Every run of the workbench: found, tagged, compared. */
+/** List of all runs, to filter, tag and compare. */
 export function RunsPage() {
   const view = route.useSearch();
   const navigate = route.useNavigate();
@@ -33,7 +33,7 @@ export function RunsPage() {
   );
   const shown = list.data?.pages.flatMap((page) => page.items) ?? [];
   const filtered = FILTERS.some((key) => view[key] !== undefined);
-  const chosen = shown.filter((run) => selected.includes(run.id));
+  const selectedRuns = shown.filter((run) => selected.includes(run.id));
 
   return (
     <>
@@ -43,7 +43,7 @@ export function RunsPage() {
           <>
             {selected.length > 0 && (
               <BulkActions
-                what="runs"
+                records="runs"
                 ids={selected}
                 tags={(facets.data?.choices.tag ?? []).map((tag) => tag.value)}
                 deleted={view.deleted === true}
@@ -51,7 +51,7 @@ export function RunsPage() {
                   change({ selected: undefined });
                 }}
               >
-                <CompareSelected chosen={chosen} selected={selected} />
+                <CompareSelected runs={selectedRuns} selected={selected} />
               </BulkActions>
             )}
             <SavedViews page="runs" />
@@ -60,7 +60,7 @@ export function RunsPage() {
       />
       <Stack gap="sm">
         <ListFilters
-          what="runs"
+          records="runs"
           hint="Maneuver, author, number"
           view={view}
           choices={facets.data?.choices}
@@ -106,8 +106,8 @@ export function RunsPage() {
 }
 
 /** Runs that are selected but not on the loaded pages are compared too. */
-function CompareSelected({ chosen, selected }: { chosen: RunItem[]; selected: number[] }) {
-  const known = new Map(chosen.map((run) => [run.id, run]));
+function CompareSelected({ runs, selected }: { runs: RunItem[]; selected: number[] }) {
+  const known = new Map(runs.map((run) => [run.id, run]));
   const done = selected.filter((id) => known.get(id)?.state === "succeeded" || !known.has(id));
   return (
     <CompareLink
@@ -147,6 +147,6 @@ function Nothing({ filtered }: { filtered: boolean }) {
   return filtered ? (
     <Empty title="No run matches these filters">Widen or clear them.</Empty>
   ) : (
-    <Empty title="No runs yet">Open a maneuver of the campaign and ask for a new run.</Empty>
+    <Empty title="No runs yet">Open a maneuver of the campaign and submit a new run.</Empty>
   );
 }

@@ -11,7 +11,7 @@ import type { SearchView } from "../views";
 
 const route = getRouteApi("/search");
 
-/** Which terms of a model the data ask for: proposed by evidence, decided by the team. */
+/** Model structure determination: search for the terms of a model. */
 export function SearchPage() {
   const view = route.useSearch();
   const navigate = route.useNavigate();
@@ -20,7 +20,7 @@ export function SearchPage() {
   return (
     <>
       <PageHead
-        title="Search for structure"
+        title="Structure search"
         trail={[
           <Link to="/model-structures" className="link" key="structures">
             Structures
@@ -31,10 +31,10 @@ export function SearchPage() {
         <SearchForm view={view} onChange={change} />
         {view.id === undefined ? (
           <div className="panel">
-            <Empty title="No search shown">
-              Choose maneuvers and modes and start a search, or open an earlier one. Equation error
-              chooses the terms of each coefficient; output error and frequency response error fit
-              whole models, take terms out by Wald’s test and in by the score.
+            <Empty title="No search selected">
+              Select maneuvers and modes and start a search, or open a previous one. Equation error
+              selects the terms of each coefficient; output error and frequency response error fit
+              whole models, remove terms by Wald’s test and add them by the score test.
             </Empty>
           </div>
         ) : (

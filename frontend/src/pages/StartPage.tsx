@@ -20,7 +20,7 @@ import { count, dateMinute } from "../lib/format";
 
 const LINES = 6;
 
-/** What changed, what runs, what is wrong, and what to do next. */
+/** Start page: running and failed runs, proposals awaiting review, recent data, next step. */
 export function StartPage() {
   const maneuvers = useQuery(maneuverFacetsQuery({}));
   const runs = useQuery(runFacetsQuery({}));
@@ -33,44 +33,44 @@ export function StartPage() {
     <>
       <PageHead title="Start" actions={<NextStep />} />
       <GroundTestAlarm />
-      <ol className="way" aria-label="The way through">
+      <ol className="way" aria-label="Workflow">
         <Step to="/campaign" name="Campaign" fact={count(total, "maneuver")} />
         <Step to="/runs" name="Runs" fact={`${inState("succeeded")} succeeded`} />
         <Step to="/compare" name="Compare" fact="methods, conditions, predictions" />
-        <Step to="/decisions" name="Decide" fact="which structure holds where" />
-        <Step to="/flutter" name="Flutter" fact="what the next test point risks" />
+        <Step to="/decisions" name="Decisions" fact="model structures by flight condition" />
+        <Step to="/flutter" name="Flutter" fact="margin of the next test point" />
       </ol>
       <div className="two">
         <div className="stack">
-          <Section title="What runs" note={activity(inState("running"), inState("queued"))}>
-            <Runs filters={{ state: "running" }} sort="-id" none="Nothing is being estimated." />
+          <Section title="Running" note={activity(inState("running"), inState("queued"))}>
+            <Runs filters={{ state: "running" }} sort="-id" none="No run is running." />
             {inState("queued") > 0 && (
               <Text size="sm" mt="xs">
                 <Link to="/jobs" className="link">
-                  {count(inState("queued"), "job")} waiting
+                  {count(inState("queued"), "job")} queued
                 </Link>
               </Text>
             )}
           </Section>
-          <Section title="What waits for review" note="Open proposals of model structures">
+          <Section title="Awaiting review" note="Open proposals of model structures">
             <Proposals />
           </Section>
-          <Section title="New in the campaign" note="Imported last">
+          <Section title="Recent maneuvers" note="Latest imports">
             <NewManeuvers />
           </Section>
         </div>
         <div className="stack">
           <Section
-            title="What is wrong"
+            title="Failed runs"
             note={failed > 0 ? `${count(failed, "run")} failed` : undefined}
           >
             <Runs filters={{ state: "failed" }} sort="-finished_at" none="No run has failed." />
           </Section>
-          <Section title="What changed" note="Estimated last">
+          <Section title="Recent estimates" note="Latest succeeded runs">
             <Runs
               filters={{ state: "succeeded" }}
               sort="-finished_at"
-              none="Nothing has been estimated yet."
+              none="No succeeded runs yet."
             />
           </Section>
         </div>
@@ -100,7 +100,7 @@ function Step({ to, name, fact }: StepProps) {
   );
 }
 
-/** The next sensible step, from where the workbench stands. */
+/** Button of the next step: import, estimate or compare. */
 function NextStep() {
   const untouched = useInfiniteQuery(maneuversQuery({}, "n_runs", 1));
   const newest = useInfiniteQuery(runListQuery({ state: "succeeded" }, "-finished_at", LINES));
@@ -114,11 +114,11 @@ function NextStep() {
       </ButtonLink>
     );
   }
-  // What can be told apart is worth comparing: another method, or a prediction.
-  const hasCompany = (run: RunItem) =>
+  // A comparison requires another run of the maneuver, or a prediction.
+  const isComparable = (run: RunItem) =>
     run.prediction_id !== null ||
     done.some((other) => other.id !== run.id && other.maneuver_id === run.maneuver_id);
-  const last = done.find(hasCompany) ?? done[0];
+  const last = done.find(isComparable) ?? done[0];
   const together = done.filter((run) => run.maneuver_id === last?.maneuver_id);
   return (
     <>
@@ -197,7 +197,7 @@ function Proposals() {
     <Loaded query={open} rows={2}>
       {(proposals) => (
         <Lines
-          none="Nothing waits for a decision."
+          none="No open proposals."
           lines={proposals.slice(0, LINES).map((one) => ({
             key: one.id,
             what: (
@@ -222,7 +222,7 @@ function NewManeuvers() {
     <Loaded query={list} rows={3}>
       {({ pages }) => (
         <Lines
-          none="No maneuver yet; import one, or fill the workbench by flexsid demo."
+          none="No maneuvers yet. Import one, or load the demonstration campaign with flexsid demo."
           lines={(pages[0]?.items ?? []).map((one) => ({
             key: one.id,
             what: (

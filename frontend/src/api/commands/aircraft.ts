@@ -1,4 +1,4 @@
-/** Changes what is known of the aircraft: its thrust, its controllers. */
+/** Commands on the aircraft: thrust table and controllers. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "../client";
 import type { Controller, ThrustRequest } from "../types";
@@ -39,7 +39,7 @@ interface GivenController {
   drives: string;
 }
 
-export function useKeepController() {
+export function useSaveController() {
   const cache = useQueryClient();
   return useMutation({
     mutationFn: ({ aircraft, name, text, file, reads, drives }: GivenController) => {

@@ -1,4 +1,4 @@
-/** Makes excitation designs, and flies them beforehand. */
+/** Commands on excitation designs and pre-flight simulations. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "../client";
 import type { Design, DesignRequest } from "../types";
@@ -6,22 +6,22 @@ import type { Design, DesignRequest } from "../types";
 export function useRescaleDesign(id: number) {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: (wanted: { name: string; gains: Record<string, number>; note: string }) =>
+    mutationFn: (request: { name: string; gains: Record<string, number>; note: string }) =>
       body(
         api.POST("/api/v1/designs/{design_id}/rescaled", {
           params: { path: { design_id: id } },
-          body: wanted,
+          body: request,
         }),
       ),
     onSuccess: () => cache.invalidateQueries({ queryKey: ["designs"], exact: true }),
   });
 }
 
-/** Begins a search for phases; the task tells when the design is kept. */
+/** Starts a phase optimisation; the task ends when the design is stored. */
 export function useSearchDesign() {
   return useMutation({
-    mutationFn: (wanted: DesignRequest) =>
-      body(api.POST("/api/v1/designs/searches", { body: wanted })),
+    mutationFn: (request: DesignRequest) =>
+      body(api.POST("/api/v1/designs/searches", { body: request })),
   });
 }
 
@@ -37,13 +37,13 @@ export function useRedesign(id: number) {
   });
 }
 
-export function useRehearse(designId: number) {
+export function useSimulatePreflight(designId: number) {
   return useMutation({
-    mutationFn: (wanted: { run_id: number; level: number; controller_id: number | null }) =>
+    mutationFn: (request: { run_id: number; level: number; controller_id: number | null }) =>
       body(
-        api.POST("/api/v1/designs/{design_id}/rehearsals", {
+        api.POST("/api/v1/designs/{design_id}/preflight-simulations", {
           params: { path: { design_id: designId } },
-          body: wanted,
+          body: request,
         }),
       ),
   });
@@ -54,23 +54,23 @@ interface FlownFiles {
   name: string;
   rate: number;
   unit: string;
-  apart: boolean;
+  separate: boolean;
 }
 
 export function useImportFlown() {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: async ({ files, name, rate, unit, apart }: FlownFiles) => {
+    mutationFn: async ({ files, name, rate, unit, separate }: FlownFiles) => {
       const form = new FormData();
       for (const file of files) form.append("files", file);
       form.append("name", name);
       form.append("rate_hz", String(rate));
       form.append("unit", unit);
-      form.append("apart", String(apart));
-      const kept = (await json("/api/v1/designs/flown", { method: "POST", body: form })) as {
+      form.append("separate", String(separate));
+      const stored = (await json("/api/v1/designs/flown", { method: "POST", body: form })) as {
         items: Design[];
       };
-      return kept.items;
+      return stored.items;
     },
     onSuccess: () => cache.invalidateQueries({ queryKey: ["designs"], exact: true }),
   });

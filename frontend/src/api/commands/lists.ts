@@ -1,19 +1,19 @@
-/** Changes many at once, and keeps a list as it is shown. */
+/** Commands on many records, and saved views. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body } from "../client";
 import type { Action, ManyOf, SavedViewRequest } from "../types";
 import { RUN_VIEWS } from "./refresh";
 
-/** Deletes, restores, tags or untags many; the answer says which were changed. */
-export function useChangeMany(what: ManyOf) {
+/** Deletes, restores, tags or untags many records; the response lists the changed ones. */
+export function useChangeMany(records: ManyOf) {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: (wanted: { ids: number[]; action: Action; tag?: string }) =>
-      what === "runs"
-        ? body(api.POST("/api/v1/runs/changes", { body: wanted }))
-        : body(api.POST("/api/v1/maneuvers/changes", { body: wanted })),
+    mutationFn: (request: { ids: number[]; action: Action; tag?: string }) =>
+      records === "runs"
+        ? body(api.POST("/api/v1/runs/changes", { body: request }))
+        : body(api.POST("/api/v1/maneuvers/changes", { body: request })),
     onSettled: () => {
-      // Not waited for: what can be undone is told at once, lists follow.
+      // Not awaited: the notice with undo is shown at once, lists refresh later.
       for (const key of [...RUN_VIEWS, ["maneuver"], ["ground-tests"], ["figure", "envelope"]]) {
         void cache.invalidateQueries({ queryKey: key });
       }
@@ -24,13 +24,13 @@ export function useChangeMany(what: ManyOf) {
 export function useSaveView() {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: (wanted: SavedViewRequest) =>
-      body(api.POST("/api/v1/saved-views", { body: wanted })),
+    mutationFn: (request: SavedViewRequest) =>
+      body(api.POST("/api/v1/saved-views", { body: request })),
     onSuccess: () => cache.invalidateQueries({ queryKey: ["saved-views"] }),
   });
 }
 
-export function useForgetView() {
+export function useDeleteView() {
   const cache = useQueryClient();
   return useMutation({
     mutationFn: (id: number) =>

@@ -7,9 +7,9 @@ import type { CutRequest, StepRequest } from "../types";
 export function useCut(flightId: number) {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: async (wanted: CutRequest[]) => {
+    mutationFn: async (request: CutRequest[]) => {
       const made = [];
-      for (const one of wanted) {
+      for (const one of request) {
         made.push(
           await body(
             api.POST("/api/v1/flights/{flight_id}/maneuvers", {
@@ -30,7 +30,7 @@ export function useCut(flightId: number) {
   });
 }
 
-/** What corrections of channels change: everything that is drawn or judged from them. */
+/** Queries to refresh after a correction of channels. */
 function useRefreshManeuver(id: number) {
   const cache = useQueryClient();
   return () =>
@@ -69,8 +69,8 @@ export function useUndoCorrection(id: number) {
 export function useAssess() {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: (wanted: "begin" | "stop") =>
-      wanted === "begin"
+    mutationFn: (request: "begin" | "stop") =>
+      request === "begin"
         ? body(api.POST("/api/v1/quality/assess", { body: {} }))
         : body(api.DELETE("/api/v1/quality/assess")),
     onSettled: () => cache.invalidateQueries({ queryKey: ["quality"] }),

@@ -1,16 +1,16 @@
-/** Takes in modes of structural models and vibration tests, and corrects them. */
+/** Commands that import and correct modal data. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body } from "../client";
-import type { ResponsesRequest, StructureFilesRequest } from "../types";
+import type { ResponsesRequest, ModalDataRequest } from "../types";
 
 export function useCorrectMode(tableId: number) {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: (wanted: { number: number; name: string; symmetric: boolean; reason: string }) =>
+    mutationFn: (request: { number: number; name: string; symmetric: boolean; reason: string }) =>
       body(
         api.POST("/api/v1/modal-tables/{modal_table_id}/corrections", {
           params: { path: { modal_table_id: tableId } },
-          body: wanted,
+          body: request,
         }),
       ),
     onSuccess: () => cache.invalidateQueries(),
@@ -20,9 +20,7 @@ export function useCorrectMode(tableId: number) {
 export function useImportStructure(upload: string, aircraftId: number) {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: (
-      wanted: Pick<StructureFilesRequest, "name" | "kind"> & Partial<StructureFilesRequest>,
-    ) =>
+    mutationFn: (request: Pick<ModalDataRequest, "name" | "kind"> & Partial<ModalDataRequest>) =>
       body(
         api.POST("/api/v1/uploads/{upload_id}/structure", {
           params: { path: { upload_id: upload } },
@@ -30,7 +28,7 @@ export function useImportStructure(upload: string, aircraftId: number) {
             axes: "aft right up",
             origin: [0, 0, 0],
             rigid_modes: false,
-            ...wanted,
+            ...request,
             aircraft_id: aircraftId,
           },
         }),
@@ -42,11 +40,11 @@ export function useImportStructure(upload: string, aircraftId: number) {
 export function useImportFlutterSummary(upload: string, aircraftId: number) {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: (wanted: { name: string; speed_unit: "m/s" | "ft/s" | "in/s" | "kt" | "km/h" }) =>
+    mutationFn: (request: { name: string; speed_unit: "m/s" | "ft/s" | "in/s" | "kt" | "km/h" }) =>
       body(
         api.POST("/api/v1/uploads/{upload_id}/flutter-summary", {
           params: { path: { upload_id: upload } },
-          body: { ...wanted, aircraft_id: aircraftId },
+          body: { ...request, aircraft_id: aircraftId },
         }),
       ),
     onSuccess: () => cache.invalidateQueries({ queryKey: ["flutter-summaries"] }),
@@ -57,7 +55,7 @@ export function useImportResponses(upload: string, aircraftId: number) {
   const cache = useQueryClient();
   return useMutation({
     mutationFn: (
-      wanted: Pick<ResponsesRequest, "name" | "response_unit" | "force_unit"> &
+      request: Pick<ResponsesRequest, "name" | "response_unit" | "force_unit"> &
         Partial<ResponsesRequest>,
     ) =>
       body(
@@ -67,7 +65,7 @@ export function useImportResponses(upload: string, aircraftId: number) {
             fuel: 0,
             axes: "aft right up",
             origin: [0, 0, 0],
-            ...wanted,
+            ...request,
             aircraft_id: aircraftId,
           },
         }),
@@ -76,21 +74,21 @@ export function useImportResponses(upload: string, aircraftId: number) {
   });
 }
 
-export function useKeepFoundModes(responsesId: number) {
+export function useSaveFoundModes(responsesId: number) {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: (wanted: {
+    mutationFn: (request: {
       name: string;
       low_hz?: number;
       high_hz?: number;
       order: number;
-      keep: number[];
-      like_id: number | null;
+      selected: number[];
+      template_id: number | null;
     }) =>
       body(
         api.POST("/api/v1/measured-responses/{responses_id}/modes", {
           params: { path: { responses_id: responsesId } },
-          body: wanted,
+          body: request,
         }),
       ),
     onSuccess: () => cache.invalidateQueries({ queryKey: ["modal-tables"] }),

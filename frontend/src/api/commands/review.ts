@@ -4,7 +4,7 @@ import { named } from "../analyst";
 import { api, body } from "../client";
 import type { FreezeRequest, ProposalRequest, RulesRequest, Vote } from "../types";
 
-/** What shows a decision: its own page, lists, baselines, and what waits. */
+/** Queries that show a decision. */
 function useRefreshDecisions() {
   const cache = useQueryClient();
   return () =>
@@ -25,11 +25,11 @@ export function usePropose() {
 
 export function useReviseDecision(id: number) {
   return useMutation({
-    mutationFn: (wanted: { revision: number; proposal: ProposalRequest }) =>
+    mutationFn: (request: { revision: number; proposal: ProposalRequest }) =>
       body(
         api.POST("/api/v1/decisions/{decision_id}/revisions", {
           params: { path: { decision_id: id }, header: named() },
-          body: wanted,
+          body: request,
         }),
       ),
     onSettled: useRefreshDecisions(),
@@ -38,11 +38,11 @@ export function useReviseDecision(id: number) {
 
 export function useCommentDecision(id: number) {
   return useMutation({
-    mutationFn: (wanted: { text: string; derivative?: string }) =>
+    mutationFn: (request: { text: string; derivative?: string }) =>
       body(
         api.POST("/api/v1/decisions/{decision_id}/comments", {
           params: { path: { decision_id: id }, header: named() },
-          body: wanted,
+          body: request,
         }),
       ),
     onSuccess: useRefreshDecisions(),
@@ -51,11 +51,11 @@ export function useCommentDecision(id: number) {
 
 export function useVote(id: number) {
   return useMutation({
-    mutationFn: (wanted: { revision: number; vote: Vote; text: string }) =>
+    mutationFn: (request: { revision: number; vote: Vote; text: string }) =>
       body(
         api.POST("/api/v1/decisions/{decision_id}/votes", {
           params: { path: { decision_id: id }, header: named() },
-          body: wanted,
+          body: request,
         }),
       ),
     onSettled: useRefreshDecisions(),
@@ -64,11 +64,11 @@ export function useVote(id: number) {
 
 export function useWithdrawDecision(id: number) {
   return useMutation({
-    mutationFn: (wanted: { revision: number; text: string }) =>
+    mutationFn: (request: { revision: number; text: string }) =>
       body(
         api.POST("/api/v1/decisions/{decision_id}/withdrawal", {
           params: { path: { decision_id: id }, header: named() },
-          body: wanted,
+          body: request,
         }),
       ),
     onSettled: useRefreshDecisions(),
@@ -77,21 +77,21 @@ export function useWithdrawDecision(id: number) {
 
 export function useChangeRules(aircraftId: number) {
   return useMutation({
-    mutationFn: (wanted: RulesRequest) =>
+    mutationFn: (request: RulesRequest) =>
       body(
         api.PUT("/api/v1/review-rules/{aircraft_id}", {
           params: { path: { aircraft_id: aircraftId }, header: named() },
-          body: wanted,
+          body: request,
         }),
       ),
     onSettled: useRefreshDecisions(),
   });
 }
 
-export const freezeFigure = (wanted: FreezeRequest) =>
-  body(api.POST("/api/v1/frozen-figures", { params: { header: named() }, body: wanted }));
+export const freezeFigure = (request: FreezeRequest) =>
+  body(api.POST("/api/v1/frozen-figures", { params: { header: named() }, body: request }));
 
-/** Notes what was looked at; without an id, everything. */
+/** Marks a decision as read; without an id, all. */
 export function useMarkSeen() {
   const cache = useQueryClient();
   return useMutation({

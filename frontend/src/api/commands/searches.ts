@@ -7,7 +7,7 @@ import { useRefreshRuns } from "./refresh";
 export function useRequestSearch() {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: (wanted: SearchRequest) => body(api.POST("/api/v1/searches", { body: wanted })),
+    mutationFn: (request: SearchRequest) => body(api.POST("/api/v1/searches", { body: request })),
     onSuccess: () => cache.invalidateQueries({ queryKey: ["searches"] }),
   });
 }

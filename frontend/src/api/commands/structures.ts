@@ -6,8 +6,8 @@ import type { StructureEditRequest, StructureRequest } from "../types";
 export function useAddStructure() {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: (wanted: StructureRequest) =>
-      body(api.POST("/api/v1/model-structures", { body: wanted })),
+    mutationFn: (request: StructureRequest) =>
+      body(api.POST("/api/v1/model-structures", { body: request })),
     onSuccess: () => cache.invalidateQueries({ queryKey: ["structures"] }),
   });
 }
@@ -15,11 +15,11 @@ export function useAddStructure() {
 export function useEditStructure(id: number) {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: (wanted: StructureEditRequest) =>
+    mutationFn: (request: StructureEditRequest) =>
       body(
         api.PUT("/api/v1/model-structures/{structure_id}", {
           params: { path: { structure_id: id } },
-          body: wanted,
+          body: request,
         }),
       ),
     onSettled: () => cache.invalidateQueries({ queryKey: ["structures"] }),

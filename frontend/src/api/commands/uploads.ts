@@ -29,8 +29,8 @@ export function useImportUpload(id: string) {
   });
 }
 
-/** Cancels an import that goes on; else the files are forgotten. */
-export function useForgetUpload(id: string) {
+/** Cancels a running import, or deletes the uploaded files. */
+export function useDiscardUpload(id: string) {
   const cache = useQueryClient();
   return useMutation({
     mutationFn: () =>
@@ -39,11 +39,11 @@ export function useForgetUpload(id: string) {
   });
 }
 
-export function useKeepMapping() {
+export function useSaveMapping() {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: (wanted: { name: string; text: string }) =>
-      body(api.POST("/api/v1/mappings", { body: { ...wanted, note: "" } })),
+    mutationFn: (request: { name: string; text: string }) =>
+      body(api.POST("/api/v1/mappings", { body: { ...request, note: "" } })),
     onSuccess: () => cache.invalidateQueries({ queryKey: ["mappings"] }),
   });
 }

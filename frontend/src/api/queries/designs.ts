@@ -92,12 +92,12 @@ export const classicInputsQuery = (id: number, level: number, runId: number) =>
     staleTime: Infinity,
   });
 
-export const rehearsalsQuery = (designId: number) =>
+export const preflightSimulationsQuery = (designId: number) =>
   queryOptions({
-    queryKey: ["designs", designId, "rehearsals"],
+    queryKey: ["designs", designId, "preflight_simulations"],
     queryFn: ({ signal }) =>
       items(
-        api.GET("/api/v1/designs/{design_id}/rehearsals", {
+        api.GET("/api/v1/designs/{design_id}/preflight-simulations", {
           params: { path: { design_id: designId } },
           signal,
         }),
@@ -106,23 +106,23 @@ export const rehearsalsQuery = (designId: number) =>
       query.state.data?.some((one) => !isOver(one.state)) === true ? 3 * POLL_MS : false,
   });
 
-export interface AllocationLimits {
+export interface AmplitudeLimits {
   /** Largest deflection [rad] and load factor [g]; the design's own where undefined. */
   deflection?: number;
   load_factor?: number;
 }
 
-export const allocationQuery = (
+export const amplitudesQuery = (
   id: number,
   level: number,
   runId: number | undefined,
-  limits: AllocationLimits,
+  limits: AmplitudeLimits,
 ) =>
   queryOptions({
-    queryKey: ["designs", id, "allocation", level, runId, limits],
+    queryKey: ["designs", id, "amplitudes", level, runId, limits],
     queryFn: ({ signal }) =>
       body(
-        api.GET("/api/v1/designs/{design_id}/allocation", {
+        api.GET("/api/v1/designs/{design_id}/amplitudes", {
           params: { path: { design_id: id }, query: { run_id: runId ?? 0, level, ...limits } },
           signal,
         }),

@@ -2,7 +2,7 @@
 import { keepPreviousData, queryOptions } from "@tanstack/react-query";
 import { api, body, items } from "../client";
 
-export interface FlutterQuestion {
+export interface FlutterParams {
   run_ids: string;
   fuel?: number;
   altitude_m?: number;
@@ -11,22 +11,21 @@ export interface FlutterQuestion {
   trend?: boolean;
 }
 
-export const flutterQuery = (question: FlutterQuestion, ready = true) =>
+export const flutterQuery = (query: FlutterParams, ready = true) =>
   queryOptions({
-    queryKey: ["flutter", question],
-    queryFn: ({ signal }) =>
-      body(api.GET("/api/v1/flutter", { params: { query: question }, signal })),
-    enabled: ready && question.run_ids !== "",
+    queryKey: ["flutter", query],
+    queryFn: ({ signal }) => body(api.GET("/api/v1/flutter", { params: { query: query }, signal })),
+    enabled: ready && query.run_ids !== "",
     placeholderData: keepPreviousData,
     staleTime: 60_000,
   });
 
-/** Begins to find the answer for many runs; once for a question while the page stands. */
-export const flutterTaskQuery = (question: FlutterQuestion, enabled: boolean) =>
+/** Starts the flutter prediction of many runs; once for each set of parameters. */
+export const flutterTaskQuery = (query: FlutterParams, enabled: boolean) =>
   queryOptions({
-    queryKey: ["flutter-task", question],
+    queryKey: ["flutter-task", query],
     queryFn: ({ signal }) =>
-      body(api.POST("/api/v1/flutter/answers", { params: { query: question }, signal })),
+      body(api.POST("/api/v1/flutter/results", { params: { query: query }, signal })),
     enabled,
     staleTime: Infinity,
     gcTime: 0,
@@ -37,18 +36,18 @@ export const controllersQuery = queryOptions({
   queryFn: ({ signal }) => items(api.GET("/api/v1/controllers", { signal })),
 });
 
-/** Begins to find the closed loop of many runs; once for a question while the page stands. */
+/** Starts the closed-loop analysis of many runs; once for each set of parameters. */
 export const closedLoopTaskQuery = (
-  question: FlutterQuestion,
+  query: FlutterParams,
   controllerId: number | undefined,
   enabled: boolean,
 ) =>
   queryOptions({
-    queryKey: ["closed-loop-task", question, controllerId],
+    queryKey: ["closed-loop-task", query, controllerId],
     queryFn: ({ signal }) =>
       body(
-        api.POST("/api/v1/closed-loop/answers", {
-          params: { query: { ...question, controller_id: controllerId ?? 0 } },
+        api.POST("/api/v1/closed-loop/results", {
+          params: { query: { ...query, controller_id: controllerId ?? 0 } },
           signal,
         }),
       ),
@@ -58,20 +57,20 @@ export const closedLoopTaskQuery = (
   });
 
 export const closedLoopQuery = (
-  question: FlutterQuestion,
+  query: FlutterParams,
   controllerId: number | undefined,
   enabled = true,
 ) =>
   queryOptions({
-    queryKey: ["closed-loop", question, controllerId],
+    queryKey: ["closed-loop", query, controllerId],
     queryFn: ({ signal }) =>
       body(
         api.GET("/api/v1/closed-loop", {
-          params: { query: { ...question, controller_id: controllerId ?? 0 } },
+          params: { query: { ...query, controller_id: controllerId ?? 0 } },
           signal,
         }),
       ),
-    enabled: enabled && question.run_ids !== "" && controllerId !== undefined,
+    enabled: enabled && query.run_ids !== "" && controllerId !== undefined,
     placeholderData: keepPreviousData,
     staleTime: 60_000,
   });

@@ -17,7 +17,7 @@ export const qualityQuery = (id: number) =>
   });
 
 export interface QualityFilters {
-  verdict?: "good" | "doubtful" | "bad" | "unchecked" | "missing";
+  verdict?: "good" | "questionable" | "bad" | "unchecked" | "missing";
   flight_id?: number;
   search?: string;
 }

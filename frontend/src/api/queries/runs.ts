@@ -59,7 +59,7 @@ export const comparisonQuery = (runs: readonly number[], predictions: readonly n
     placeholderData: keepPreviousData,
   });
 
-export interface TrendQuestion {
+export interface TrendParams {
   run_ids: string;
   prediction_ids?: string;
   name: string;
@@ -67,10 +67,10 @@ export interface TrendQuestion {
   degree: number;
 }
 
-export const trendQuery = (question: TrendQuestion) =>
+export const trendQuery = (query: TrendParams) =>
   queryOptions({
-    queryKey: ["trend", question],
+    queryKey: ["trend", query],
     queryFn: ({ signal }) =>
-      body(api.GET("/api/v1/comparisons/trend", { params: { query: question }, signal })),
+      body(api.GET("/api/v1/comparisons/trend", { params: { query: query }, signal })),
     placeholderData: keepPreviousData,
   });

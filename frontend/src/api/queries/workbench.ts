@@ -21,7 +21,7 @@ export const meaningQuery = (name: string) =>
     staleTime: Infinity,
   });
 
-/** Units of parameters by name; those of pure numbers are left out. */
+/** Units of parameters by name; dimensionless parameters are omitted. */
 export const unitsQuery = (names: readonly string[]) =>
   queryOptions({
     queryKey: ["nomenclature", "units", names],

@@ -9,16 +9,16 @@ import { Loaded } from "../Loaded";
 import { Section } from "../Section";
 import { tableTitle, type TableProps } from "./tables";
 
-/** MAC of two sources or two fuel weights, modes paired, and the points that disagree. */
+/** MAC of two sources or two fuel weights, paired modes, and points of low COMAC. */
 export function CorrelationTab({ table, usable, view, onChange }: TableProps) {
   const comparable = usable.filter((one) => "nodes" in one.arrays || "shape" in one.arrays);
   const other = comparable.find((one) => one.id === view.other) ?? table;
-  const question = {
+  const query = {
     fuel: (view.fuel ?? 50) / 100,
     other_id: other.id,
     other_fuel: (view.other_fuel ?? view.fuel ?? 50) / 100,
   };
-  const told = useQuery(correlationQuery(table.id, question));
+  const correlation = useQuery(correlationQuery(table.id, query));
   return (
     <div className="split split-early">
       <Stack gap="md">
@@ -46,33 +46,33 @@ export function CorrelationTab({ table, usable, view, onChange }: TableProps) {
           <Figure
             kind="mac"
             title="Modal assurance criterion"
-            params={{ modal_table_id: table.id, ...question }}
+            params={{ modal_table_id: table.id, ...query }}
             height={620}
           />
         </div>
-        <Loaded query={told} rows={8}>
-          {(data) => <Told told={data} />}
+        <Loaded query={correlation} rows={8}>
+          {(data) => <Result result={data} />}
         </Loaded>
       </Stack>
     </div>
   );
 }
 
-function Told({ told }: { told: Correlation }) {
+function Result({ result }: { result: Correlation }) {
   return (
     <>
-      <Section title="Modes paired" note={told.notes.join(" ")}>
+      <Section title="Paired modes" note={result.notes.join(" ")}>
         <DataTable
-          label="Modes paired"
+          label="Paired modes"
           testId="paired-modes"
           columns={PAIRS}
-          rows={told.pairs}
+          rows={result.pairs}
           rowKey={(row) => row.number}
           maxHeight={420}
         />
       </Section>
-      {told.points.length > 0 && (
-        <Section title="Points that agree least" note="COMAC over the pairs that are alike">
+      {result.points.length > 0 && (
+        <Section title="Points of lowest COMAC" note="COMAC over matched pairs">
           <DataTable
             label="COMAC"
             columns={[
@@ -85,7 +85,7 @@ function Told({ told }: { told: Correlation }) {
                 render: (row) => fixed(row.comac, 4),
               },
             ]}
-            rows={told.points.slice(0, 12)}
+            rows={result.points.slice(0, 12)}
             rowKey={(row) => `${row.point} ${row.direction}`}
           />
         </Section>
@@ -96,7 +96,7 @@ function Told({ told }: { told: Correlation }) {
 
 const PAIRS: Column<PairedMode>[] = [
   { key: "name", header: "Mode", render: (row) => row.name },
-  { key: "other", header: "Most alike", render: (row) => row.other_name },
+  { key: "other", header: "Best match", render: (row) => row.other_name },
   {
     key: "mac",
     header: "MAC",

@@ -13,7 +13,7 @@ import { ProblemAlert } from "../ProblemAlert";
 import { Section } from "../Section";
 import { hasShapes, type TableProps } from "./tables";
 
-/** Frequencies and damping over fuel, and the modes at the chosen fuel with their names. */
+/** Frequencies and damping over fuel, and the named modes at the selected fuel. */
 export function FuelTab({ table, view }: TableProps) {
   const fuel = (view.fuel ?? 50) / 100;
   const modes = useQuery(modesAtQuery(table.id, fuel));
@@ -29,7 +29,7 @@ export function FuelTab({ table, view }: TableProps) {
       </div>
       <Section
         title={`Modes at ${percent(fuel)} % fuel`}
-        note="Named by rule from their shapes; a correction keeps its reason."
+        note="Names assigned by rule from the shapes; a correction is stored with its reason."
         actions={
           hasShapes(table) && (
             <Group gap="xs" className="no-print">
@@ -102,7 +102,7 @@ function columnsOf(correct: (mode: ModeAtFuel) => void): Column<ModeAtFuel>[] {
     },
     {
       key: "followed",
-      header: "Least MAC over fuel",
+      header: "Lowest MAC over fuel",
       numeric: true,
       render: (row) => fixed(row.followed, 3),
     },
@@ -179,7 +179,8 @@ function Correction({ tableId, mode, onClose }: CorrectionProps) {
               );
             }}
           >
-            Keep
+            {" "}
+            Save{" "}
           </Button>
         </Group>
       </Stack>

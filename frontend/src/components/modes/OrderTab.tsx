@@ -11,9 +11,9 @@ import type { TableProps } from "./tables";
 
 type Step = ModelOrder["steps"][number];
 
-/** How many modes a condition needs: derivatives, poles and responses of reduced models. */
+/** Model order of a condition: derivatives, poles and responses of reduced models. */
 export function OrderTab({ aircraft, table, view, onChange }: TableProps) {
-  const question = {
+  const query = {
     aircraft_id: aircraft.id,
     modal_table_id: table.kind === "FEM" ? table.id : undefined,
     airspeed_m_s: view.airspeed ?? 40,
@@ -21,7 +21,7 @@ export function OrderTab({ aircraft, table, view, onChange }: TableProps) {
     fuel: (view.fuel ?? 50) / 100,
     high_hz: view.up_to ?? 15,
   };
-  const told = useQuery(modelOrderQuery(question));
+  const order = useQuery(modelOrderQuery(query));
   const derivatives = view.derivatives ?? ["CZ_alpha", "Cm_alpha", "CZ_q", "Cm_q"];
   const outputs = [...aircraft.combinations, ...aircraft.sensors].map((one) => one.name);
   const output = view.output ?? outputs.find((name) => name === "q") ?? outputs[0];
@@ -58,7 +58,7 @@ export function OrderTab({ aircraft, table, view, onChange }: TableProps) {
         <TagsInput
           label="Derivatives"
           value={derivatives}
-          data={Object.keys(told.data?.full ?? {}).filter((name) => /^C[Zm]_/.test(name))}
+          data={Object.keys(order.data?.full ?? {}).filter((name) => /^C[Zm]_/.test(name))}
           maxDropdownHeight={260}
           onChange={(names) => {
             onChange({ derivatives: names });
@@ -82,23 +82,23 @@ export function OrderTab({ aircraft, table, view, onChange }: TableProps) {
           }}
         />
       </Stack>
-      <Loaded query={told} rows={10}>
+      <Loaded query={order} rows={10}>
         {(data) => (
           <Stack gap="md">
-            <Proposal told={data} />
+            <Proposal result={data} />
             <div className="panel" style={{ padding: 12 }}>
               <Figure
                 kind="model-order"
-                title="Derivatives against modes kept, with ±10 % about the full model"
-                params={{ ...question, derivatives: derivatives.join(",") }}
+                title="Derivatives over retained modes, ±10 % about the full model"
+                params={{ ...query, derivatives: derivatives.join(",") }}
               />
             </div>
             {output !== undefined && surface !== undefined && (
               <div className="panel" style={{ padding: 12 }}>
                 <Figure
                   kind="reduced-responses"
-                  title="Response of full and reduced models, and to sensors of a rigid body"
-                  params={{ ...question, output, surface, counts: "0,1,2,3,4" }}
+                  title="Responses of full and reduced models, and of rigid-body sensors"
+                  params={{ ...query, output, surface, counts: "0,1,2,3,4" }}
                   height={520}
                 />
               </div>
@@ -119,36 +119,36 @@ export function OrderTab({ aircraft, table, view, onChange }: TableProps) {
   );
 }
 
-function Proposal({ told }: { told: ModelOrder }) {
-  const chosen = told.steps[told.needed];
+function Proposal({ result }: { result: ModelOrder }) {
+  const needed = result.steps[result.needed];
   return (
     <Alert
       color="blue"
       variant="light"
-      title={`This condition needs ${["SP", ...(chosen?.names ?? [])].join(" + ")}`}
+      title={`Modes required at this condition: ${["SP", ...(needed?.names ?? [])].join(" + ")}`}
       data-testid="order-proposal"
       styles={{ title: { color: "var(--mantine-color-text)" } }}
     >
-      {told.evidence.join(" ")}
+      {result.evidence.join(" ")}
     </Alert>
   );
 }
 
 const COLUMNS: Column<Step>[] = [
   { key: "count", header: "Modes", numeric: true, render: (row) => row.modes.length },
-  { key: "last", header: "Last", render: (row) => row.names.at(-1) ?? "rigid" },
+  { key: "last", header: "Last mode", render: (row) => row.names.at(-1) ?? "rigid" },
   { key: "worst", header: "Worst derivative", render: (row) => row.worst },
-  { key: "bias", header: "Off", unit: "%", numeric: true, render: (row) => percent(row.bias, 1) },
+  { key: "bias", header: "Error", unit: "%", numeric: true, render: (row) => percent(row.bias, 1) },
   {
     key: "pole",
-    header: "Poles off",
+    header: "Pole error",
     unit: "%",
     numeric: true,
     render: (row) => (row.pole_error === null ? "missing" : percent(row.pole_error, 1)),
   },
   {
     key: "response",
-    header: "Responses off",
+    header: "Response error",
     unit: "%",
     numeric: true,
     render: (row) => percent(row.response_error, 1),
@@ -165,5 +165,5 @@ const COLUMNS: Column<Step>[] = [
         })
         .join(", "),
   },
-  { key: "enough", header: "Enough", render: (row) => (row.sufficient ? "yes" : "no") },
+  { key: "enough", header: "Sufficient", render: (row) => (row.sufficient ? "yes" : "no") },
 ];

@@ -9,15 +9,15 @@ import { Loaded } from "../Loaded";
 import { Section } from "../Section";
 import type { TableProps } from "./tables";
 
-/** Which sensor sees which mode, and where a further accelerometer would help most. */
+/** Modal observability of the sensors, and candidate accelerometer positions. */
 export function SensorsTab({ table, view, onChange }: TableProps) {
   const symmetry = view.symmetry ?? "symmetric";
-  const question = {
+  const query = {
     fuel: (view.fuel ?? 50) / 100,
     symmetry,
     up_to_hz: view.up_to ?? 20,
   };
-  const told = useQuery(observabilityQuery(table.id, question));
+  const observability = useQuery(observabilityQuery(table.id, query));
   return (
     <Stack gap="md">
       <Group align="end">
@@ -39,8 +39,8 @@ export function SensorsTab({ table, view, onChange }: TableProps) {
           }}
         />
       </Group>
-      <Loaded query={told} rows={10}>
-        {(data) => <Told told={data} />}
+      <Loaded query={observability} rows={10}>
+        {(data) => <Result result={data} />}
       </Loaded>
     </Stack>
   );
@@ -48,17 +48,17 @@ export function SensorsTab({ table, view, onChange }: TableProps) {
 
 type Row = Observability["rows"][number];
 
-function Told({ told }: { told: Observability }) {
+function Result({ result }: { result: Observability }) {
   const columns: Column<Row>[] = [
     { key: "sensor", header: "Sensor", render: (row) => row.sensor },
     { key: "kind", header: "Kind", render: (row) => `${row.kind} ${row.axis}` },
-    ...told.names.map((name, place): Column<Row> => {
-      const error = told.std_error[place];
+    ...result.names.map((name, place): Column<Row> => {
+      const error = result.std_error[place];
       return {
         key: name,
         header: name,
         numeric: true,
-        unit: error == null ? "not told apart" : `σ ×${error.toPrecision(2)}`,
+        unit: error == null ? "not identifiable" : `σ ×${error.toPrecision(2)}`,
         render: (row) => <Share value={row.share[place] ?? null} />,
       };
     }),
@@ -66,21 +66,21 @@ function Told({ told }: { told: Observability }) {
   return (
     <>
       <Section
-        title="What each sensor sees"
-        note="Share of the largest motion of its kind in each mode; σ is the standard error of the mode's acceleration relative to the best known mode's"
+        title="Observability by sensor"
+        note="Fraction of the largest motion of its kind in each mode; σ is the standard error of the modal acceleration relative to the best mode"
       >
         <DataTable
           label="Observability"
           testId="observability"
           columns={columns}
-          rows={told.rows}
+          rows={result.rows}
           rowKey={(row) => row.sensor}
           maxHeight={560}
         />
       </Section>
       <Section
-        title="Where a further accelerometer would help most"
-        note="By the growth of the information on all modes, places at least 15 % of the span apart"
+        title="Candidate accelerometer positions"
+        note="Ranked by information gain on all modes; at least 15 % of the span apart"
       >
         <DataTable
           label="Candidates"
@@ -89,14 +89,14 @@ function Told({ told }: { told: Observability }) {
             { key: "axis", header: "Axis", render: (row) => row.axis },
             {
               key: "place",
-              header: "Place: aft, right, up",
+              header: "Position: aft, right, up",
               unit: "m",
               render: (row) => row.place_m.map((value) => fixed(value, 2)).join(", "),
             },
-            { key: "helps", header: "Helps most", render: (row) => row.helps },
+            { key: "helps", header: "Best for mode", render: (row) => row.helps },
             {
               key: "left",
-              header: "Its standard error falls to",
+              header: "Standard error with sensor",
               unit: "%",
               numeric: true,
               render: (row) => percent(row.shrinks_to),
@@ -108,7 +108,7 @@ function Told({ told }: { told: Observability }) {
               render: (row) => fixed(row.gain, 2),
             },
           ]}
-          rows={told.candidates}
+          rows={result.candidates}
           rowKey={(row) => `${String(row.node)} ${row.axis}`}
         />
       </Section>

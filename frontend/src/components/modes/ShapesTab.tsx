@@ -21,14 +21,14 @@ export function ShapesTab({ table, usable, view, onChange }: TableProps) {
   if (!hasShapes(table))
     return (
       <Empty title="No shapes at nodes">
-        {tableTitle(table)} holds frequencies only. Choose a table with shapes.
+        {tableTitle(table)} contains frequencies only. Select a table with shapes.
       </Empty>
     );
   return (
     <Stack gap="md">
       <Group gap="lg" align="end">
         <Switch
-          label="Two side by side"
+          label="Side by side"
           checked={view.beside === true}
           onChange={(event) => {
             onChange({ beside: event.currentTarget.checked || undefined });
@@ -91,8 +91,8 @@ export function ShapesTab({ table, usable, view, onChange }: TableProps) {
         )}
       </div>
       <Text size="xs" className="quiet">
-        Undeformed faint, deformed strong; sensors are dots and tell φ and ν (per unit η, body axes)
-        when pointed at. Drag or arrow keys turn, wheel or + and − zoom.
+        Undeformed faint, deformed strong; sensors are dots; hover for φ and ν (per unit η, body
+        axes). Drag or arrow keys rotate, wheel or + and − zoom.
       </Text>
     </Stack>
   );
@@ -123,7 +123,7 @@ function OneShape(props: OneProps) {
       <Group gap="sm" mb="xs">
         {tables !== undefined && (
           <Select
-            aria-label="Modal table beside"
+            aria-label="Second modal table"
             size="xs"
             allowDeselect={false}
             data={tables.map((one) => ({ value: String(one.id), label: tableTitle(one) }))}

@@ -10,7 +10,7 @@ import {
 } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
-import { useKeepFoundModes } from "../../api/commands";
+import { useSaveFoundModes } from "../../api/commands";
 import { foundModesQuery, measuredResponsesQuery } from "../../api/queries";
 import type { FoundModes, MeasuredResponses, ModalTable } from "../../api/types";
 import { fixed, percent } from "../../lib/format";
@@ -22,19 +22,19 @@ import { ProblemAlert } from "../ProblemAlert";
 import { Section } from "../Section";
 import { hasShapes, tableTitle, type TabProps } from "./tables";
 
-/** Measured responses of a ground vibration test: stabilisation diagram, modes, and keeping them. */
+/** Measured responses of a ground vibration test: stabilisation diagram and identified modes. */
 export function VibrationTab({ aircraft, usable, view, onChange }: TabProps) {
   const sets = useQuery(measuredResponsesQuery(aircraft.id));
   return (
     <Loaded query={sets} rows={6}>
       {(known) => {
-        const chosen = known.find((one) => one.id === view.responses) ?? known.at(-1);
-        return chosen === undefined ? (
+        const responses = known.find((one) => one.id === view.responses) ?? known.at(-1);
+        return responses === undefined ? (
           <Empty title="No measured responses yet">
             Import a universal file with frequency responses (data sets 58) and its geometry.
           </Empty>
         ) : (
-          <OneSet {...{ known, chosen, usable, view, onChange }} />
+          <OneSet {...{ known, responses, usable, view, onChange }} />
         );
       }}
     </Loaded>
@@ -43,12 +43,12 @@ export function VibrationTab({ aircraft, usable, view, onChange }: TabProps) {
 
 interface OneProps extends Pick<TabProps, "usable" | "view" | "onChange"> {
   known: MeasuredResponses[];
-  chosen: MeasuredResponses;
+  responses: MeasuredResponses;
 }
 
-function OneSet({ known, chosen, usable, view, onChange }: OneProps) {
-  const question = { low_hz: view.from_hz, high_hz: view.to_hz, order: view.order ?? 30 };
-  const found = useQuery(foundModesQuery(chosen.id, question));
+function OneSet({ known, responses, usable, view, onChange }: OneProps) {
+  const query = { low_hz: view.from_hz, high_hz: view.to_hz, order: view.order ?? 30 };
+  const found = useQuery(foundModesQuery(responses.id, query));
   const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
   return (
     <div className="split split-early">
@@ -57,7 +57,7 @@ function OneSet({ known, chosen, usable, view, onChange }: OneProps) {
           label="Measured responses"
           allowDeselect={false}
           data={known.map((one) => ({ value: String(one.id), label: one.name }))}
-          value={String(chosen.id)}
+          value={String(responses.id)}
           onChange={(value) => {
             onChange({ responses: Number(value), from_hz: undefined, to_hz: undefined });
           }}
@@ -79,7 +79,7 @@ function OneSet({ known, chosen, usable, view, onChange }: OneProps) {
           }}
         />
         <NumberInput
-          label="Highest order"
+          label="Highest model order"
           min={4}
           max={80}
           value={view.order ?? 30}
@@ -88,8 +88,9 @@ function OneSet({ known, chosen, usable, view, onChange }: OneProps) {
           }}
         />
         <Text size="xs" className="quiet">
-          {chosen.outputs.length} points, {chosen.references.length} shakers, {chosen.quantity} per
-          force, {percent(chosen.fuel)} % fuel. {chosen.notes.join(" ")}
+          {responses.outputs.length} points, {responses.references.length} shakers,{" "}
+          {responses.quantity} per force, {percent(responses.fuel)} % fuel.{" "}
+          {responses.notes.join(" ")}
         </Text>
       </Stack>
       <Stack gap="md">
@@ -97,15 +98,15 @@ function OneSet({ known, chosen, usable, view, onChange }: OneProps) {
           <Figure
             kind="stabilisation"
             title="Stabilisation diagram over the mean response"
-            params={{ responses_id: chosen.id, ...question }}
+            params={{ responses_id: responses.id, ...query }}
             height={560}
           />
         </div>
         <Loaded query={found} rows={6}>
           {(data) => (
             <Found
-              key={`${String(chosen.id)} ${JSON.stringify(question)}`}
-              {...{ found: data, question, usable, onChange }}
+              key={`${String(responses.id)} ${JSON.stringify(query)}`}
+              {...{ found: data, query, usable, onChange }}
             />
           )}
         </Loaded>
@@ -116,34 +117,34 @@ function OneSet({ known, chosen, usable, view, onChange }: OneProps) {
 
 interface FoundProps extends Pick<TabProps, "onChange"> {
   found: FoundModes;
-  question: { low_hz?: number; high_hz?: number; order: number };
+  query: { low_hz?: number; high_hz?: number; order: number };
   usable: ModalTable[];
 }
 
-function Found({ found, question, usable, onChange }: FoundProps) {
-  const keep = useKeepFoundModes(found.responses_id);
+function Found({ found, query, usable, onChange }: FoundProps) {
+  const save = useSaveFoundModes(found.responses_id);
   const likes = usable.filter((table) => hasShapes(table) && table.kind === "FEM");
   const [left, setLeft] = useState<number[]>([]);
   const [name, setName] = useState("GVT");
   const [like, setLike] = useState<number | null>(likes.at(-1)?.id ?? null);
   const rows = found.items.map((mode, place) => ({ ...mode, place }));
-  const kept = rows.map((row) => row.place).filter((place) => !left.includes(place));
+  const selected = rows.map((row) => row.place).filter((place) => !left.includes(place));
   return (
     <Section
-      title="Modes found"
-      note={`Stable over the orders; ± is their scatter. The responses of these modes miss the measured ones by ${percent(found.fit_error, 1)} %.`}
+      title="Identified modes"
+      note={`Stable over the model orders; ± is the scatter over orders. Fit error of the synthesised responses: ${percent(found.fit_error, 1)} %.`}
     >
       <Stack gap="md">
         <DataTable
-          label="Modes found"
+          label="Identified modes"
           testId="found-modes"
           columns={[
             {
-              key: "keep",
-              header: "Keep",
+              key: "save",
+              header: "Save",
               render: (row) => (
                 <Checkbox
-                  aria-label={`Keep the mode at ${fixed(row.frequency_hz, 2)} Hz`}
+                  aria-label={`Save the mode at ${fixed(row.frequency_hz, 2)} Hz`}
                   checked={!left.includes(row.place)}
                   onChange={(event) => {
                     const on = event.currentTarget.checked;
@@ -181,14 +182,14 @@ function Found({ found, question, usable, onChange }: FoundProps) {
         />
         <Group align="end">
           <TextInput
-            label="Keep as"
+            label="Save as"
             value={name}
             onChange={(event) => {
               setName(event.currentTarget.value);
             }}
           />
           <Select
-            label="Names and numbers like those of"
+            label="Names and numbers from"
             clearable
             data={likes.map((table) => ({ value: String(table.id), label: tableTitle(table) }))}
             value={like === null ? null : String(like)}
@@ -197,11 +198,11 @@ function Found({ found, question, usable, onChange }: FoundProps) {
             }}
           />
           <Button
-            loading={keep.isPending}
-            disabled={kept.length === 0 || name.trim() === ""}
+            loading={save.isPending}
+            disabled={selected.length === 0 || name.trim() === ""}
             onClick={() => {
-              keep.mutate(
-                { name: name.trim(), ...question, keep: kept, like_id: like },
+              save.mutate(
+                { name: name.trim(), ...query, selected, template_id: like },
                 {
                   onSuccess: (table) => {
                     onChange({
@@ -216,10 +217,10 @@ function Found({ found, question, usable, onChange }: FoundProps) {
               );
             }}
           >
-            Keep {kept.length} modes
+            Save {selected.length} modes
           </Button>
         </Group>
-        {keep.isError && <ProblemAlert error={keep.error} />}
+        {save.isError && <ProblemAlert error={save.error} />}
       </Stack>
     </Section>
   );

@@ -1,13 +1,13 @@
 import type { Aircraft, ModalTable } from "../../api/types";
-import type { StructuresView } from "../../views";
+import type { ModalDataView } from "../../views";
 
 /** What every tab is handed. */
 export interface TabProps {
   aircraft: Aircraft;
   /** Tables with frequencies, of any kind and version. */
   usable: ModalTable[];
-  view: StructuresView;
-  onChange: (change: Partial<StructuresView>) => void;
+  view: ModalDataView;
+  onChange: (change: Partial<ModalDataView>) => void;
 }
 
 /** What every tab of a table is handed. */

@@ -2,8 +2,8 @@ import { Button, Group, NumberInput, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useNavigate } from "@tanstack/react-router";
 import { useRescaleDesign } from "../api/commands";
-import { allocationQuery } from "../api/queries";
-import type { AllocatedError, AllocatedPeak, Allocation, Design } from "../api/types";
+import { amplitudesQuery } from "../api/queries";
+import type { OptimisedError, OptimisedPeak, OptimisedAmplitudes, Design } from "../api/types";
 import { degrees, fixed } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
@@ -13,29 +13,29 @@ import { ProblemAlert } from "./ProblemAlert";
 const LOAD_FACTOR = "load factor";
 const WAYS = [
   ["flat", "As designed"],
-  ["minimax", "Least worst error"],
+  ["minimax", "Minimax error"],
   ["d_optimal", "D-optimal"],
 ] as const;
 type Way = (typeof WAYS)[number][0];
 
-const shown = (row: AllocatedPeak, value: number | null) =>
+const shown = (row: OptimisedPeak, value: number | null) =>
   value === null ? "" : row.name === LOAD_FACTOR ? fixed(value, 3) : fixed(degrees(value), 2);
 
-const COMMANDS: Column<AllocatedPeak>[] = [
+const COMMANDS: Column<OptimisedPeak>[] = [
   { key: "name", header: "Command", render: (row) => row.name },
   ...WAYS.map(([way, header]) => ({
     key: way,
     header,
     unit: "deg",
     numeric: true,
-    render: (row: AllocatedPeak) => shown(row, row[way]),
+    render: (row: OptimisedPeak) => shown(row, row[way]),
   })),
 ];
 
-const LIMITED: Column<AllocatedPeak>[] = [
+const LIMITED: Column<OptimisedPeak>[] = [
   {
     key: "name",
-    header: "Largest",
+    header: "Peak",
     render: (row) => (row.name === LOAD_FACTOR ? "load factor [g]" : `${row.name} [deg]`),
   },
   { key: "limit", header: "Limit", numeric: true, render: (row) => shown(row, row.limit) },
@@ -43,23 +43,23 @@ const LIMITED: Column<AllocatedPeak>[] = [
     key: way,
     header,
     numeric: true,
-    render: (row: AllocatedPeak) => shown(row, row[way]),
+    render: (row: OptimisedPeak) => shown(row, row[way]),
   })),
 ];
 
-const ERRORS: Column<AllocatedError>[] = [
+const ERRORS: Column<OptimisedError>[] = [
   { key: "name", header: "Derivative", render: (row) => <DerivativeName name={row.name} /> },
   ...WAYS.map(([way, header]) => ({
     key: way,
     header: `σ, ${header.charAt(0) === "D" ? header : header.toLowerCase()}`,
     unit: "%",
     numeric: true,
-    render: (row: AllocatedError) => fixed(100 * row[way], 1),
+    render: (row: OptimisedError) => fixed(100 * row[way], 1),
   })),
   {
     key: "counts",
-    header: "Decides",
-    render: (row) => (row.counts ? "" : "no: not clear of its error in the run"),
+    header: "In criterion",
+    render: (row) => (row.counts ? "" : "no: insignificant in the run"),
   },
 ];
 
@@ -73,10 +73,10 @@ interface Props {
   onChange: (part: { allowed?: number; load?: number }) => void;
 }
 
-/** Amplitudes that would tell more within the same limits, beside those of the design. */
-export function AllocationPart({ design, level, run, allowed, load, onChange }: Props) {
+/** Amplitude optimisation within the same limits, compared with the design. */
+export function AmplitudesPart({ design, level, run, allowed, load, onChange }: Props) {
   const found = useQuery(
-    allocationQuery(design.id, level, run, {
+    amplitudesQuery(design.id, level, run, {
       deflection: allowed === undefined ? undefined : (allowed * Math.PI) / 180,
       load_factor: load,
     }),
@@ -86,7 +86,7 @@ export function AllocationPart({ design, level, run, allowed, load, onChange }: 
       <Group align="end">
         <NumberInput
           label="Deflection limit [deg]"
-          placeholder="the design's own"
+          placeholder="limit of the design"
           min={0.01}
           w={190}
           value={allowed ?? ""}
@@ -96,7 +96,7 @@ export function AllocationPart({ design, level, run, allowed, load, onChange }: 
         />
         <NumberInput
           label="Load factor limit [g]"
-          placeholder="the design's own"
+          placeholder="limit of the design"
           min={0.001}
           w={190}
           value={load ?? ""}
@@ -106,7 +106,7 @@ export function AllocationPart({ design, level, run, allowed, load, onChange }: 
         />
       </Group>
       <Loaded query={found} rows={12}>
-        {(allocation) => <Found design={design} run={run} allocation={allocation} />}
+        {(result) => <Found design={design} run={run} result={result} />}
       </Loaded>
     </Stack>
   );
@@ -115,36 +115,36 @@ export function AllocationPart({ design, level, run, allowed, load, onChange }: 
 function Found({
   design,
   run,
-  allocation,
+  result,
 }: {
   design: Design;
   run: number;
-  allocation: Allocation;
+  result: OptimisedAmplitudes;
 }) {
   const rescale = useRescaleDesign(design.id);
   const navigate = useNavigate();
-  const keep = (way: Exclude<Way, "flat">, words: string) => {
+  const save = (way: Exclude<Way, "flat">, words: string) => {
     rescale.mutate(
       {
         name: `${design.name}, ${words}`,
-        gains: allocation.gains[way] ?? {},
-        note: `Amplitudes of ${design.name} allotted for run ${run}`,
+        gains: result.gains[way] ?? {},
+        note: `Amplitudes of ${design.name} optimised for run ${run}`,
       },
       {
-        onSuccess: (kept) =>
-          void navigate({ to: "/excitation/$id", params: { id: kept.id }, search: { run } }),
+        onSuccess: (stored) =>
+          void navigate({ to: "/excitation/$id", params: { id: stored.id }, search: { run } }),
       },
     );
   };
-  const counted = allocation.errors.filter((row) => row.counts);
+  const counted = result.errors.filter((row) => row.counts);
   const worst = (way: Way) => fixed(100 * Math.max(...counted.map((row) => row[way])), 1);
   return (
     <>
       {rescale.isError && <ProblemAlert error={rescale.error} />}
       <Group justify="space-between">
-        <Text size="sm" data-testid="allocation-worst">
+        <Text size="sm" data-testid="amplitudes-worst">
           Worst relative error of {counted.length} derivatives: {worst("flat")} % as designed,{" "}
-          {worst("minimax")} % with the least worst error, {worst("d_optimal")} % D-optimal.
+          {worst("minimax")} % with minimax error, {worst("d_optimal")} % D-optimal.
         </Text>
         <Group gap="xs" className="no-print">
           <Button
@@ -152,20 +152,20 @@ function Found({
             size="xs"
             loading={rescale.isPending}
             onClick={() => {
-              keep("minimax", "least worst error");
+              save("minimax", "minimax error");
             }}
           >
-            Keep the least worst error
+            Save minimax design
           </Button>
           <Button
             variant="default"
             size="xs"
             loading={rescale.isPending}
             onClick={() => {
-              keep("d_optimal", "D-optimal");
+              save("d_optimal", "D-optimal");
             }}
           >
-            Keep D-optimal
+            Save D-optimal design
           </Button>
         </Group>
       </Group>
@@ -173,27 +173,27 @@ function Found({
         <div>
           <DataTable
             label="Commands"
-            testId="allocation-commands"
+            testId="amplitudes-commands"
             columns={COMMANDS}
-            rows={allocation.commands}
+            rows={result.commands}
             rowKey={(row) => row.name}
           />
         </div>
         <div>
           <DataTable
-            label="What is limited"
-            testId="allocation-limited"
+            label="Limited quantities"
+            testId="amplitudes-limited"
             columns={LIMITED}
-            rows={allocation.limited}
+            rows={result.limited}
             rowKey={(row) => row.name}
           />
         </div>
       </Group>
       <DataTable
         label="Relative standard errors"
-        testId="allocation-errors"
+        testId="amplitudes-errors"
         columns={ERRORS}
-        rows={allocation.errors}
+        rows={result.errors}
         rowKey={(row) => row.name}
         maxHeight={420}
       />

@@ -16,13 +16,13 @@ import { useDraft } from "../lib/useDraft";
 
 interface Props {
   busy: boolean;
-  onDesign: (wanted: DesignRequest) => void;
+  onDesign: (request: DesignRequest) => void;
 }
 
 const PEAKS = ["Low", "Medium", "High"] as const;
 
-/** A design with inputs, bands, targets and power of one's own. */
-export function OwnDesignForm({ busy, onDesign }: Props) {
+/** Custom design: inputs, bands, target frequencies and power spectrum. */
+export function CustomDesignForm({ busy, onDesign }: Props) {
   const { draft, setDraft } = useDraft("own-design", EMPTY_DRAFT);
   const [wrong, setWrong] = useState("");
   const change = (part: Partial<typeof draft>) => {
@@ -34,12 +34,12 @@ export function OwnDesignForm({ busy, onDesign }: Props) {
     });
   };
   const submit = () => {
-    const wanted = requestOf(draft);
-    if (typeof wanted === "string") {
-      setWrong(wanted);
+    const request = requestOf(draft);
+    if (typeof request === "string") {
+      setWrong(request);
     } else {
       setWrong("");
-      onDesign(wanted);
+      onDesign(request);
     }
   };
   return (
@@ -100,7 +100,7 @@ export function OwnDesignForm({ busy, onDesign }: Props) {
         </Group>
         <Group align="end">
           <TextInput
-            label="Surfaces, in the order of their harmonics"
+            label="Surfaces in harmonic order"
             w={280}
             value={draft.surfaces}
             onChange={(event) => {
@@ -108,7 +108,7 @@ export function OwnDesignForm({ busy, onDesign }: Props) {
             }}
           />
           <SegmentedControl
-            aria-label="How surfaces move"
+            aria-label="Surface combination"
             data={[...AXES]}
             value={draft.axis}
             onChange={(value) => {
@@ -122,7 +122,7 @@ export function OwnDesignForm({ busy, onDesign }: Props) {
               change({ inputs: [...draft.inputs, ...inputsOf(draft)] });
             }}
           >
-            Add these inputs
+            Add inputs
           </Button>
           <Button
             variant="default"
@@ -153,10 +153,10 @@ export function OwnDesignForm({ busy, onDesign }: Props) {
                   <th scope="col">Harmonics</th>
                   <th scope="col">Relative peak</th>
                   <th scope="col">
-                    Half of the lines about <span className="unit">[Hz]</span>
+                    Half of the harmonics near <span className="unit">[Hz]</span>
                   </th>
                   <th scope="col">
-                    Power, flat if empty <span className="unit">[Hz:1]</span>
+                    Power spectrum, flat if empty <span className="unit">[Hz:1]</span>
                   </th>
                   <th scope="col" aria-label="Remove" />
                 </tr>

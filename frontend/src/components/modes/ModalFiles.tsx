@@ -10,7 +10,7 @@ import {
 import { flutterSummariesQuery, structureUploadQuery } from "../../api/queries";
 import type { Aircraft, FlutterSummary, StructureFound } from "../../api/types";
 import { fixed } from "../../lib/format";
-import type { StructuresView } from "../../views";
+import type { ModalDataView } from "../../views";
 import { DataTable } from "../DataTable";
 import { Loaded } from "../Loaded";
 import { Notes } from "./Notes";
@@ -19,12 +19,12 @@ import { Section } from "../Section";
 
 interface Props {
   aircraft: Aircraft;
-  view: StructuresView;
-  onChange: (change: Partial<StructuresView>) => void;
+  view: ModalDataView;
+  onChange: (change: Partial<ModalDataView>) => void;
 }
 
-/** Files of a structure: dropped, looked at, asked about, and kept as a version. */
-export function StructureFiles({ aircraft, view, onChange }: Props) {
+/** Import of modal data files: upload, contents, missing units, saving as a version. */
+export function ModalFiles({ aircraft, view, onChange }: Props) {
   return (
     <Stack gap="md">
       <Choose onChange={onChange} />
@@ -49,8 +49,8 @@ function Choose({ onChange }: Pick<Props, "onChange">) {
   };
   return (
     <Section
-      title="Files of a structure"
-      note="Nastran .op2, .f06, .pch, .bdf with what it includes; universal files .uff, .unv; one set per fuel weight if there are several"
+      title="Import modal data"
+      note="Nastran .op2, .f06, .pch, .bdf with its includes; universal files .uff, .unv; one set per fuel weight"
     >
       <div
         className="drop-zone"
@@ -67,7 +67,7 @@ function Choose({ onChange }: Pick<Props, "onChange">) {
           type="file"
           multiple
           hidden
-          aria-label="Files of a structure"
+          aria-label="Modal data files"
           data-testid="structure-files"
           onChange={(event) => {
             take([...(event.currentTarget.files ?? [])]);
@@ -76,7 +76,7 @@ function Choose({ onChange }: Pick<Props, "onChange">) {
         />
         <Group justify="center">
           <Button loading={send.isPending} onClick={() => chooser.current?.click()}>
-            Choose files
+            Select files
           </Button>
         </Group>
       </div>
@@ -97,7 +97,7 @@ function Found({ id, aircraft, onChange }: FoundProps) {
     <Loaded query={found} rows={6}>
       {(data) => (
         <Section
-          title="What the files hold"
+          title="File contents"
           note={
             data.frequencies_hz.length > 0 &&
             `${String(data.n_nodes)} nodes; ${data.frequencies_hz
@@ -111,14 +111,14 @@ function Found({ id, aircraft, onChange }: FoundProps) {
               label="Files"
               columns={[
                 { key: "name", header: "File", render: (row) => row.name },
-                { key: "holds", header: "Holds", render: (row) => row.holds.join(", ") },
+                { key: "holds", header: "Contents", render: (row) => row.holds.join(", ") },
                 { key: "refused", header: "Not used", render: (row) => row.refused.join("; ") },
               ]}
               rows={data.files}
               rowKey={(row) => row.name}
             />
             {data.files.some((file) => file.has_modes) && (
-              <Questions id={id} found={data} aircraft={aircraft} onChange={onChange} />
+              <ModesForm id={id} found={data} aircraft={aircraft} onChange={onChange} />
             )}
             {data.files.some((file) => file.holds.some((what) => what.endsWith("responses"))) && (
               <ResponsesForm id={id} found={data} aircraft={aircraft} onChange={onChange} />
@@ -133,24 +133,24 @@ function Found({ id, aircraft, onChange }: FoundProps) {
   );
 }
 
-function Questions({ id, found, aircraft, onChange }: FoundProps & { found: StructureFound }) {
-  const keep = useImportStructure(id, aircraft.id);
+function ModesForm({ id, found, aircraft, onChange }: FoundProps & { found: StructureFound }) {
+  const save = useImportStructure(id, aircraft.id);
   const [name, setName] = useState("FEM");
   const [kind, setKind] = useState<"FEM" | "GVT">("FEM");
   const [axes, setAxes] = useState("aft right up");
   const [rigid, setRigid] = useState(false);
-  const [answers, setAnswers] = useState<Record<string, string>>({});
+  const [entries, setEntries] = useState<Record<string, string>>({});
   const [fuel, setFuel] = useState<Record<string, number>>({});
   const results = found.files.filter((file) => file.has_modes);
-  const open = found.questions.filter(
-    (question) => !(question.field === "mass_unit" && answers.generalized_mass === "unknown"),
+  const open = found.queries.filter(
+    (missing) => !(missing.field === "mass_unit" && entries.generalized_mass === "unknown"),
   );
   return (
     <Stack gap="sm">
       <Group align="end">
         <TextInput
           label="Name"
-          description="The same name makes a further version"
+          description="The same name creates a new version"
           value={name}
           onChange={(event) => {
             setName(event.currentTarget.value);
@@ -166,7 +166,7 @@ function Questions({ id, found, aircraft, onChange }: FoundProps & { found: Stru
           }}
         />
         <Select
-          label="x, y and z of the files point"
+          label="Axes x, y, z of the files"
           allowDeselect={false}
           data={["aft right up", "forward right down", "forward left up"]}
           value={axes}
@@ -175,7 +175,7 @@ function Questions({ id, found, aircraft, onChange }: FoundProps & { found: Stru
           }}
         />
         <Switch
-          label="Keep rigid-body modes"
+          label="Include rigid-body modes"
           checked={rigid}
           onChange={(event) => {
             setRigid(event.currentTarget.checked);
@@ -183,15 +183,15 @@ function Questions({ id, found, aircraft, onChange }: FoundProps & { found: Stru
         />
       </Group>
       <Group align="end">
-        {open.map((question) => (
+        {open.map((missing) => (
           <Select
-            key={question.field}
-            label={question.text}
-            data={[...question.choices]}
-            value={answers[question.field] ?? null}
-            data-testid={`answer-${question.field}`}
+            key={missing.field}
+            label={missing.text}
+            data={[...missing.choices]}
+            value={entries[missing.field] ?? null}
+            data-testid={`response-${missing.field}`}
             onChange={(value) => {
-              setAnswers((before) => ({ ...before, [question.field]: value ?? "" }));
+              setEntries((before) => ({ ...before, [missing.field]: value ?? "" }));
             }}
           />
         ))}
@@ -213,14 +213,14 @@ function Questions({ id, found, aircraft, onChange }: FoundProps & { found: Stru
           ))}
         </Group>
       )}
-      {keep.isError && <ProblemAlert error={keep.error} />}
+      {save.isError && <ProblemAlert error={save.error} />}
       <Group>
         <Button
-          loading={keep.isPending}
-          disabled={name.trim() === "" || open.some((question) => !answers[question.field])}
+          loading={save.isPending}
+          disabled={name.trim() === "" || open.some((missing) => !entries[missing.field])}
           onClick={() => {
-            keep.mutate(
-              { name: name.trim(), kind, axes, rigid_modes: rigid, fuel, ...answers },
+            save.mutate(
+              { name: name.trim(), kind, axes, rigid_modes: rigid, fuel, ...entries },
               {
                 onSuccess: (table) => {
                   onChange({ table: table.id, tab: "fuel", upload: undefined, mode: undefined });
@@ -229,7 +229,7 @@ function Questions({ id, found, aircraft, onChange }: FoundProps & { found: Stru
             );
           }}
         >
-          Keep these modes
+          Save modes
         </Button>
       </Group>
     </Stack>
@@ -241,13 +241,13 @@ const FORCES = ["N", "lbf"] as const;
 const LENGTHS = ["m", "mm", "in", "ft"] as const;
 
 function ResponsesForm({ id, found, aircraft, onChange }: FoundProps & { found: StructureFound }) {
-  const keep = useImportResponses(id, aircraft.id);
+  const save = useImportResponses(id, aircraft.id);
   const [name, setName] = useState("GVT");
   const [fuel, setFuel] = useState(0);
   const [response, setResponse] = useState<(typeof RESPONSES)[number] | null>(null);
   const [force, setForce] = useState<(typeof FORCES)[number] | null>(null);
   const [length, setLength] = useState<(typeof LENGTHS)[number] | null>(null);
-  const asked = found.n_nodes > 0 && found.questions.some((q) => q.field === "length_unit");
+  const asked = found.n_nodes > 0 && found.queries.some((q) => q.field === "length_unit");
   return (
     <Group align="end">
       <TextInput
@@ -268,7 +268,7 @@ function ResponsesForm({ id, found, aircraft, onChange }: FoundProps & { found: 
         }}
       />
       <Select
-        label="Responses are in"
+        label="Response unit"
         w={120}
         data={[...RESPONSES]}
         value={response}
@@ -277,7 +277,7 @@ function ResponsesForm({ id, found, aircraft, onChange }: FoundProps & { found: 
         }}
       />
       <Select
-        label="per"
+        label="Force unit"
         w={80}
         data={[...FORCES]}
         value={force}
@@ -287,7 +287,7 @@ function ResponsesForm({ id, found, aircraft, onChange }: FoundProps & { found: 
       />
       {asked && (
         <Select
-          label="Geometry in"
+          label="Length unit"
           w={90}
           data={[...LENGTHS]}
           value={length}
@@ -298,11 +298,11 @@ function ResponsesForm({ id, found, aircraft, onChange }: FoundProps & { found: 
       )}
       <Button
         variant="default"
-        loading={keep.isPending}
+        loading={save.isPending}
         disabled={response === null || force === null || (asked && length === null)}
         onClick={() => {
           if (response !== null && force !== null)
-            keep.mutate(
+            save.mutate(
               {
                 name,
                 response_unit: response,
@@ -311,16 +311,16 @@ function ResponsesForm({ id, found, aircraft, onChange }: FoundProps & { found: 
                 length_unit: length,
               },
               {
-                onSuccess: (kept) => {
-                  onChange({ tab: "gvt", responses: kept.id, upload: undefined });
+                onSuccess: (stored) => {
+                  onChange({ tab: "gvt", responses: stored.id, upload: undefined });
                 },
               },
             );
         }}
       >
-        Keep the responses
+        Save responses
       </Button>
-      {keep.isError && <ProblemAlert error={keep.error} />}
+      {save.isError && <ProblemAlert error={save.error} />}
     </Group>
   );
 }
@@ -328,12 +328,12 @@ function ResponsesForm({ id, found, aircraft, onChange }: FoundProps & { found: 
 const SPEEDS = ["m/s", "ft/s", "in/s", "kt", "km/h"] as const;
 
 function FlutterSummaryForm({ id, aircraft }: { id: string; aircraft: Aircraft }) {
-  const keep = useImportFlutterSummary(id, aircraft.id);
+  const save = useImportFlutterSummary(id, aircraft.id);
   const [unit, setUnit] = useState<(typeof SPEEDS)[number] | null>(null);
   return (
     <Group align="end">
       <Select
-        label="In which unit are the velocities of the flutter summary?"
+        label="Velocity unit of the flutter summary"
         data={[...SPEEDS]}
         value={unit}
         onChange={(value) => {
@@ -343,14 +343,14 @@ function FlutterSummaryForm({ id, aircraft }: { id: string; aircraft: Aircraft }
       <Button
         variant="default"
         disabled={unit === null}
-        loading={keep.isPending}
+        loading={save.isPending}
         onClick={() => {
-          if (unit !== null) keep.mutate({ name: "SOL 145", speed_unit: unit });
+          if (unit !== null) save.mutate({ name: "SOL 145", speed_unit: unit });
         }}
       >
-        Keep the flutter summary
+        Save flutter summary
       </Button>
-      {keep.isError && <ProblemAlert error={keep.error} />}
+      {save.isError && <ProblemAlert error={save.error} />}
     </Group>
   );
 }
@@ -359,10 +359,7 @@ function Summaries({ aircraftId }: { aircraftId: number }) {
   const summaries = useQuery(flutterSummariesQuery(aircraftId));
   if (summaries.data === undefined || summaries.data.length === 0) return null;
   return (
-    <Section
-      title="Flutter summaries"
-      note="Speeds where roots lose their damping, of each analysis on its own"
-    >
+    <Section title="Flutter summaries" note="Airspeeds of zero damping, by analysis">
       <DataTable
         label="Flutter summaries"
         testId="flutter-summaries"
@@ -400,7 +397,7 @@ function Summaries({ aircraftId }: { aircraftId: number }) {
   );
 }
 
-/** One root that goes unstable, in words: how, where, and at which frequency. */
+/** Text of one instability: kind, airspeed and frequency. */
 function instability(point: FlutterSummary["points"][number]): string {
   const speed = `${fixed(point.airspeed_m_s, 1)} m/s (${fixed(point.airspeed_m_s / 0.514444, 1)} kt)`;
   const where = point.is_bound ? `at or below ${speed}` : speed;

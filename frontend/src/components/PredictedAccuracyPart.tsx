@@ -19,13 +19,13 @@ const EXPECTED_COLUMNS: Column<ExpectedError>[] = [
   },
   {
     key: "error",
-    header: "Expected σ",
+    header: "Predicted σ",
     numeric: true,
     render: (row) => withError(row.value, row.std_error).error,
   },
   {
     key: "relative",
-    header: "of the value",
+    header: "Relative σ",
     unit: "%",
     numeric: true,
     render: (row) => fixed(relativeError(row.value, row.std_error), 1),
@@ -44,14 +44,14 @@ const MODE_COLUMNS: Column<ExpectedMode>[] = [
   { key: "damping", header: "ζ", numeric: true, render: (mode) => fixed(mode.damping, 3) },
   {
     key: "lines",
-    header: "Lines in its half-power band",
+    header: "Harmonics in half-power band",
     numeric: true,
     render: (mode) => mode.lines,
   },
-  { key: "output", header: "Seen best by", render: (mode) => mode.output ?? "not excited" },
+  { key: "output", header: "Best output", render: (mode) => mode.output ?? "not excited" },
   {
     key: "signal",
-    header: "Signal over noise",
+    header: "Signal-to-noise ratio",
     unit: "dB",
     numeric: true,
     render: (mode) =>
@@ -78,12 +78,12 @@ interface Props {
   design: Design;
   level: number;
   run: number;
-  /** Zoom and cursor of everything over frequency. */
+  /** Zoom and cursor shared by figures over frequency. */
   shared: ReturnType<typeof overFrequency>;
 }
 
-/** What a design would tell of a run's derivatives: errors, signals, correlation, lines. */
-export function ExpectedPart({ design, level, run, shared }: Props) {
+/** Predicted accuracy of a run's derivatives: errors, signals, correlation, information. */
+export function PredictedAccuracyPart({ design, level, run, shared }: Props) {
   const errors = useQuery(expectedErrorsQuery(design.id, level, run));
   const response = useQuery(expectedResponseQuery(design.id, level, run));
   const params = { design_id: design.id, run_id: run, level };
@@ -91,15 +91,15 @@ export function ExpectedPart({ design, level, run, shared }: Props) {
     <>
       <Section
         title="Modes"
-        note="Best output around each identified frequency; what the model misses counts as noise"
+        note="Best output near each identified frequency; unmodelled response counts as noise"
       >
         <Loaded query={response} rows={5}>
-          {(told) => (
+          {(summary) => (
             <DataTable
               label="Modes"
               testId="expected-modes"
               columns={MODE_COLUMNS}
-              rows={told.modes}
+              rows={summary.modes}
               rowKey={(mode) => mode.name}
             />
           )}
@@ -109,7 +109,7 @@ export function ExpectedPart({ design, level, run, shared }: Props) {
         <Figure
           {...shared}
           kind="design-signal"
-          title="Signal over noise at every line"
+          title="Signal-to-noise ratio by harmonic"
           params={params}
         />
       </div>
@@ -117,35 +117,35 @@ export function ExpectedPart({ design, level, run, shared }: Props) {
         <Figure
           {...shared}
           kind="design-worth"
-          title="What each line buys: parameters' worth of information"
+          title="Information by harmonic, in parameters"
           params={params}
         />
       </div>
       <Section
         title="Correlation of the deflections"
-        note="Over one period, feedback and actuators included; 0.9 is too much"
+        note="Over one period, with feedback and actuators; limit 0.9"
       >
         <Loaded query={response} rows={5}>
-          {(told) => <Correlation told={told} />}
+          {(summary) => <Correlation summary={summary} />}
         </Loaded>
       </Section>
       <Section
         title="Standard errors"
-        note="For the model, condition and noise of the run; what its model misses grows with the amplitude"
+        note="For the model, condition and noise of the run; unmodelled response scales with the amplitude"
       >
         <Loaded query={errors} rows={10}>
-          {(told) => (
+          {(summary) => (
             <>
               <p className="quiet">
-                Surfaces follow {told.surfaces}.
-                {told.lines_outside > 0 &&
-                  ` ${told.lines_outside} lines lie outside those of the run: what is known at its ends is taken to hold there.`}
+                Surfaces follow {summary.surfaces}.
+                {summary.lines_outside > 0 &&
+                  ` ${summary.lines_outside} harmonics lie outside the band of the run; the values at its limits are used there.`}
               </p>
               <DataTable
-                label="Expected standard errors"
+                label="Predicted standard errors"
                 testId="expected-errors"
                 columns={EXPECTED_COLUMNS}
-                rows={told.items}
+                rows={summary.items}
                 rowKey={(row) => row.name}
                 maxHeight={560}
               />
@@ -157,13 +157,13 @@ export function ExpectedPart({ design, level, run, shared }: Props) {
   );
 }
 
-function Correlation({ told }: { told: ExpectedSummary }) {
+function Correlation({ summary }: { summary: ExpectedSummary }) {
   return (
     <DataTable
       label="Correlation of the deflections"
       testId="expected-correlation"
-      columns={correlationColumns(told.surfaces)}
-      rows={told.surfaces.map((name, row) => ({ name, values: told.correlation[row] ?? [] }))}
+      columns={correlationColumns(summary.surfaces)}
+      rows={summary.surfaces.map((name, row) => ({ name, values: summary.correlation[row] ?? [] }))}
       rowKey={(row) => row.name}
     />
   );

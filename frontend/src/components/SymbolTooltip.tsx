@@ -4,7 +4,7 @@ import { useState, type ReactNode } from "react";
 import { meaningQuery } from "../api/queries";
 
 /** What a name stands for, from the glossary, when it is pointed at. */
-export function Meaning({ name, children }: { name: string; children: ReactNode }) {
+export function SymbolTooltip({ name, children }: { name: string; children: ReactNode }) {
   const [pointed, setPointed] = useState(false);
   const { data } = useQuery({ ...meaningQuery(name), enabled: pointed });
   const unit = data?.display_unit ?? "";

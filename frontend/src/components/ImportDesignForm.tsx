@@ -12,25 +12,25 @@ import { useState } from "react";
 import { useImportFlown } from "../api/commands";
 import { ProblemAlert } from "./ProblemAlert";
 
-/** Waveforms of a flight computer are recognised and kept as designs. */
-export function FlownDesignForm() {
+/** Import of flown waveforms as designs. */
+export function ImportDesignForm() {
   const flown = useImportFlown();
   const [files, setFiles] = useState<File[]>([]);
   const [name, setName] = useState("");
   const [rate, setRate] = useState(100);
   const [unit, setUnit] = useState("deg");
-  const [apart, setApart] = useState(false);
+  const [separate, setSeparate] = useState(false);
   return (
     <form
       onSubmit={(event) => {
         event.preventDefault();
-        flown.mutate({ files, name: name === "" ? "Flown" : name, rate, unit, apart });
+        flown.mutate({ files, name: name === "" ? "Flown" : name, rate, unit, separate });
       }}
     >
       <Group align="end">
         <FileInput
-          label="Files, one whole period each"
-          placeholder="Choose files"
+          label="Files, one full period each"
+          placeholder="Select files"
           multiple
           w={280}
           value={files}
@@ -41,7 +41,7 @@ export function FlownDesignForm() {
           placeholder="Flown"
           maxLength={200}
           value={name}
-          disabled={apart}
+          disabled={separate}
           onChange={(event) => {
             setName(event.currentTarget.value);
           }}
@@ -66,22 +66,22 @@ export function FlownDesignForm() {
           }}
         />
         <Checkbox
-          label="Each file is a design of its own"
+          label="One design per file"
           mb={6}
-          checked={apart}
+          checked={separate}
           onChange={(event) => {
-            setApart(event.currentTarget.checked);
+            setSeparate(event.currentTarget.checked);
           }}
         />
         <Button type="submit" loading={flown.isPending} disabled={files.length === 0}>
-          Recognise
+          Import
         </Button>
       </Group>
       {flown.isError && <ProblemAlert error={flown.error} />}
       {flown.isSuccess && (
-        <Alert color="teal" variant="light" mt="sm" data-testid="flown-kept">
-          Recognised and kept: {flown.data.map((design) => design.name).join(", ")}. Open one to see
-          its lines, and search its phases anew there.
+        <Alert color="teal" variant="light" mt="sm" data-testid="flown-saved">
+          Imported: {flown.data.map((design) => design.name).join(", ")}. Open a design to view its
+          harmonics and re-optimise its phases.
         </Alert>
       )}
     </form>

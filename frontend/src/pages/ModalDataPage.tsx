@@ -10,35 +10,35 @@ import { FuelTab } from "../components/modes/FuelTab";
 import { OrderTab } from "../components/modes/OrderTab";
 import { SensorsTab } from "../components/modes/SensorsTab";
 import { ShapesTab } from "../components/modes/ShapesTab";
-import { StructureFiles } from "../components/modes/StructureFiles";
+import { ModalFiles } from "../components/modes/ModalFiles";
 import { tableTitle, type TableProps } from "../components/modes/tables";
 import { VibrationTab } from "../components/modes/VibrationTab";
 import { PageHead } from "../components/PageHead";
-import { STRUCTURE_TABS, type StructuresView } from "../views";
+import { MODAL_TABS, type ModalDataView } from "../views";
 
-const route = getRouteApi("/structures");
+const route = getRouteApi("/modal-data");
 
-const TITLES: Record<(typeof STRUCTURE_TABS)[number], string> = {
+const TITLES: Record<(typeof MODAL_TABS)[number], string> = {
   fuel: "Over fuel",
   shapes: "Shapes",
   mac: "MAC and correlation",
   sensors: "Sensors",
   order: "Model order",
-  gvt: "Vibration test",
+  gvt: "Ground vibration test",
   files: "Import",
 };
 
-/** Modes of the structure: FEM and GVT over fuel, drawn, compared, seen by sensors. */
-export function StructuresPage() {
+/** Modal data of FEM and GVT: over fuel, shapes, correlation, observability, model order. */
+export function ModalDataPage() {
   const view = route.useSearch();
   const navigate = route.useNavigate();
   const fleet = useQuery(aircraftQuery);
-  const change = (part: Partial<StructuresView>) =>
+  const change = (part: Partial<ModalDataView>) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }), replace: true });
   return (
     <>
       <PageHead
-        title="Modes"
+        title="Modal data"
         trail={[
           <Link to="/aircraft" className="link" key="aircraft">
             Aircraft
@@ -47,11 +47,11 @@ export function StructuresPage() {
       />
       <Loaded query={fleet} rows={8}>
         {(aircraft) => {
-          const chosen = aircraft.find((one) => one.id === view.aircraft) ?? aircraft[0];
-          return chosen === undefined ? (
+          const selected = aircraft.find((one) => one.id === view.aircraft) ?? aircraft[0];
+          return selected === undefined ? (
             <Empty title="No aircraft yet">Import a maneuver or a mapping first.</Empty>
           ) : (
-            <OneAircraft all={aircraft} aircraft={chosen} view={view} onChange={change} />
+            <OneAircraft all={aircraft} aircraft={selected} view={view} onChange={change} />
           );
         }}
       </Loaded>
@@ -62,8 +62,8 @@ export function StructuresPage() {
 interface Props {
   all: Aircraft[];
   aircraft: Aircraft;
-  view: StructuresView;
-  onChange: (change: Partial<StructuresView>) => void;
+  view: ModalDataView;
+  onChange: (change: Partial<ModalDataView>) => void;
 }
 
 function OneAircraft({ all, aircraft, view, onChange }: Props) {
@@ -83,19 +83,19 @@ function OneAircraft({ all, aircraft, view, onChange }: Props) {
             <Tabs
               value={tab}
               onChange={(value) => {
-                onChange({ tab: STRUCTURE_TABS.find((one) => one === value) });
+                onChange({ tab: MODAL_TABS.find((one) => one === value) });
               }}
               keepMounted={false}
             >
               <Tabs.List mb="md">
-                {STRUCTURE_TABS.map((one) => (
+                {MODAL_TABS.map((one) => (
                   <Tabs.Tab value={one} key={one}>
                     {TITLES[one]}
                   </Tabs.Tab>
                 ))}
               </Tabs.List>
               <Tabs.Panel value="files">
-                <StructureFiles aircraft={aircraft} view={view} onChange={onChange} />
+                <ModalFiles aircraft={aircraft} view={view} onChange={onChange} />
               </Tabs.Panel>
               <Tabs.Panel value="gvt">
                 <VibrationTab {...{ aircraft, usable, view, onChange }} />
@@ -103,7 +103,7 @@ function OneAircraft({ all, aircraft, view, onChange }: Props) {
               {table === undefined ? (
                 tab !== "files" &&
                 tab !== "gvt" && (
-                  <Empty title="No modes yet">
+                  <Empty title="No modal data yet">
                     Import the output of a FEM (.op2, .f06, .pch with its deck) or of a ground
                     vibration test (.uff, .unv).
                   </Empty>

@@ -20,7 +20,7 @@ interface Work {
 }
 
 const COLUMNS: Column<Work>[] = [
-  { key: "what", header: "What", yields: true, render: (one) => one.what },
+  { key: "what", header: "Job", yields: true, render: (one) => one.what },
   { key: "state", header: "State", wraps: true, render: (one) => one.state },
   {
     key: "progress",
@@ -30,13 +30,13 @@ const COLUMNS: Column<Work>[] = [
         <Progress value={100 * one.fraction} w={160} aria-label={`Progress of ${one.key}`} />
       ),
   },
-  { key: "took", header: "Took", numeric: true, render: (one) => one.took },
-  { key: "at", header: "Begun", numeric: true, render: (one) => one.at },
+  { key: "took", header: "Duration", numeric: true, render: (one) => one.took },
+  { key: "at", header: "Started", numeric: true, render: (one) => one.at },
   { key: "stop", header: "", render: (one) => one.stop },
 ];
 
-/** What goes on beside the runs: designs, rehearsals, flutter, imports, the look at a campaign. */
-export function BesideTable() {
+/** What goes on beside the runs: designs, pre-flight simulations, flutter, imports, the look at a campaign. */
+export function TaskTable() {
   const tasks = useQuery(tasksQuery).data ?? [];
   const imports = useQuery(importsQuery).data ?? [];
   const looking = useQuery(assessingQuery).data;
@@ -47,7 +47,7 @@ export function BesideTable() {
       key: "looking",
       what: (
         <Link to="/quality" className="link">
-          Quality of the campaign
+          Quality check of the campaign
         </Link>
       ),
       state: `${looking.done} of ${count(looking.total, "maneuver")}`,
@@ -56,7 +56,7 @@ export function BesideTable() {
       at: "",
       stop: (
         <Stop
-          of="the look at the campaign"
+          of="the quality check"
           busy={assess.isPending}
           onStop={() => {
             assess.mutate("stop");
@@ -82,9 +82,9 @@ export function BesideTable() {
   for (const task of tasks) rows.push(work(task));
   if (rows.length === 0) return null;
   return (
-    <Section title="Beside the runs" note="since the server was started">
+    <Section title="Other jobs" note="Since the server started">
       <DataTable
-        label="Beside the runs"
+        label="Other jobs"
         testId="beside-table"
         columns={COLUMNS}
         rows={rows}
@@ -97,14 +97,14 @@ export function BesideTable() {
 
 const KINDS: Record<string, string> = {
   design: "Design",
-  rehearsal: "Rehearsal",
-  flutter: "Flutter",
+  "preflight-simulation": "Pre-flight simulation",
+  flutter: "Flutter prediction",
   "closed-loop": "Closed loop",
 };
 
 function work(task: Task): Work {
   const goesOn = task.state === "waiting" || task.state === "running";
-  const said = task.state === "done" || task.message === "" ? task.state : task.message;
+  const state = task.state === "done" || task.message === "" ? task.state : task.message;
   return {
     key: task.id,
     what: (
@@ -112,8 +112,8 @@ function work(task: Task): Work {
         <Text size="sm" className="quiet">
           {KINDS[task.kind] ?? task.kind}
         </Text>
-        {task.kind === "design" && task.made !== null ? (
-          <Link to="/excitation/$id" params={{ id: task.made }} className="link">
+        {task.kind === "design" && task.result_id !== null ? (
+          <Link to="/excitation/$id" params={{ id: task.result_id }} className="link">
             {task.title}
           </Link>
         ) : (
@@ -121,7 +121,7 @@ function work(task: Task): Work {
         )}
       </Group>
     ),
-    state: said,
+    state,
     fraction: goesOn ? task.fraction : null,
     took: elapsed(task.begun_at, task.ended_at),
     at: dateMinute(task.begun_at),

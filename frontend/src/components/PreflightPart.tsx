@@ -2,9 +2,9 @@ import { Button, Group, Select, Stack, Text } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { useState } from "react";
-import { useRehearse } from "../api/commands";
-import { controllersQuery, rehearsalsQuery } from "../api/queries";
-import type { Design, RehearsalResult, RehearsedDerivative } from "../api/types";
+import { useSimulatePreflight } from "../api/commands";
+import { controllersQuery, preflightSimulationsQuery } from "../api/queries";
+import type { Design, SimulationResult, SimulatedDerivative } from "../api/types";
 import { fixed, withError } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
@@ -14,14 +14,14 @@ import { ProblemAlert } from "./ProblemAlert";
 import { Section } from "./Section";
 import { TaskProgress } from "./TaskProgress";
 
-const away = (row: RehearsedDerivative) =>
+const away = (row: SimulatedDerivative) =>
   row.std_error === null || row.std_error === 0 ? null : (row.estimate - row.flown) / row.std_error;
 
-const COLUMNS: Column<RehearsedDerivative>[] = [
+const COLUMNS: Column<SimulatedDerivative>[] = [
   { key: "name", header: "Derivative", render: (row) => <DerivativeName name={row.name} /> },
   {
     key: "flown",
-    header: "Flew with",
+    header: "Simulated",
     numeric: true,
     render: (row) => withError(row.flown, row.std_error).value,
   },
@@ -39,11 +39,11 @@ const COLUMNS: Column<RehearsedDerivative>[] = [
   },
   {
     key: "expected",
-    header: "Expected σ",
+    header: "Predicted σ",
     numeric: true,
     render: (row) => withError(row.flown, row.expected).error,
   },
-  { key: "away", header: "Off by", unit: "σ", numeric: true, render: (row) => fixed(away(row), 1) },
+  { key: "away", header: "Error", unit: "σ", numeric: true, render: (row) => fixed(away(row), 1) },
 ];
 
 interface Props {
@@ -52,20 +52,20 @@ interface Props {
   run: number;
 }
 
-/** The design flown in closed-loop simulation with a run's model, then estimated. */
-export function RehearsalPart({ design, level, run }: Props) {
+/** Closed-loop simulation of the design with a run's model, followed by its estimation. */
+export function PreflightPart({ design, level, run }: Props) {
   const controllers = useQuery(controllersQuery);
-  const rehearsals = useQuery(rehearsalsQuery(design.id));
-  const rehearse = useRehearse(design.id);
+  const simulations = useQuery(preflightSimulationsQuery(design.id));
+  const simulate = useSimulatePreflight(design.id);
   const cache = useQueryClient();
   const [controller, setController] = useState<string | null>(null);
   const known = controllers.data ?? [];
-  const chosen = controller ?? String(known[0]?.id ?? "");
+  const selected = controller ?? String(known[0]?.id ?? "");
   return (
     <>
       <Section
-        title="Rehearsal"
-        note="Model, condition, sensors and noise of the run; surfaces through their actuators. What is recorded is kept as a maneuver of flight 0 and estimated as the run was"
+        title="Pre-flight simulation"
+        note="Model, condition, sensors and noise of the run; surfaces through their actuators. The simulated record is stored as a maneuver of flight 0 and estimated like the run"
       >
         <Stack gap="sm">
           <Group align="end">
@@ -75,48 +75,50 @@ export function RehearsalPart({ design, level, run }: Props) {
               allowDeselect={false}
               data={[
                 ...known.map((one) => ({ value: String(one.id), label: one.name })),
-                { value: "none", label: "None: open loop" },
+                { value: "none", label: "None (open loop)" },
               ]}
-              value={chosen === "" ? "none" : chosen}
+              value={selected === "" ? "none" : selected}
               onChange={setController}
             />
             <Button
-              loading={rehearse.isPending}
-              data-testid="rehearse"
+              loading={simulate.isPending}
+              data-testid="simulate-preflight"
               onClick={() => {
-                const id = Number(chosen);
-                rehearse.mutate({
+                const id = Number(selected);
+                simulate.mutate({
                   run_id: run,
                   level,
                   controller_id: Number.isInteger(id) && id > 0 ? id : null,
                 });
               }}
             >
-              Fly it
+              Simulate flight
             </Button>
           </Group>
-          {rehearse.isError && <ProblemAlert error={rehearse.error} />}
-          {rehearse.data !== undefined && (
+          {simulate.isError && <ProblemAlert error={simulate.error} />}
+          {simulate.data !== undefined && (
             <TaskProgress
-              key={rehearse.data.id}
-              task={rehearse.data}
+              key={simulate.data.id}
+              task={simulate.data}
               onMade={() =>
-                void cache.invalidateQueries({ queryKey: rehearsalsQuery(design.id).queryKey })
+                void cache.invalidateQueries({
+                  queryKey: preflightSimulationsQuery(design.id).queryKey,
+                })
               }
             />
           )}
         </Stack>
       </Section>
-      <Loaded query={rehearsals} rows={6}>
+      <Loaded query={simulations} rows={6}>
         {(found) =>
           found.length === 0 ? (
-            <Empty title="Not rehearsed yet">
-              A rehearsal shows responses, correlations and estimates before anyone flies.
+            <Empty title="No pre-flight simulations yet">
+              A pre-flight simulation gives responses, correlations and estimates before the flight.
             </Empty>
           ) : (
             <>
               {found.map((one) => (
-                <One key={one.rehearsal.id} result={one} />
+                <One key={one.simulation.id} result={one} />
               ))}
             </>
           )
@@ -126,8 +128,8 @@ export function RehearsalPart({ design, level, run }: Props) {
   );
 }
 
-function One({ result }: { result: RehearsalResult }) {
-  const { rehearsal, derivatives } = result;
+function One({ result }: { result: SimulationResult }) {
+  const { simulation, derivatives } = result;
   const off = derivatives.flatMap((row) => away(row) ?? []);
   const rms = Math.sqrt(off.reduce((sum, z) => sum + z * z, 0) / Math.max(1, off.length));
   return (
@@ -138,7 +140,7 @@ function One({ result }: { result: RehearsalResult }) {
         <Group gap="sm">
           <Link
             to="/maneuvers/$id"
-            params={{ id: rehearsal.maneuver_id }}
+            params={{ id: simulation.maneuver_id }}
             search={{ tab: "time" }}
             className="link"
           >
@@ -146,14 +148,14 @@ function One({ result }: { result: RehearsalResult }) {
           </Link>
           <Link
             to="/maneuvers/$id"
-            params={{ id: rehearsal.maneuver_id }}
+            params={{ id: simulation.maneuver_id }}
             search={{ tab: "inputs" }}
             className="link"
           >
             Correlation
           </Link>
-          <Link to="/runs/$id" params={{ id: rehearsal.run_id }} className="link">
-            Run {rehearsal.run_id}
+          <Link to="/runs/$id" params={{ id: simulation.run_id }} className="link">
+            Run {simulation.run_id}
           </Link>
         </Group>
       }
@@ -163,11 +165,11 @@ function One({ result }: { result: RehearsalResult }) {
       ) : (
         <>
           <p className="quiet">
-            Estimates are off what flew by {fixed(rms, 2)} standard errors, root mean square.
+            Root mean square error of the estimates: {fixed(rms, 2)} standard errors.
           </p>
           <DataTable
-            label="What flew and what was estimated"
-            testId="rehearsed-derivatives"
+            label="Simulated and estimated derivatives"
+            testId="simulated-derivatives"
             columns={COLUMNS}
             rows={derivatives}
             rowKey={(row) => row.name}

@@ -15,8 +15,8 @@ interface Props {
   onChange: (part: Partial<RunDraft>) => void;
 }
 
-/** Choices that most runs leave as they are. */
-export function AdvancedChoices({ draft, outputs, onChange }: Props) {
+/** Settings that most runs leave at their defaults. */
+export function AdvancedSettings({ draft, outputs, onChange }: Props) {
   const spread = draft.priorSpread === null ? "none" : String(draft.priorSpread);
   const spreads = SPREADS.some((one) => one.value === spread)
     ? SPREADS
@@ -27,7 +27,7 @@ export function AdvancedChoices({ draft, outputs, onChange }: Props) {
   ];
   const changed =
     draft.freeDelays ||
-    draft.carryModes ||
+    draft.outOfBandModes ||
     draft.alsoFree.length > 0 ||
     draft.noise === "full" ||
     draft.priorSpread !== null;
@@ -41,12 +41,12 @@ export function AdvancedChoices({ draft, outputs, onChange }: Props) {
       data-testid="advanced"
     >
       <Accordion.Item value="advanced">
-        <Accordion.Control>Priors, noise and further free quantities</Accordion.Control>
+        <Accordion.Control>Priors, noise and extra parameters</Accordion.Control>
         <Accordion.Panel>
           <SimpleGrid cols={{ base: 1, sm: 2 }} spacing="md">
             <Select
               label="Prior spread"
-              description="Holds each free derivative near the prediction, with this share of its value as σ"
+              description="Prior σ of each free derivative about its prediction, relative to its value"
               allowDeselect={false}
               data-testid="run-prior"
               data={spreads}
@@ -57,7 +57,7 @@ export function AdvancedChoices({ draft, outputs, onChange }: Props) {
             />
             <Select
               label="Noise"
-              description="Whether the residuals of different outputs may be correlated"
+              description="Correlation of the residuals between outputs"
               allowDeselect={false}
               data-testid="run-noise"
               data={[
@@ -70,18 +70,18 @@ export function AdvancedChoices({ draft, outputs, onChange }: Props) {
               }}
             />
             <Switch
-              label="Carry the other modes as predicted"
-              description="They move with the prediction's derivatives; flutter is foretold best so"
-              data-testid="run-carry"
+              label="Include out-of-band modes"
+              description="With the derivatives of the prediction; recommended for flutter prediction"
+              data-testid="run-out-of-band"
               disabled={draft.prediction === null}
-              checked={draft.carryModes}
+              checked={draft.outOfBandModes}
               onChange={(event) => {
-                onChange({ carryModes: event.currentTarget.checked });
+                onChange({ outOfBandModes: event.currentTarget.checked });
               }}
             />
             <TagsInput
               size="xs"
-              label="Further free quantities"
+              label="Extra parameters"
               description="Delays, scale factors, mode frequencies and dampings, e.g. delay_q, omega_7, shape_az_cf_7"
               data-testid="run-also-free"
               placeholder={draft.alsoFree.length === 0 ? "none" : undefined}
@@ -94,8 +94,8 @@ export function AdvancedChoices({ draft, outputs, onChange }: Props) {
               }}
             />
             <NumberInput
-              label="Iterations at most"
-              description="The estimation usually ends long before"
+              label="Maximum iterations"
+              description="Convergence usually needs fewer"
               min={1}
               max={1000}
               allowDecimal={false}
@@ -106,7 +106,7 @@ export function AdvancedChoices({ draft, outputs, onChange }: Props) {
             />
             <Switch
               label="Free time delays"
-              description="Estimates a time delay of every output too"
+              description="One time delay per output"
               checked={draft.freeDelays}
               onChange={(event) => {
                 onChange({ freeDelays: event.currentTarget.checked });
